@@ -87,10 +87,12 @@ def test_a_verb_stays_one_when_the_room_of_its_name_is_imported():
 
 
 def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
-    """A room that names one above it does so through `verb`; such names are no imports."""
+    """A room that names one above it does so through `load_function`; such names are no imports."""
     offered = {}
     for file in (ROOT / "src").rglob("*.py"):
-        for module, name in re.findall(r'verb\("([\w.]+)", "(\w+)"\)', file.read_text("utf-8")):
+        for module, name in re.findall(
+            r'load_function\("([\w.]+)", "(\w+)"\)', file.read_text("utf-8")
+        ):
             offered[module, name] = file.relative_to(ROOT / "src" / "dashpot").as_posix()
             assert callable(getattr(import_module(f"dashpot.{module}"), name))
     records = {f"datamodel/{name}.py" for name in ("frf", "impact", "relaxation")}

@@ -8,12 +8,15 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from inspect import ismethod, signature
 from pathlib import Path
 from typing import Any, get_overloads
 
 import pytest
+
+import dashpot
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 TREES = {path.stem: ast.parse(path.read_text("utf-8")) for path in sorted(BENCHMARKS.glob("*.py"))}
@@ -161,12 +164,30 @@ def meant(node: ast.expr, known: dict[str, Any]) -> Any:
     return None
 
 
+@cache
+def load_public_signatures() -> dict[str, Any]:
+    """Return the functions of the stub that holds the signatures of public functions."""
+    stub = Path(dashpot.__file__).with_name("_signatures.pyi")
+    values: dict[str, Any] = {"__name__": "dashpot._signatures", "__package__": "dashpot"}
+    text = "from __future__ import annotations\n" + stub.read_text(encoding="utf-8")
+    exec(compile(text, str(stub), "exec"), values)  # noqa: S102 -- a stub of our own
+    return values
+
+
+def list_public_overloads(called: Any) -> list[Any]:
+    """Return the overloads that the public stub states for a function of the API."""
+    if not getattr(called, "__module__", "").startswith("dashpot.api."):
+        return []
+    stated = load_public_signatures().get(called.__name__)
+    return list(get_overloads(stated)) if stated is not None else []
+
+
 def takes(called: Any, given: list[ast.expr], named: list[ast.keyword], *, whole: bool) -> bool:
     """Whether a function, or one of its overloads, takes such arguments."""
     plain: list[object] = [one for one in given if not isinstance(one, ast.Starred)]
     names = {one.arg: one.value for one in named if one.arg}
     whole &= len(plain) + len(names) == len(given) + len(named)
-    several = get_overloads(called)
+    several = get_overloads(called) or list_public_overloads(called)
     if several and ismethod(called):
         plain.insert(0, called.__self__)
     for one in several or [called]:

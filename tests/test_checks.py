@@ -76,7 +76,7 @@ from dashpot.preprocessing.contact import Baseline, Touch
 from dashpot.preprocessing.filters import parse_filter
 from dashpot.preprocessing.history import EarlierLoadings
 from dashpot.reading.readers import size_checks as reading
-from dashpot.signals.noise import robust_scatter
+from dashpot.signals.noise import estimate_robust_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
@@ -2117,7 +2117,7 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     # a loss that scatters about zero is no breach, and one beyond three deviations is
     lines = np.geomspace(0.1, 30, 32)
     scatter = np.where(np.arange(32) % 2, 0.01, -0.01)
-    sd = robust_scatter(np.arange(32.0), scatter / np.hypot(1, scatter))
+    sd = estimate_robust_scatter(np.arange(32.0), scatter / np.hypot(1, scatter))
     for times, failed in ((2.9, False), (3.1, True)):
         loss = scatter.copy()
         loss[16] = -times * sd

@@ -20,11 +20,13 @@ from kit.shell import ran
 from dashpot import workflow
 from dashpot.base.units import find_unit, parse_column_title
 from dashpot.extensions.amplitude import page as level
+from dashpot.extensions.amplitude import text as amplitude_text
 from dashpot.extensions.app import modes, view_models
 from dashpot.extensions.batch import page
 from dashpot.extensions.batch import table_row as row
 from dashpot.extensions.batch.limits import read_limits
 from dashpot.extensions.batch.summary import summary
+from dashpot.extensions.materials.indentation import text as indentation_text
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.lot_row import build_lot_row as indentation_row
 from dashpot.reading.read_options import ReadOptions
@@ -302,7 +304,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
     ball = workflow.indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.document
-    held(ball.found, table(text_of.indentation(ball).lines))
+    held(ball.found, table(indentation_text.indentation(ball).lines))
     piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
     modulus = ball["modulus"]
@@ -355,7 +357,7 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
     found = workflow.level_files([str(bench / "hammer.csv")], at=(0.05,))
     told = {one.name: one for one in level.numbers(found)}
-    rows = table(text_of.levels(found).lines)
+    rows = table(amplitude_text.levels(found).lines)
     for (peak, motion), one in zip((each.facts for each in found.at), found.at, strict=True):
         cells = rows[f"{one.level:.4g}"]
         assert same(peak, cells[0], "Hz")

@@ -95,6 +95,9 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         (),
         {
             "extensions/materials/indentation/checks.py": "names of numbers, not of checks",
+            "extensions/amplitude/page.py": "a loop over checks, none by its name",
+            "extensions/materials/rod/fit_files.py": "a loop over checks, none by its name",
+            "report/page_content.py": "a loop over checks, none by its name",
             "extensions/batch/summary.py": "which of four lights each check is of",
             "planning/advice.py": "the remedies of its own two checks",
             "report/first_screen.py": "checks of a document, which holds their names",

@@ -46,7 +46,7 @@ def test_numbers_are_those_of_si_and_what_is_none_is_said():
     assert said.bare("density") is None
     assert FormData.from_fields((DENSITY,), {"density": "1100"}).bare("density") == 1100.0
     with pytest.raises(DataError, match="moving mass is not given: type it beside the files"):
-        FormData.from_fields((MASS,), {}).needed("mass", "mass")
+        FormData.from_fields((MASS,), {}).require_quantity("mass", "mass")
     for typed in ("heavy", "1.1 g/cm3"):
         with pytest.raises(DataError, match=f"density is '{typed}'; expected a number of kg/m"):
             FormData.from_fields((DENSITY,), {"density": typed}).bare("density")

@@ -144,16 +144,16 @@ def test_the_best_spectrum_is_no_worse_than_the_fit(
     """A ridge of .11 once put it at 876,906 where the fit left 162, and every limit with it."""
     data = relaxation_data(broad_test, broad_fit)
     assert 0.9 < (spectra.total + data.floor) / data.misfit < 1.001
-    spectra.refuse_beyond((spectra.total + data.floor) / (0.99 * FAR), data.floor)
+    spectra.validate_misfit((spectra.total + data.floor) / (0.99 * FAR), data.floor)
     with pytest.raises(FitError, match=r"leaves 2\.02 times what the fit does"):
-        spectra.refuse_beyond((spectra.total + data.floor) / (1.01 * FAR), data.floor)
+        spectra.validate_misfit((spectra.total + data.floor) / (1.01 * FAR), data.floor)
 
 
 def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: AdmissibleSpectra) -> None:
     for omega in 2 * np.pi * LINES[::6]:
         for v in spectra.stiffness_at(omega):
             for aim in (v, -v):
-                found = spectra.farthest(aim)
+                found = spectra.find_extreme_spectrum(aim)
                 assert (found >= 0).all()
                 # a loss that can be zero is zero before the data say so
                 if v @ found > 1e-9:
@@ -236,7 +236,7 @@ def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(
         angles = np.linspace(0, 2 * np.pi, 721)
         # directions as even over the set as over a circle
         aims = np.column_stack((np.cos(angles), np.sin(angles))) / np.ptp(ends, axis=1)
-        points = np.array([columns @ spectra.farthest(aim @ columns) for aim in aims])
+        points = np.array([columns @ spectra.find_extreme_spectrum(aim @ columns) for aim in aims])
         away = points - [inertia, 0.0]
         assert np.linalg.norm(away, axis=1).max() <= far * (1 + 1e-9)
         assert np.linalg.norm(away, axis=1).max() >= 0.98 * far
@@ -359,7 +359,7 @@ def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
     ends = np.array([spectra.reach(v) for v in columns])
     angles = np.linspace(0, 2 * np.pi, 721)
     aims = np.column_stack((np.cos(angles), np.sin(angles))) / np.ptp(ends, axis=1)
-    points = np.array([columns @ spectra.farthest(aim @ columns) for aim in aims])
+    points = np.array([columns @ spectra.find_extreme_spectrum(aim @ columns) for aim in aims])
     steps = np.linspace(0, 1, 200)[:, None, None]
     K = (points[:-1] + steps * np.diff(points, axis=0)).reshape(-1, 2) @ [1, 1j]
     size = np.abs(K / (K - inertia))

@@ -20,8 +20,12 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.nonlinear_ramp.checks import TOO_LATE, TOO_LATE_TOGETHER, clocks_agree
 from dashpot.fitting.nuisance_priors import priors, terms_of
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_likelihood import relaxation_data, sample_motion, unmeasured_effects
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold_limits
+from dashpot.fitting.relaxation_likelihood import (
+    compute_unmeasured_effects,
+    relaxation_data,
+    select_motion_samples,
+)
+from dashpot.fitting.uncertainty.end_of_hold_limits import compute_end_limits
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band
 from dashpot.numerics.design_matrices.displacement_correlation import upper_factor
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
@@ -133,7 +137,7 @@ def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHol
     found = fit(record, arms=2)
     names = {"give", "settling", "warming"}
     time = record.time - record.time[0]
-    each = unmeasured_effects(record, time, record.displacement, found.model)
+    each = compute_unmeasured_effects(record, time, record.displacement, found.model)
     assert names <= set(each)
     covariance = found.estimate.covariance - found.estimate.noise_alone.covariance
     total = np.zeros_like(covariance)
@@ -226,7 +230,7 @@ def columns(
     record: RampHold, solid: GeneralizedMaxwell = PAPER
 ) -> dict[str, tuple[FloatArray, float]]:
     time = record.time[: record.hold.stop] - record.time[0]
-    return unmeasured_effects(record, time, record.displacement[: len(time)], solid)
+    return compute_unmeasured_effects(record, time, record.displacement[: len(time)], solid)
 
 
 def test_a_give_is_that_of_a_spring_in_series(record: RampHold) -> None:
@@ -272,9 +276,9 @@ def test_a_seal_may_have_been_pressed_or_warm_up(record: RampHold) -> None:
 
 def test_a_doubt_at_few_samples_is_that_at_every_one(record: RampHold) -> None:
     time = record.time[: record.hold.stop] - record.time[0]
-    at = sample_motion(record, time)
+    at = select_motion_samples(record, time)
     assert len(at) < 1000
-    few = unmeasured_effects(record, time[at], record.displacement[at], PAPER)
+    few = compute_unmeasured_effects(record, time[at], record.displacement[at], PAPER)
     for name, (column, _) in columns(record).items():
         between = np.interp(time, time[at], few[name][0])
         np.testing.assert_allclose(between, column, atol=0.01 * np.abs(column).max())
@@ -286,7 +290,7 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
     What is remembered has no such sum on the ramp, only in the hold.
     """
     found = fit(record)
-    wide = end_of_hold_limits(
+    wide = compute_end_limits(
         [relaxation_data(record, found)], time=record.hold_time, own=found.model, dof=found.dof
     )
     for name in ("k_end", "k_3end", "k_inf"):

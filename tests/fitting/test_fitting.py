@@ -505,7 +505,7 @@ def test_a_record_whose_slow_arms_outlast_the_hold_is_fitted() -> None:
     )
     holds = HoldBlocks([record])
     high = np.log(holds.blocks[0].window[1])
-    alone = holds.left(0, np.array([high + 0.5, high + 1.0]))
+    alone = holds.compute_hold_residual(0, np.array([high + 0.5, high + 1.0]))
     assert float(np.std(alone)) == pytest.approx(
-        float(np.std(holds.left(0, np.zeros(0)))), rel=1e-3
+        float(np.std(holds.compute_hold_residual(0, np.zeros(0)))), rel=1e-3
     )

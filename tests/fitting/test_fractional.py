@@ -511,7 +511,7 @@ def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
     relaxation = relaxation_data(pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0]))
     lines = frf_data_of(hammered(), seals=2, band=None)
     priors = NuisancePriors(Prior(MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
-    element = FractionalElement.of([relaxation])
+    element = FractionalElement.from_relaxations([relaxation])
     problem = IdentificationProblem(
         (relaxation,), lines, priors, Constraints(), element, dashpot=True
     )

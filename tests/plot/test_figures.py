@@ -159,7 +159,7 @@ def test_matplotlib_is_loaded_for_png_and_pdf_only_and_pyplot_never():
         "import sys, dashpot.plot as plot; from kit import handmade\n"
         "picture = plot.segments(handmade.prepared()); plot.to_svg(picture)\n"
         "assert not any(m.startswith('matplotlib') for m in sys.modules)\n"
-        "plot.rendered(picture, '.png', dpi=40)\n"
+        "plot.render_figure(picture, '.png', dpi=40)\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     folder = Path(__file__).parents[1]

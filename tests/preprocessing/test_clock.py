@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.signals.clock import clock_jumps, lasting_change, ticks_evenly
+from dashpot.signals.clock import find_clock_jumps, lasting_change, ticks_evenly
 
 EVEN = np.arange(0.0, 10.0, 0.01)
 
@@ -16,16 +16,16 @@ def leapt(at: int, by: float) -> np.ndarray:
 
 @pytest.mark.parametrize("at", [0, 3, 500, len(EVEN) - 2])
 def test_a_leap_is_found_wherever_it_stands(at: int) -> None:
-    (one,) = clock_jumps(leapt(at, 0.1))
+    (one,) = find_clock_jumps(leapt(at, 0.1))
     assert one.at == at
     assert one.step == pytest.approx(0.11)
     assert one.beside == pytest.approx(0.01)
-    assert not clock_jumps(leapt(at, 0.08))
+    assert not find_clock_jumps(leapt(at, 0.08))
 
 
 def test_a_change_of_rate_is_no_leap() -> None:
     slower = np.concatenate((EVEN, EVEN[-1] + np.arange(1.0, 100.0)))
-    assert not clock_jumps(slower)
+    assert not find_clock_jumps(slower)
     change = lasting_change(slower)
     assert change is not None
     assert (change.at, change.step, change.beside) == (len(EVEN) - 1, 1.0, pytest.approx(0.01))

@@ -158,13 +158,13 @@ def test_the_keyboard_ends_parent_and_child(tmp_path: Path) -> None:
     code = (
         "import signal\n"
         "from kit import misbehaving\n"
-        "from dashpot.reading.sandbox.parent_process import in_child\n"
+        "from dashpot.reading.sandbox.parent_process import run_in_child\n"
         "from dashpot.reading.read_options import ReadOptions\n"
         "from dashpot.reading.raw_file import Raw\n"
         # what runs in the background may have been told to ignore the keyboard
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"options = ReadOptions(sheet={str(mark)!r})\n"
-        "in_child('junk', misbehaving.hangs, Raw('a', None, b'1'), options)\n"
+        "run_in_child('junk', misbehaving.hangs, Raw('a', None, b'1'), options)\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", code], stderr=subprocess.PIPE, start_new_session=True,

@@ -45,7 +45,7 @@ class DelayedMotion(NamedTuple):
     filtered: bool = False
 
     @classmethod
-    def of(
+    def from_records(
         cls,
         records: Sequence[RampHold],
         design: FitSetup,
@@ -75,7 +75,7 @@ class DelayedMotion(NamedTuple):
         return (Step("lag", parameters, f"{how}, as the force comes"),)
 
 
-def best_delayed_motion(
+def select_delayed_motion(
     recorded: DelayedMotion, options: FitOptions
 ) -> tuple[DelayedMotion, LinearityResult]:
     """Return the motion under which a linear solid is sound, and how sound it is.
@@ -101,10 +101,10 @@ def _later(recorded: DelayedMotion, gate: LinearityResult) -> Iterator[DelayedMo
     late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
     shifted, lags = zip(*map(_shift_motion, records, late), strict=True)
     if any(lags):
-        yield DelayedMotion.of(shifted, FitSetup("full"), lags)
+        yield DelayedMotion.from_records(shifted, FitSetup("full"), lags)
     if any(late) and not any(record.machine.force_filter for record in records):
-        behind = [*map(_filter_force, records, late)]
-        yield DelayedMotion.of(behind, FitSetup("full"), late, filtered=True)
+        behind = [*map(_set_force_filter, records, late)]
+        yield DelayedMotion.from_records(behind, FitSetup("full"), late, filtered=True)
 
 
 def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
@@ -121,7 +121,7 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     return replace(record, displacement=late(record.displacement), given=provided), many * step
 
 
-def _filter_force(record: RampHold, lag: float) -> RampHold:
+def _set_force_filter(record: RampHold, lag: float) -> RampHold:
     """The record with a force behind a low-pass of this time constant, as one that is named."""
     if not lag:
         return record

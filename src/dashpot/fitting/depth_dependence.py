@@ -36,10 +36,13 @@ from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
 )
 from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ramps, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, fit_ramp_and_hold
-from dashpot.fitting.pipeline import requested_arms
+from dashpot.fitting.pipeline import validate_arm_count
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.tests_at_temperatures import checked_temperatures
-from dashpot.fitting.uncertainty.rig_sensitivity import clock_sensitivity, rig_sensitivity
+from dashpot.fitting.uncertainty.rig_sensitivity import (
+    compute_clock_sensitivity,
+    compute_rig_sensitivity,
+)
 from dashpot.numerics.inference.covariance_estimate import Estimate
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.elastic import ElasticLaw
@@ -101,7 +104,7 @@ def fit_depths(
             "different compressions > 0: fit equal depths together without depth_law"
         )
     checked_temperatures(records, shared=False)
-    most = requested_arms(arms, max_arms)
+    most = validate_arm_count(arms, max_arms)
     requested = None if arms == "auto" else most
     law = select_elastic_law(ordered, arms=requested, max_arms=most)
     item, held = _fit_each_test(law), held_ramps(ordered, law)
@@ -124,12 +127,12 @@ def fit_depths(
     )
     together = ramp_fit(
         ordered, law, requested=requested, by_depth=by_depth, checks=(check, *enough),
-        unmeasured=rig_sensitivity(held, law.model),
+        unmeasured=compute_rig_sensitivity(held, law.model),
     )  # fmt: skip
     return DepthLaw(law.law, by_depth, check, together)
 
 
-class _Each(NamedTuple):
+class _StiffnessPerTest(NamedTuple):
     """The stiffnesses of each test on a common path, shape (R, 1 + N), and what is known of them.
 
     The law gives the path.
@@ -158,15 +161,15 @@ def _add_rig_errors(
     """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
     model = law.model
     k = np.array((model.k_inf, *model.k))
-    sensitivity = rig_sensitivity(held, model, separate=True)
+    sensitivity = compute_rig_sensitivity(held, model, separate=True)
     for i, test in enumerate(tests):
         here = slice(i * len(k), (i + 1) * len(k))
-        clocks = clock_sensitivity([test], model)[: len(k)]
+        clocks = compute_clock_sensitivity([test], model)[: len(k)]
         columns = np.column_stack((sensitivity[here], depth_error(test) * k, clocks))
         yield test, np.linalg.norm(columns, axis=1)
 
 
-def _fit_each_test(ramp_law: RampLaw) -> _Each:
+def _fit_each_test(ramp_law: RampLaw) -> _StiffnessPerTest:
     """Fit each test with stiffnesses of its own, relaxation times and law shared."""
     followed = ramp_law.followed
     solid, log_tau = followed.weighted.solid, np.log(np.asarray(ramp_law.model.tau))
@@ -179,10 +182,10 @@ def _fit_each_test(ramp_law: RampLaw) -> _Each:
         separate=True,
     )
     law = ElasticLaw(ramp_law.law.knots, tuple(optimum.shape.tolist()), 1.0)
-    return _Each(optimum.k, optimum.estimate(ramp_law.hold), ramp_law.estimate.dof, law)
+    return _StiffnessPerTest(optimum.k, optimum.estimate(ramp_law.hold), ramp_law.estimate.dof, law)
 
 
-def _separable(item: _Each) -> Check:
+def _separable(item: _StiffnessPerTest) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
     if item.k.shape[1] == 1:
         return separable(None, None)

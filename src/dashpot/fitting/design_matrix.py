@@ -112,7 +112,7 @@ def compress_tests(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlo
     )
 
 
-def with_delay_columns(
+def build_delay_blocks(
     tests: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
 ) -> tuple[DataBlock, ...]:
     r"""Return the blocks of :func:`compress_tests` with the column of a force that comes late.
@@ -191,10 +191,10 @@ def first_sample(test: RampHold) -> int:
 
 def is_multi_step(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
-    return _has_motion(test) > _ANOTHER_DEPTH
+    return _compute_hold_travel(test) > _ANOTHER_DEPTH
 
 
-def _has_motion(test: RampHold) -> float:
+def _compute_hold_travel(test: RampHold) -> float:
     return float(np.ptp(test.displacement[test.hold])) / test.depth
 
 
@@ -212,7 +212,7 @@ def eq5_obstacle(test: RampHold) -> str | None:
             f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "
             "ramp and hold instead, or sample faster"
         )
-    change = _has_motion(test)
+    change = _compute_hold_travel(test)
     if change > _MOST_BY_EQ_5:
         return (
             f"the displacement moves by {100 * change:.0f} % of the depth after the first ramp, so "
@@ -236,10 +236,10 @@ def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     used = slice(0, test.hold.stop)
     x, _ = denoise_displacement(test)
-    return regular_clock(test.time[used] - test.time[0]), x - x[0], test.force[used]
+    return regularise_clock(test.time[used] - test.time[0]), x - x[0], test.force[used]
 
 
-def regular_clock(time: FloatArray) -> FloatArray:
+def regularise_clock(time: FloatArray) -> FloatArray:
     """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
 
     A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform

@@ -25,7 +25,7 @@ from dashpot.datamodel.parameter_estimate import (
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.fitting.checks.solid import loss_factor_known, uncertainty_estimated
-from dashpot.fitting.known_band import known_band
+from dashpot.fitting.known_band import find_loss_factor_band
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -85,10 +85,10 @@ def build_fit(
         elastic_law=elastic_law,
         temperatures=temperatures,
     )
-    return fit if evidence.band_error is not None else _within_known_loss(fit)
+    return fit if evidence.band_error is not None else _restrict_to_loss_band(fit)
 
 
-def _within_known_loss(fit: Fit) -> Fit:
+def _restrict_to_loss_band(fit: Fit) -> Fit:
     """Return a fit whose errors are those of its covariance, its band where they are small enough.
 
     Where they are so at no line, a check says it; where no error is known nothing is claimed.
@@ -104,7 +104,7 @@ def _within_known_loss(fit: Fit) -> Fit:
         return NORMAL * stiffness, NORMAL * loss_factor
 
     lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
-    band, error = known_band(errors, fit.band, {line: errors(line) for line in lines})
+    band, error = find_loss_factor_band(errors, fit.band, {line: errors(line) for line in lines})
     checks = fit.checks
     if error.largest[1] > WELL_KNOWN:
         checks = (*checks, loss_factor_known(error))

@@ -15,8 +15,8 @@ from dashpot.fitting.design_matrix import (
     FitSetup,
     bic_penalty_per_arm,
     bound,
+    build_delay_blocks,
     solid_of,
-    with_delay_columns,
 )
 from dashpot.fitting.nuisance_priors import ROUNDING
 from dashpot.fitting.uncertainty.encoder_resolution import Encoder
@@ -71,7 +71,7 @@ class FitData:
         return (*self.blocks, *self.priors)
 
     @property
-    def every(self) -> tuple[DataBlock, ...]:
+    def full_rows(self) -> tuple[DataBlock, ...]:
         """A row per sample, and what was known before them."""
         return (*self.samples, *self.priors)
 
@@ -87,7 +87,7 @@ class FitData:
     @cached_property
     def peak(self) -> float:
         """Largest target: it sets what rounding alone leaves."""
-        return max(_find_largest_residual(block) for block in self.samples)
+        return max(_find_largest_target(block) for block in self.samples)
 
 
 def data_of(
@@ -97,12 +97,12 @@ def data_of(
 
     Whose solid has relaxation times `near` some is not searched for: they are given as ln tau.
     """
-    blocks = with_delay_columns(records, design, near)
+    blocks = build_delay_blocks(records, design, near)
     return FitData(
         blocks,
         [block.exact for block in blocks],
         in_time=True,
-        encoders=None if design.method == "hold" else [*map(Encoder.of, records)],
+        encoders=None if design.method == "hold" else [*map(Encoder.from_record, records)],
         bind=partial(bound, records, blocks, design),
     )
 
@@ -133,7 +133,7 @@ class InitialFit(NamedTuple):
         """The values of the series."""
         return tuple(series.values for series in self.series)
 
-    def left_by(self, solution: Solution) -> tuple[ResidualSeries, ...]:
+    def get_residual_series(self, solution: Solution) -> tuple[ResidualSeries, ...]:
         """What a solution leaves of each record, where that is at hand; else nothing."""
         return self.series if solution is self.showed else ()
 
@@ -209,7 +209,7 @@ def fit_single_test(
     """Fit one test with as many arms as it bears, up to `most`."""
     most = min(most, max_determinable_arms(blocks))
     best = solve_orders(blocks, most)[-1]
-    peaks = [_find_largest_residual(block) for block in samples]
+    peaks = [_find_largest_target(block) for block in samples]
     estimate = estimate_covariance(best, samples, peak=max(peaks))
     # thirteen parameters of 32 values leave a third less than their scatter
     model = solid_of(best)
@@ -230,5 +230,5 @@ def fit_single_test(
     )
 
 
-def _find_largest_residual(block: DataBlock) -> float:
+def _find_largest_target(block: DataBlock) -> float:
     return float(np.abs(block.target).max())

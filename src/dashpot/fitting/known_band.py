@@ -17,7 +17,7 @@ AT_END, PLACED = 0.85, 0.05
 Errors: TypeAlias = Callable[[float], tuple[float, float]]
 
 
-def known_band(
+def find_loss_factor_band(
     errors: Errors,
     band: tuple[float, float],
     lines: Mapping[float, tuple[float, float]],

@@ -76,7 +76,7 @@ class HoldBlocks:
             for record in self.records
         )
 
-    def left(self, i: int, start: FloatArray) -> FloatArray:
+    def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
         """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
         block = self.blocks[i]
         arms = min(max(len(start), _FEW), max_determinable_arms([block]))
@@ -86,7 +86,7 @@ class HoldBlocks:
         solution = solve([block], arms, log_tau_start=near, negligible=least)
         return residual_of(solution, block.exact)
 
-    def by_eq5(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
+    def fit_hold_equation(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
         """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
         held = sum(len(record.time[record.hold]) for record in self.records)
         if held <= 1 + 2 * model.arms or any(eq5_obstacle(record) for record in self.records):
@@ -147,7 +147,7 @@ def _find_worst_record(
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
         if is_multi_step(record) or ramp_obstacle(record) is not None:
             continue
-        quality = linear_soundness(record, residual, holds.left(i, log_tau))
+        quality = linear_soundness(record, residual, holds.compute_hold_residual(i, log_tau))
         if not quality.sound:
             return quality
         worst = quality if worst is None or quality.ramp > worst.ramp else worst

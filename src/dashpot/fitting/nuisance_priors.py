@@ -86,7 +86,7 @@ class NuisanceTerms:
     since: float = 0.0
     least: float = 0.0
 
-    def beside(self, **more: Prior) -> NuisanceTerms:
+    def add_terms(self, **more: Prior) -> NuisanceTerms:
         """The terms and further ones."""
         return replace(self, known={**self.known, **more})
 
@@ -182,7 +182,7 @@ def priors(record: RampHold) -> LoadCellPriors:
     final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
     if rest.stop - rest.start >= _FEWEST and not _is_loaded_early(record, rest):
-        offset, at, slope = baseline_of_channel(time[rest], force[rest], noise)
+        offset, at, slope = estimate_channel_zero(time[rest], force[rest], noise)
     else:
         offset, at = _first_reading(record, noise), 0.0
         if record.loading_start is None:
@@ -230,12 +230,12 @@ def spread_before(record: RampHold) -> float:
     time, means = block_means(since, few), block_means(force, few)
     if len(means) < 4 * _ARMS:
         return record.force_noise
-    noise = _beside_arms(time, means)
+    noise = _compute_hold_noise(time, means)
     # one independent residual is the least that noise leaves of a record; beyond it is misfit
     return float(min(np.sqrt(few * noise.power), record.force_noise * np.sqrt(len(force))))
 
 
-def _beside_arms(since: FloatArray, values: FloatArray) -> Noise:
+def _compute_hold_noise(since: FloatArray, values: FloatArray) -> Noise:
     """What a plateau, a drift and a dozen arms leave of a hold, as noise."""
     end, rows = float(since[-1]), len(since)
     arms = np.exp(-since[:, None] / np.geomspace(end / (2 * rows), 3 * end, _ARMS))
@@ -251,7 +251,7 @@ class ChannelZero(NamedTuple):
     slope: Prior
 
 
-def baseline_of_channel(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
+def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
     r"""Return the mean and the slope of a channel at rest, for correlated noise.
 
     `noise` is the least that its scatter can be.
@@ -373,7 +373,7 @@ def _compute_reading_error(record: RampHold, noise: float) -> float:
     since, force = since[::difference], force[::difference]
     if len(force) < 4 * _ARMS:
         return noise
-    slow = float(np.sqrt(_beside_arms(since, force).autocovariance[0]))
+    slow = float(np.sqrt(_compute_hold_noise(since, force).autocovariance[0]))
     chance = (1 + _BY_CHANCE / float(np.sqrt(len(force)))) * noise
     return slow if slow > max(chance, _MISSED * float(np.abs(force).max())) else noise
 
@@ -383,7 +383,7 @@ def recorded_warming(specimen: Specimen) -> Prior:
     return WARMING if specimen.warmed is None else Prior(specimen.warmed, _RECORDED)
 
 
-def unseen_warmth(specimen: Specimen) -> Prior:
+def build_warming_prior(specimen: Specimen) -> Prior:
     """By how much a seal of one temperature may warm unseen over its record, K.
 
     A rise that was recorded says how much, but not what it does to the seal.

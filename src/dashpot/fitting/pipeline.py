@@ -158,7 +158,7 @@ class SelectedModel:
     @cached_property
     def certificate(self) -> Certificate:
         """How far the optimum can be from the best positive spectrum."""
-        return certificate_for(self.data.rows, self.solution)
+        return compute_certificate(self.data.rows, self.solution)
 
     @cached_property
     def shortage(self) -> Shortage | None:
@@ -189,7 +189,7 @@ class SelectedModel:
         return (arms_enough(self.shortage, self.solution.order, unit=unit), *answers)
 
     @property
-    def ended(self) -> Check:
+    def convergence_check(self) -> Check:
         """Whether no step would change more than rounding, or a bound holds the point."""
         solution = self.solution
         near = solution.converged or solution.relative_offset < _STATIONARY
@@ -245,7 +245,7 @@ class SelectedModel:
         return SolidEstimate(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
 
 
-def requested_arms(arms: object, max_arms: object) -> int:
+def validate_arm_count(arms: object, max_arms: object) -> int:
     """Return the most arms to try.
 
     Raises
@@ -254,10 +254,10 @@ def requested_arms(arms: object, max_arms: object) -> int:
         If `arms` is neither ``"auto"`` nor a whole number >= 0.
     """
     if arms == "auto":
-        if not _build_whole_record(max_arms):
+        if not _is_whole_number(max_arms):
             raise FitError(f"max_arms = {max_arms!r}; expected a whole number >= 0")
         return int(max_arms)  # type: ignore[call-overload,no-any-return]
-    if not _build_whole_record(arms):
+    if not _is_whole_number(arms):
         raise FitError(
             f'arms = {arms!r}; expected "auto" or a whole number of arms, 0 for a spring alone'
         )
@@ -286,7 +286,7 @@ def select_order(
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """
-    auto, most = arms == "auto", requested_arms(arms, max_arms)
+    auto, most = arms == "auto", validate_arm_count(arms, max_arms)
     if auto:
         most = min(most, max_determinable_arms(data.blocks))
     first = first or weighed(data, most, auto=auto, thorough=thorough)
@@ -307,7 +307,7 @@ def select_order(
         and in_time
         and not nearly_white(noises)
         and noise_gain_differs(
-            _noise_gain(split_by_record(solve_whole_order(supported), data.every)[1], noises)
+            _noise_gain(split_by_record(solve_whole_order(supported), data.full_rows)[1], noises)
         )
     ):
         from dashpot.fitting.order_selection import score_in_noise_metric
@@ -327,7 +327,7 @@ def select_order(
         priors=data.priors,
         encoders=data.encoders,
         whole=solve_whole_order(taken),
-        series=first.left_by(scores[taken].solution),
+        series=first.get_residual_series(scores[taken].solution),
     )
     return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
 
@@ -373,7 +373,7 @@ def _choice(
     )
 
 
-def _build_whole_record(number: object) -> bool:
+def _is_whole_number(number: object) -> bool:
     whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
     return whole and number >= 0  # type: ignore[operator]
 
@@ -381,7 +381,7 @@ def _build_whole_record(number: object) -> bool:
 # -- parts of a fit -------------------------------------------------------------------------------
 
 
-def certificate_for(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
+def compute_certificate(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     result = certificate(blocks, solution)
     if result.optimal:

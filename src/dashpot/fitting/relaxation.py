@@ -25,7 +25,7 @@ from dashpot.fitting.checks.solid import (
     loss_factor_known,
     order_agreed,
 )
-from dashpot.fitting.delay_correction import DelayedMotion, best_delayed_motion
+from dashpot.fitting.delay_correction import DelayedMotion, select_delayed_motion
 from dashpot.fitting.design_matrix import NUISANCE, FitSetup, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_construction import (
@@ -43,21 +43,24 @@ from dashpot.fitting.fractional_model.family_selection import (
     FractionalFit,
     chosen_family,
     describe_fit,
-    refuse_beside_shifts,
+    require_maxwell_family,
     with_linear_fractional,
 )
 from dashpot.fitting.linearity import HoldBlocks, LinearityResult
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
-from dashpot.fitting.pipeline import SelectedModel, requested_arms, select_order
+from dashpot.fitting.pipeline import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import fitted_data, hold_only_data
+from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
 from dashpot.fitting.replicates import refuse_copies
-from dashpot.fitting.tests_at_temperatures import checked_temperatures, reference_temperature
+from dashpot.fitting.tests_at_temperatures import checked_temperatures, find_reference_index
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold_limits, spectra_of_holds
-from dashpot.fitting.uncertainty.rig_sensitivity import clock_sensitivity, rig_sensitivity
+from dashpot.fitting.uncertainty.end_of_hold_limits import compute_end_limits, spectra_of_holds
+from dashpot.fitting.uncertainty.rig_sensitivity import (
+    compute_clock_sensitivity,
+    compute_rig_sensitivity,
+)
 from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
@@ -167,7 +170,7 @@ def fit(
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)
-    most = requested_arms(arms, max_arms)
+    most = validate_arm_count(arms, max_arms)
     options = FitOptions(
         "auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough
     )
@@ -175,8 +178,8 @@ def fit(
     temperatures = checked_temperatures(records, shared=method == "full")
     reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
-        at = reference_temperature(temperatures, reference)
-        refuse_beside_shifts(family)
+        at = find_reference_index(temperatures, reference)
+        require_maxwell_family(family)
         fit_shifted = find_handler("fit at several temperatures", records[0])
         shifted = fit_shifted(
             records, options, vertical=vertical, shift_law=shift_law, reference=at
@@ -245,9 +248,14 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
 
 def _fit_one_temperature(records: Sequence[RampHold], design: FitSetup, options: FitOptions) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
-    late, first, fractional_fit, gate = DelayedMotion.of(records, design), None, None, None
+    late, first, fractional_fit, gate = (
+        DelayedMotion.from_records(records, design),
+        None,
+        None,
+        None,
+    )
     if design == FitSetup("full"):
-        late, gate = best_delayed_motion(late, options)
+        late, gate = select_delayed_motion(late, options)
         first, fractional_fit = gate.first, gate.element
         # no law is bent by a ramp that answers to earlier loadings as well
         straight = gate.sound or any(record.loading_start is not None for record in records)
@@ -327,13 +335,13 @@ def _build_linear_fit(
     spectra = spectra_of_holds(data, **_hold_of(records, both.arms))
     end = _end_of_hold(records, data, both.arms, spectra).holding(selection.model)
     band, error = band_of_hold(spectra, selection.solid, band)
-    sensitivity = rig_sensitivity(data, selection.solid)
+    sensitivity = compute_rig_sensitivity(data, selection.solid)
     if (
         design.method == "hold"
         and "delay" in design.nuisance
         and selection.solid is selection.model
     ):
-        sensitivity = np.hstack((sensitivity, clock_sensitivity(records, selection.model)))
+        sensitivity = np.hstack((sensitivity, compute_clock_sensitivity(records, selection.model)))
     other = both.alternative(band)
     steps = (*_motion_steps(records, design), *late.steps)
     return build_fit(
@@ -351,7 +359,7 @@ def _build_linear_fit(
             selection.certificate,
             checks=(
                 *(check for record in records for check in record.checks),
-                selection.ended,
+                selection.convergence_check,
                 *_checks(late, selection, design, end),
                 *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
                 *both.checks(other),
@@ -378,8 +386,8 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
     data = held_ramps(records, law)
     hold = _hold_of(records, law)
     spectra = spectra_of_holds(data, **hold)
-    end = end_of_hold_limits(data, **hold, spectra=spectra)
-    sensitivity = rig_sensitivity(data, law.model)
+    end = compute_end_limits(data, **hold, spectra=spectra)
+    sensitivity = compute_rig_sensitivity(data, law.model)
     extra = () if arms is None else (_holds_enough(records, law),)
     return ramp_fit(
         records, law, requested=arms, checks=extra, end=end, unmeasured=sensitivity, spectra=spectra
@@ -402,7 +410,7 @@ def _weight_records(
     model, residuals = selection.model, selection.estimate.residuals
     if design.method == "hold":
         tests = zip(records, residuals, strict=True)
-        return [hold_only_data(record, model, residual) for record, residual in tests]
+        return [build_hold_data(record, model, residual) for record, residual in tests]
     blocks = zip(records, selection.data.blocks, residuals, strict=True)
     return [fitted_data(record, block, model, values) for record, block, values in blocks]
 
@@ -414,7 +422,7 @@ def _end_of_hold(
     spectra: AdmissibleSpectra,
 ) -> EndOfHold:
     """What the records leave open of the stiffness at the end of the hold and beyond."""
-    return end_of_hold_limits(data, **_hold_of(records, selection), spectra=spectra)
+    return compute_end_limits(data, **_hold_of(records, selection), spectra=spectra)
 
 
 def _hold_of(records: Sequence[RampHold], result: SelectedModel | RampLaw) -> _HoldArguments:
@@ -454,7 +462,9 @@ def _checks(
         answers.append(order_agreed(choice))
     answers += selection.enough("N")
     if design.method == "full" and in_arms:
-        answers.append(checks.hold_and_full_agree(model, late.holds.by_eq5(model), error, end=end))
+        answers.append(
+            checks.hold_and_full_agree(model, late.holds.fit_hold_equation(model), error, end=end)
+        )
     return tuple(answers)
 
 

@@ -183,7 +183,7 @@ class RelaxationData:
     def on_a_named_rig(self) -> RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.known["drift"]
-        terms = self.terms.beside(drift=Prior(mean, NAMED_DRIFT * sd))
+        terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT * sd))
         effects = self.unseen and self.unseen.but("give", "settling", "memory")
         return replace(self, unseen=effects, terms=terms)
 
@@ -197,7 +197,7 @@ class RelaxationData:
         """Effective number of samples."""
         return self.block.samples / self.kappa
 
-    def weighted(self, index: int) -> DataBlock:
+    def build_weighted_block(self, index: int) -> DataBlock:
         """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
         made = self.certain.scale_rows(self.weight, tuple(names))
@@ -259,7 +259,7 @@ class RelaxationData:
             borne=white(self.weight * differences),
         )
 
-    def pulled(self, solid: Solid) -> FloatArray:
+    def compute_rig_gradient(self, solid: Solid) -> FloatArray:
         r"""By how much each doubt of the rig pulls at a solid, J'c, shape (p + 1, d).
 
         Of data that are claimed, each doubt with a column c; J is free of what the fit knew of

@@ -19,12 +19,12 @@ from dashpot.fitting.design_matrix import block_of, first_sample, motion
 from dashpot.fitting.nuisance_priors import (
     LINEAR_DELAY,
     Prior,
+    build_warming_prior,
     delay_prior,
     kind_of,
     priors,
     recorded_warming,
     terms_of,
-    unseen_warmth,
 )
 from dashpot.fitting.relaxation_data import (
     DASHPOT,
@@ -100,9 +100,9 @@ def relaxation_data(
     single_fit : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     claimed : bool
-        For limits, which bear all that a rig may have done unseen (:func:`unmeasured_effects`). A
-        fit of several tests is a point, and not of the doubtful rig: what could be moved by so much
-        would hide that the tests disagree.
+        For limits, which bear all that a rig may have done unseen
+        (:func:`compute_unmeasured_effects`). A fit of several tests is a point, and not of the
+        doubtful rig: what could be moved by so much would hide that the tests disagree.
     shift : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
@@ -118,8 +118,8 @@ def relaxation_data(
         return _shift_to_reference(test, fit, single_fit, claimed=claimed)
     model, solid = fit.few_arms, (single_fit or fit).few_arms
     if fit.method == "hold":
-        held = _left_by(solid, block_of(test, method="hold", terms=_CELL))
-        return hold_only_data(test, model, held, claimed=claimed)
+        held = _compute_arm_residual(solid, block_of(test, method="hold", terms=_CELL))
+        return build_hold_data(test, model, held, claimed=claimed)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
@@ -132,8 +132,8 @@ def relaxation_data(
         for name, (there, sd) in _doubts(test, time).items()
     }
     if claimed:
-        at = sample_motion(test, time)
-        for name, (column, sd) in unmeasured_effects(test, time[at], x[at], model).items():
+        at = select_motion_samples(test, time)
+        for name, (column, sd) in compute_unmeasured_effects(test, time[at], x[at], model).items():
             doubts[name] = np.interp(time, time[at], column), sd
     if shift is not None:
         by_a, by_b = warms
@@ -143,7 +143,7 @@ def relaxation_data(
         doubts |= _build_delay_columns(test, model, time, x, late=late)
     columns = {name: column for name, (column, _) in doubts.items()}
     certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
-    residual = _left_by(solid, certain)
+    residual = _compute_arm_residual(solid, certain)
     power = max(noise_power(residual), certain.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
     relaxation_data = _weight_block(
@@ -159,7 +159,7 @@ def relaxation_data(
         certain,
         model,
         residual,
-        size=float(np.hypot(_left_of_law(law), set_of(test, model))),
+        size=float(np.hypot(_compute_law_deviation(law), set_of(test, model))),
         rms=fit.residual.rms,
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
@@ -168,7 +168,8 @@ def relaxation_data(
     if shift is None:
         return relaxation_data
     relaxation_data = replace(
-        relaxation_data, terms=relaxation_data.terms.beside(warming=recorded_warming(test.specimen))
+        relaxation_data,
+        terms=relaxation_data.terms.add_terms(warming=recorded_warming(test.specimen)),
     )
     gain = _GAIN if shift.shift_sd > 0 else 0.0
     return replace(relaxation_data, moved=shift, size=float(np.hypot(relaxation_data.size, gain)))
@@ -207,7 +208,7 @@ def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
     )
 
 
-def _left_of_law(law: ElasticLaw | None) -> float:
+def _compute_law_deviation(law: ElasticLaw | None) -> float:
     """What the size of a vibration's force is not known to, where a gentle law bends.
 
     About the depth it is the tangent's, about the middle of the way the secant's.
@@ -251,7 +252,7 @@ def _shift_to_reference(
     )
 
 
-def hold_only_data(
+def build_hold_data(
     test: RampHold,
     answer: GeneralizedMaxwell,
     residual: FloatArray,
@@ -318,8 +319,8 @@ def _add_rig_columns(
     The motion that is answered is `changes`, s and m; the rows begin at `start`, s, and their drift
     counts from `since`, s, all from the first sample on.
     """
-    time, x = (part[sample_motion(test, changes[0])] for part in changes)
-    adds = unmeasured_effects(test, time, x, data.answer)
+    time, x = (part[select_motion_samples(test, changes[0])] for part in changes)
+    adds = compute_unmeasured_effects(test, time, x, data.answer)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
     kinds = [kind_of(name) for name in data.block.fixed_names]
@@ -376,7 +377,7 @@ def _weight_block(
         block=block,
         weight=1 / float(np.sqrt(power)),
         kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
-        terms=replace(terms, since=since + terms.since).beside(
+        terms=replace(terms, since=since + terms.since).add_terms(
             **{name: Prior(0.0, sd) for name, sd in doubts.items()}
         ),
         answer=_slower(answer, SLOW_ARM * test.step),
@@ -388,7 +389,7 @@ def _weight_block(
     )
 
 
-def _left_by(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
+def _compute_arm_residual(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
     """What the arms of a solid leave of a record, their stiffnesses free."""
     rows = block.exact.evaluate(np.log(model.tau), derivative=False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
@@ -418,7 +419,7 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
     return entries
 
 
-def unmeasured_effects(
+def compute_unmeasured_effects(
     test: RampHold, time: FloatArray, x: FloatArray, answer: GeneralizedMaxwell
 ) -> dict[str, tuple[FloatArray, float]]:
     """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
@@ -456,7 +457,7 @@ def unmeasured_effects(
     # its temperature is that of its contact, however long the machine stood before
     value = max(test.onset - test.ramp_time - test.time[0], 0.0)
     warms = warming(time, x, answer, since=value)
-    terms["warming"] = warms, unseen_warmth(test.specimen).sd
+    terms["warming"] = warms, build_warming_prior(test.specimen).sd
     if test.machine.force_filter is None:
         lines = folded_mains(time, step=test.step)
         # four parts of one line of that size
@@ -475,7 +476,7 @@ def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
     return set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
 
 
-def sample_motion(test: RampHold, time: FloatArray) -> IndexArray:
+def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     """Return some hundred samples of a motion, and some of what relaxes after it."""
     corner = test.ramp_end - test.time[0]
     even = int(np.searchsorted(time, corner + test.ramp_time))

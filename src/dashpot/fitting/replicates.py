@@ -51,7 +51,7 @@ def refuse_copies(records: Sequence[RampHold]) -> None:
         noise of two tests is not correlated, whatever the seal.
     """
     for (i, record), (j, other) in combinations(enumerate(records, start=1), 2):
-        reason = _is_copy(record, other)
+        reason = _describe_copy(record, other)
         if reason:
             raise FitError(
                 f"tests {i} and {j} are one record, {reason}: counted twice it would make every "
@@ -59,7 +59,7 @@ def refuse_copies(records: Sequence[RampHold]) -> None:
             )
 
 
-def _is_copy(first: RampHold, second: RampHold) -> str:
+def _describe_copy(first: RampHold, second: RampHold) -> str:
     if first.source is not None and second.source is not None:
         change = max(abs(first.onset - second.onset), abs(first.hold_end - second.hold_end))
         if first.source.sha256 == second.source.sha256 and change < 0.1 * first.ramp_time:

@@ -66,7 +66,7 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
     return temperatures
 
 
-def reference_temperature(temperatures: FloatArray, target: float | None) -> int:
+def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
     """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
 
     Raises

@@ -19,9 +19,9 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, denoise_displacement
 from dashpot.preprocessing.history import EarlierLoadings
-from dashpot.signals.clock import BESIDE, clock_jumps, ticks_evenly
+from dashpot.signals.clock import BESIDE, find_clock_jumps, ticks_evenly
 from dashpot.signals.frozen import BEFORE, FEWEST, frozen_runs
-from dashpot.signals.noise import median_of_three, robust_scatter, spikes
+from dashpot.signals.noise import estimate_robust_scatter, median_of_three, spikes
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -389,7 +389,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
 
 def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
-    leaps = clock_jumps(time)
+    leaps = find_clock_jumps(time)
     if not leaps or not ticks_evenly(time):
         return None
     shares = [jump.step / max(abs(time[jump.at] - onset), least) for jump in leaps]
@@ -819,7 +819,7 @@ def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple
     answer = secant * (x - x.mean()) if solid is None else _answer_of(solid, test)[test.hold]
     tenths = [part.mean() for part in np.array_split(force - answer, 10)]
     rise = float(tenths[-1] - min(tenths))
-    noise = max(test.force_noise, robust_scatter(test.time, test.force))
+    noise = max(test.force_noise, estimate_robust_scatter(test.time, test.force))
     scatter = noise / np.sqrt(len(force) / 10)
     return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
 

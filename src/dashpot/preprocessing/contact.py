@@ -236,7 +236,7 @@ class Touch(NamedTuple):
     standard_error: float = 0.0
 
 
-def first_contact(
+def find_first_contact(
     displacement: FloatArray,
     force: FloatArray,
     *,

@@ -37,7 +37,7 @@ class Lateness(NamedTuple):
     deviance: float
 
 
-def contact_delay(
+def estimate_contact_delay(
     time: FloatArray,
     pressed: FloatArray,
     force: FloatArray,

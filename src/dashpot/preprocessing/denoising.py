@@ -137,7 +137,7 @@ def _remove_counts(
     step, noise = test.encoder_step, test.displacement_noise
     if step > LEAST_COUNT * test.depth:
         read, _ = denoise_values(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
-        return read, _left_of_counts(time, x, step)
+        return read, _estimate_count_noise(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
     read, sd = denoise_values(x, noise)
@@ -208,7 +208,7 @@ def rests(
     return tuple(zip(start[long].tolist(), stop[long].tolist(), strict=True))
 
 
-def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
+def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
     r"""What reading between counts leaves, as white noise, shape (n,).
 
     While a reading stays for t, a straight line misses a motion whose velocity changes by

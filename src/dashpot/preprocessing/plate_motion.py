@@ -12,11 +12,11 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.signals.load_history import (
     began_late,
+    find_rising_sign,
     held_by_plate,
     is_at_one_speed,
     is_creep,
     relaxes,
-    rising_sign,
 )
 from dashpot.signals.noise import median_of_three
 from dashpot.signals.segments import (
@@ -168,7 +168,7 @@ def find_motion(
         If nothing is held.
     """
     if sign is None:
-        turn, segments = _reverse_test(test)
+        turn, segments = _find_rising_sign(test)
     else:
         x = sign * test.displacement
         turn, segments = sign, find_segments(test.time, x, _resolution(test))
@@ -188,8 +188,8 @@ def find_motion(
 
 
 @cache_on_record
-def _reverse_test(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
-    return rising_sign(test.time, test.displacement, _resolution(test))
+def _find_rising_sign(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
+    return find_rising_sign(test.time, test.displacement, _resolution(test))
 
 
 @cache_on_record
@@ -197,7 +197,7 @@ def _resolution(test: RelaxationTest) -> float:
     return resolution_of(test.time, test.displacement, test.displacement_quantum)
 
 
-def motion_from_times(
+def build_motion_from_times(
     test: RelaxationTest, *, onset: float, ramp_end: float, hold_end: float, sign: int | None
 ) -> PlateMotion:
     """The motion between times that the user gave, s.

@@ -23,10 +23,10 @@ from dashpot.preprocessing.contact import (
     Baseline,
     Touch,
     baseline_of,
-    first_contact,
+    find_first_contact,
     subtract_tare,
 )
-from dashpot.preprocessing.contact_delay import AFTER, MOST, Lateness, contact_delay
+from dashpot.preprocessing.contact_delay import AFTER, MOST, Lateness, estimate_contact_delay
 from dashpot.preprocessing.decimation import decimate
 from dashpot.preprocessing.denoising import denoise_values
 from dashpot.preprocessing.filters import filter_record, parse_filter
@@ -35,10 +35,10 @@ from dashpot.preprocessing.hum import hum_lines, hum_step, white_noise
 from dashpot.preprocessing.plate_motion import (
     PlateMotion,
     begins_with_release,
+    build_motion_from_times,
     find_motion,
     first_press,
     from_contact,
-    motion_from_times,
     presses_before,
 )
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
@@ -208,12 +208,16 @@ def prepare(
     if judged and force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [
-        _has_opposite_signs(motion.sign, turn),
-        _cut_record(motion, record),
-        _format_touch(touch),
+        _make_orientation_step(motion.sign, turn),
+        _make_segments_step(motion, record),
+        _make_contact_step(touch),
         tared,
     ]
-    steps += [*_describe_machine(record.machine), _find_ramp(record, motion), *hum_step(record.hum)]
+    steps += [
+        *_make_machine_steps(record.machine),
+        _make_ramp_step(record, motion),
+        *hum_step(record.hum),
+    ]
     if past is not None:
         steps.append(_followed_step(record, past, len(presses_before(motion))))
     record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(answers)))
@@ -316,7 +320,9 @@ def _motion(
 ) -> PlateMotion:
     onset, ramp_end, hold_end = times
     if onset is not None and ramp_end is not None and hold_end is not None:
-        return motion_from_times(test, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign)
+        return build_motion_from_times(
+            test, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign
+        )
     if hold_end is not None:
         # what comes after a given end is not there
         until = int(np.searchsorted(test.time, hold_end, side="right"))
@@ -382,7 +388,7 @@ def _touch(
             noise = scatter(time[rising], force[rising])
 
         def find_touch(displacement: FloatArray) -> Touch:
-            return first_contact(
+            return find_first_contact(
                 displacement[rising],
                 force[rising] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
@@ -421,7 +427,7 @@ def _but_late(
 
     def late_from(contact: float) -> Lateness:
         pressed = np.maximum(x[watched] - contact, 0.0)
-        return contact_delay(
+        return estimate_contact_delay(
             time[watched], pressed, force[watched], corners=ends, delay_sd=delay_sd
         )
 
@@ -524,7 +530,7 @@ def _record(
     )
 
 
-def _quiet_beside_lines(record: RampHold) -> RampHold:
+def _set_broadband_noise(record: RampHold) -> RampHold:
     """The record whose noise is what is left beside lines that force and plate have both.
 
     From sample to sample they scatter, but they are motion and its response: no mean takes them
@@ -555,7 +561,7 @@ def _without_hum(record: RampHold) -> RampHold:
         displacement=record.displacement[held],
     )
     if responds:
-        record = _quiet_beside_lines(record)
+        record = _set_broadband_noise(record)
     if not lines:
         return record
     force = set_readonly(record.force - hum)
@@ -644,7 +650,7 @@ def _followed_step(record: RampHold, past: EarlierLoadings, many: int) -> Step:
     return Step("history", (("loadings", str(many)), ("misfit", f"{past.misfit:.4g}")), says)
 
 
-def _describe_machine(machine: Machine) -> tuple[Step, ...]:
+def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
     """What was said of the machine, and what is done with it."""
     done = (
         ("sync_s", machine.sync, "clocks known to {:.4g} s"),
@@ -663,7 +669,7 @@ def _describe_machine(machine: Machine) -> tuple[Step, ...]:
     return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), says),)
 
 
-def _has_opposite_signs(displacement: int, force: int) -> Step:
+def _make_orientation_step(displacement: int, force: int) -> Step:
     words = {
         (1, 1): "compression and force count upwards, as recorded",
         (-1, -1): "displacement and force count downwards in the record; both are turned",
@@ -674,7 +680,7 @@ def _has_opposite_signs(displacement: int, force: int) -> Step:
     return Step("orientation", parameters, words[displacement, force])
 
 
-def _cut_record(motion: PlateMotion, record: RampHold) -> Step:
+def _make_segments_step(motion: PlateMotion, record: RampHold) -> Step:
     says = (
         f"{motion.cycle.words()}; the {len(record.time)} samples from {record.time[0]:.6g} s to "
         f"{record.time[-1]:.6g} s are kept"
@@ -682,7 +688,7 @@ def _cut_record(motion: PlateMotion, record: RampHold) -> Step:
     return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), says)
 
 
-def _format_touch(touch: Touch) -> Step:
+def _make_contact_step(touch: Touch) -> Step:
     says = (
         f"an air gap of {format_quantity(touch.gap, 'mm')} is taken off the displacement"
         if touch.gap > 0
@@ -691,7 +697,7 @@ def _format_touch(touch: Touch) -> Step:
     return Step("contact", (("displacement_m", repr(touch.displacement)),), says)
 
 
-def _find_ramp(record: RampHold, motion: PlateMotion) -> Step:
+def _make_ramp_step(record: RampHold, motion: PlateMotion) -> Step:
     says = (
         f"the ramp runs at {format_quantity(motion.line.speed, 'mm/s')} from {record.onset:.6g} s "
         "to "

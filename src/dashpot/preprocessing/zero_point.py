@@ -8,9 +8,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.datamodel.relaxation import quantum
-from dashpot.preprocessing.contact import find_contact, first_contact
+from dashpot.preprocessing.contact import find_contact, find_first_contact
 from dashpot.preprocessing.strokes import Stroke
-from dashpot.signals.noise import robust_scatter
+from dashpot.signals.noise import estimate_robust_scatter
 
 _RESTED = 5
 """Samples that make a mean worth taking off."""
@@ -68,12 +68,12 @@ def zero_of(
     contact has its zero at its first samples, unless they carry more than a twentieth of the rise:
     that is a preload, and is left.
     """
-    noise = max(robust_scatter(clock, force), quantum(force) / 12**0.5)
+    noise = max(estimate_robust_scatter(clock, force), quantum(force) / 12**0.5)
     rested = first.first + 1 >= _RESTED
     start = slice(0, first.first + 1)
     level, rest, top = median(force[start]), median(x[: first.first + 1]), float(x[first.last])
     rise = float(force[first.last]) - level
-    touch = first_contact(
+    touch = find_first_contact(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
@@ -128,7 +128,7 @@ def _measure_air_force(
     )
 
 
-def later_contact(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
+def find_later_contact(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
     """Return the compression at which a later loading meets the seal, m; None if in no air."""
     contact = find_contact(x, force, noise=noise)
     return None if contact is None or contact.sample < _RESTED else contact.displacement

@@ -26,14 +26,14 @@ class Leap(NamedTuple):
     beside: float
 
 
-def clock_jumps(time: FloatArray) -> list[Leap]:
+def find_clock_jumps(time: FloatArray) -> list[Leap]:
     """Return the steps that are ten times the usual on either side; at an end, of one side."""
     steps = np.diff(time)
     if len(steps) < 2 * BESIDE or not steps.max() > LEAP * steps.min():
         return []
     least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
     longest = np.flatnonzero(steps > LEAP * least)[:_LOOKED_AT]
-    leaps = (Leap(i, float(steps[i]), _usual_beside(steps, i)) for i in longest.tolist())
+    leaps = (Leap(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist())
     return [leap for leap in leaps if leap.step > LEAP * leap.beside]
 
 
@@ -68,7 +68,7 @@ def ticks_evenly(time: FloatArray) -> bool:
     return bool(np.mean(odd) <= _UNEVEN)
 
 
-def _usual_beside(steps: FloatArray, i: int) -> float:
+def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
     """The larger of the usual steps before and after one, s; at an end that of its one side."""
     sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
     return max(median(side) for side in sides if len(side))

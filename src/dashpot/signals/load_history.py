@@ -43,7 +43,7 @@ def classify_load_history(time: FloatArray, displacement: FloatArray, force: Flo
     """
     if held_throughout(force) and goes_on(displacement):
         return "creep"
-    turn, segments = rising_sign(time, displacement)
+    turn, segments = find_rising_sign(time, displacement)
     if began_late(displacement, force):
         return "other"
     if is_at_one_speed(time, turn * displacement, segments):
@@ -65,7 +65,7 @@ def goes_on(x: FloatArray) -> bool:
     return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > GONE * float(np.ptp(x))
 
 
-def rising_sign(
+def find_rising_sign(
     time: FloatArray, displacement: FloatArray, resolution: float | None = None
 ) -> tuple[int, tuple[MotionSegment, ...]]:
     """Return the sign that makes the first ramp rise, and what then is found."""

@@ -34,7 +34,7 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
     return float(np.sqrt(retained.mean())) / (0.935 if count < len(squares) else 1.0)
 
 
-def robust_scatter(time: FloatArray, values: FloatArray) -> float:
+def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
     """The same by the median: blind to corners and glitches, and to half of all samples."""
     if len(values) < 5:
         return 0.0

@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.sentences import sentence
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import quantum
-from dashpot.signals.noise import median_of_three, robust_scatter
+from dashpot.signals.noise import estimate_robust_scatter, median_of_three
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
@@ -101,7 +101,7 @@ def negate_segments(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, .
 
 def resolution_of(time: FloatArray, displacement: FloatArray, count: float) -> float:
     """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
-    return 4 * robust_scatter(time, displacement) + 0.5 * count
+    return 4 * estimate_robust_scatter(time, displacement) + 0.5 * count
 
 
 def _segment(

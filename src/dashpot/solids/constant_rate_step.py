@@ -36,7 +36,7 @@ class EvenStep(NamedTuple):
     onward: FloatArray
 
     @classmethod
-    def of(cls, ratio: FloatArray) -> EvenStep:
+    def from_ratio(cls, ratio: FloatArray) -> EvenStep:
         """For steps of h / tau > 0."""
         retained = -np.expm1(-ratio) / ratio
         onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - retained) / ratio)

@@ -55,7 +55,7 @@ def face_under_plate(
         ahead = slice(i, min(i + look, len(plate)))
         if pressed:
             x = np.concatenate((face[i : i + 1], plate[ahead][1:]))
-            answer, states = _compute_press(solid, time[ahead], x, q)
+            answer, states = _compute_force_and_states(solid, time[ahead], x, q)
             ends = np.flatnonzero(answer[1:] < least)
         else:
             # what force is left at the last sample that was pressed goes at once
@@ -73,7 +73,7 @@ def face_under_plate(
             if pressed:
                 # the plate meets the face within the next sample, and is there at its end
                 x = np.array([face[i], plate[i + 1]])
-                answer, states = _compute_press(solid, time[i : i + 2], x, q)
+                answer, states = _compute_force_and_states(solid, time[i : i + 2], x, q)
                 i += 1
                 face[i], force[i], q = plate[i], max(float(answer[1]), 0.0), states[1]
         else:
@@ -81,7 +81,7 @@ def face_under_plate(
     return face, force
 
 
-def _compute_press(
+def _compute_force_and_states(
     solid: GeneralizedMaxwell, time: FloatArray, x: FloatArray, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Force and elongations of the arms under a motion, from elongations on."""

@@ -215,7 +215,7 @@ class Disc(_Pad):
 
     def __post_init__(self) -> None:
         _lengths(self, "diameter", "height")
-        _convert_poisson(self.poisson)
+        _require_rubber_poisson(self.poisson)
 
     @property
     def area(self) -> float:
@@ -242,7 +242,7 @@ class Block(_Pad):
 
     def __post_init__(self) -> None:
         _lengths(self, "length", "width", "height")
-        _convert_poisson(self.poisson)
+        _require_rubber_poisson(self.poisson)
 
     @property
     def area(self) -> float:
@@ -334,7 +334,7 @@ class Bulb(Geometry):
 _THIN = 0.3
 
 
-def _convert_poisson(poisson: float) -> None:
+def _require_rubber_poisson(poisson: float) -> None:
     if not _SOFTEST <= poisson <= 0.5:
         raise DataError(
             f"poisson = {poisson!r}; expected {_SOFTEST:g} to 0.5. A foam has 0.3 to 0.45, a "

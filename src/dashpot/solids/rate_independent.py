@@ -216,12 +216,12 @@ class InParallel(AmplitudeDependent):
 
     def start(self) -> tuple[Any, ...]:
         """The parts at rest."""
-        return tuple(part.start() for part in self._element_march)
+        return tuple(part.start() for part in self._stepped_parts)
 
     def advance(self, state: tuple[Any, ...], dt: float, x: float) -> tuple[float, tuple[Any, ...]]:
         """Force, N, and the states of the parts."""
         pairs = [
-            part.advance(item, dt, x) for part, item in zip(self._element_march, state, strict=True)
+            part.advance(item, dt, x) for part, item in zip(self._stepped_parts, state, strict=True)
         ]
         return sum(force for force, _ in pairs), tuple(item for _, item in pairs)
 
@@ -230,8 +230,8 @@ class InParallel(AmplitudeDependent):
         return InParallel(tuple(part * count for part in self.parts))
 
     @cached_property
-    def _element_march(self) -> tuple[AmplitudeDependent | _Stepped, ...]:
-        return tuple(_march_part(part) for part in self.parts)
+    def _stepped_parts(self) -> tuple[AmplitudeDependent | _Stepped, ...]:
+        return tuple(_make_stepped(part) for part in self.parts)
 
 
 @dataclass(frozen=True)
@@ -397,7 +397,7 @@ def require_positive_parameters(element: Any, *names: str) -> None:
     require_positive(f"{type(element).__name__}: ", **select_fields(element, *names))
 
 
-def _march_part(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Stepped:
+def _make_stepped(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Stepped:
     return part if isinstance(part, AmplitudeDependent) else _Stepped(part)
 
 

@@ -162,13 +162,13 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
 def test_a_worker_gives_back_what_a_long_record_took():
     """As workers are set, the C library would keep all of it."""
     script = (
-        "from dashpot.base.subprocesses import give_back\n"
+        "from dashpot.base.subprocesses import trim_memory\n"
         "from pathlib import Path\n"
         "held = [bytearray(1 << 20) for _ in range(120)]\n"
         "last = bytearray(1 << 20)\n"
         "size = lambda: int(Path('/proc/self/statm').read_text().split()[1])\n"
         "full = size(); del held; kept = size()\n"
-        "give_back(1 << 40); same = size(); give_back(1 << 20); print(full, kept, same, size())"
+        "trim_memory(1 << 40); same = size(); trim_memory(1 << 20); print(full, kept, same, size())"
     )
     said = subprocess.run(
         [sys.executable, "-c", script],

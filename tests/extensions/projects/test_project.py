@@ -611,8 +611,9 @@ def test_the_lock_is_of_the_process_and_not_of_the_file(kept, raw):
         lock.write_text(text)
         folder.record(kept, Job(str(raw), arms=1), page=page)
     code = (
-        "import sys; from pathlib import Path; from dashpot.base.lock import alone\n"
-        "with alone(Path(sys.argv[1]), 'x'): print('held', flush=True); sys.stdin.read()"
+        "import sys; from pathlib import Path; from dashpot.base.lock import open_exclusive_lock\n"
+        "with open_exclusive_lock(Path(sys.argv[1]), 'x'): print('held', flush=True); "
+        "sys.stdin.read()"
     )
     other = subprocess.Popen(
         [sys.executable, "-c", code, lock], stdin=subprocess.PIPE, stdout=subprocess.PIPE

@@ -13,7 +13,7 @@ from dashpot.base.status import Status
 from dashpot.base.units import format_quantity
 from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
-from dashpot.signals.noise import robust_scatter
+from dashpot.signals.noise import estimate_robust_scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
@@ -316,7 +316,7 @@ def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
     for item in distinct(kelvin):
         here = np.flatnonzero(kelvin == item)
         ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
-        numbers.append(robust_scatter(np.arange(float(len(here))), ordered))
+        numbers.append(estimate_robust_scatter(np.arange(float(len(here))), ordered))
     return median(np.array(numbers))
 
 

@@ -53,7 +53,7 @@ class PressedSeal:
         path = self.section.path(at)
         pressed, change = at - self.at, path - self.path
         relaxed = 0.5 * self.k_inf * (path + self.path)
-        even = EvenStep.of((seconds[:, None] / self.tau)[:, None, :])
+        even = EvenStep.from_ratio((seconds[:, None] / self.tau)[:, None, :])
         provided = self.k * change[..., None]
         rest = even.mean(self.arms, provided).sum(axis=-1) + self.b * change / seconds[:, None]
         self.arms = even.end(self.arms, provided)

@@ -14,7 +14,7 @@ from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
-from dashpot.fitting.checks.solid import ROUNDING, arms_said
+from dashpot.fitting.checks.solid import ROUNDING, format_arm_count
 from dashpot.fitting.replicates import SAME_DEPTH, EndStiffness
 from dashpot.preprocessing.filters import Filter
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -393,7 +393,7 @@ def hold_and_full_agree(
     excess = np.abs(theirs - ours) > 3.0 * sigma
     failed = excess & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
-    orders = "" if alike else f" with {arms_said(hold.arms)}"
+    orders = "" if alike else f" with {format_arm_count(hold.arms)}"
     return Finding(
         f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
         f"{100 * difference[worst]:+.2g} %, "
@@ -404,7 +404,7 @@ def hold_and_full_agree(
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
         # and k_inf is an extrapolation of both
         grade="limit"
-        if (failed[0] if end is None else _is_outside_hold(full, hold, end))
+        if (failed[0] if end is None else _is_outside_limits(full, hold, end))
         else None,
     )
 
@@ -450,7 +450,7 @@ def filter_bias(
     )
 
 
-def _is_outside_hold(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
+def _is_outside_limits(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
     """True if eq. 5 has another stiffness at the end of the hold than the records allow."""
     ours, theirs = (float(model.relaxation(end.time)) for model in (full, hold))
     low, high = end.k_end

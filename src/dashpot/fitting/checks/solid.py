@@ -67,7 +67,7 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
         ratios[j],
         f"They are those of arms {j + 1} and {j + 2}. Below {MIN_TAU_RATIO} the data cannot "
         "separate two arms",
-        Remedy(f"Use {arms_said(model.arms - 1)}.", "arms", f"{model.arms - 1}"),
+        Remedy(f"Use {format_arm_count(model.arms - 1)}.", "arms", f"{model.arms - 1}"),
     )
 
 
@@ -183,12 +183,12 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
 )
 def order_agreed(choice: OrderChoice) -> Finding:
     """The two rules for the number of arms agree, on less than the most that was tried."""
-    chosen = arms_said(choice.arms)
+    chosen = format_arm_count(choice.arms)
     says = f"Both rules choose {chosen}"
     if not choice.has_agreement:
         says = (
-            f"BIC supports {arms_said(choice.by_bic)}, the significance of k and tau "
-            f"{arms_said(choice.by_significance)}; {chosen} taken"
+            f"BIC supports {format_arm_count(choice.by_bic)}, the significance of k and tau "
+            f"{format_arm_count(choice.by_significance)}; {chosen} taken"
         )
     if choice.in_noise_metric:
         says += ". The noise is as slow as the arms, so fits in its own metric were judged"
@@ -217,10 +217,11 @@ def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
     leave = "leaves" if few == 1 else "leave"
     remainder, less = (format_residual(rms, unit) for rms in (shortage.rms, shortage.supported_rms))
     return Finding(
-        f"{sentence(arms_said(few))[:-1]} {leave} {remainder} rms, {arms_said(more)} leave {less}",
+        f"{sentence(format_arm_count(few))[:-1]} {leave} {remainder} rms, {format_arm_count(more)} "
+        f"leave {less}",
         float(more),
         "What too few arms miss is in no interval",
-        Remedy(f"Use {arms_said(more)}.", "arms", f"{more}"),
+        Remedy(f"Use {format_arm_count(more)}.", "arms", f"{more}"),
         limit=float(few),
     )
 
@@ -283,6 +284,6 @@ def amount(value: float, unit: str) -> str:
     return format_quantity(value, get_display_unit(unit), ".3g")
 
 
-def arms_said(count: int) -> str:
+def format_arm_count(count: int) -> str:
     """Return a number of arms in words."""
     return "no arm" if count == 0 else f"{count} arm{'s' * (count > 1)}"

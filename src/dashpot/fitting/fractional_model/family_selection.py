@@ -107,7 +107,7 @@ class FractionalFit(SelectedModel):
         return np.asarray(turn @ covariance @ turn.T)
 
     @property
-    def at_edge(self) -> bool:
+    def is_at_edge(self) -> bool:
         """Slope or relaxation time stands at an end of what is sought."""
         return bool(self.solution.at_bound.any())
 
@@ -141,7 +141,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
         )
 
 
-def refuse_beside_shifts(family: str) -> None:
+def require_maxwell_family(family: str) -> None:
     """Refuse all but arms where a solid moves with temperature.
 
     Raises
@@ -177,7 +177,7 @@ def element(data: FitData) -> FractionalFit:
         peak=data.peak,
         priors=data.priors,
         encoders=data.encoders,
-        whole=element_jacobian(data.every, columns, best),
+        whole=element_jacobian(data.full_rows, columns, best),
     )
     return FractionalFit(data, estimate, (), None, None, best)
 
@@ -228,7 +228,7 @@ class FamilySelection:
         if self.other is None:
             return None
         solid, _, rise, explains = self.other
-        return alternative_of(self.best.solid, solid, rise, band, explains=explains, extra=extra)
+        return build_alternative(self.best.solid, solid, rise, band, explains=explains, extra=extra)
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
         """What to ask of a solid that was taken beside another family."""
@@ -239,7 +239,7 @@ class FamilySelection:
             return (check,)
         error = float(self.best.error[ELEMENT.index("alpha")])
         return (
-            slope_known(error, edge=self.best.at_edge),
+            slope_known(error, edge=self.best.is_at_edge),
             element_explains(self.other.residual, self.other.solid.maxwell.arms),
             check,
         )
@@ -271,7 +271,7 @@ def chosen_family(
     def criterion(contender: _Contender) -> float:
         return bic(contender.sse, effective=effective, parameters=contender.parameters, floor=floor)
 
-    def compute_explained_share(contender: _Contender, best: _Contender) -> bool:
+    def is_as_good(contender: _Contender, best: _Contender) -> bool:
         value, least = (
             deviance(item.sse, effective=effective, floor=floor) for item in (contender, best)
         )
@@ -285,14 +285,10 @@ def chosen_family(
 
     single, several = _candidate(fit), _list_orders(arms)
     taken = several[0]
-    better = criterion(single) + VERY_STRONG < criterion(taken) and not fit.at_edge
+    better = criterion(single) + VERY_STRONG < criterion(taken) and not fit.is_at_edge
     best, others = (single, several) if better or family == "fractional" else (taken, [single])
     least = criterion(best) + VERY_STRONG
-    explain = [
-        other
-        for other in others
-        if criterion(other) < least or compute_explained_share(other, best)
-    ]
+    explain = [other for other in others if criterion(other) < least or is_as_good(other, best)]
     other = (explain or others)[0]
     return FamilySelection(
         best.family,
@@ -354,7 +350,9 @@ def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: Frac
     parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
     rise = fall + (len(fit.estimate.names) - parameters) * float(np.log(effective))
     explains = rise < VERY_STRONG or not is_significant_fall(fall, 1)
-    other = alternative_of(bent.solid, fit.solid, rise, bent.band, explains=explains, extra=RAMPS)
+    other = build_alternative(
+        bent.solid, fit.solid, rise, bent.band, explains=explains, extra=RAMPS
+    )
     checks = (*bent.checks, families_told_apart(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
 
@@ -389,7 +387,7 @@ def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray
     return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
 
 
-def alternative_of(
+def build_alternative(
     mine: Solid,
     other: Solid,
     rise: float,

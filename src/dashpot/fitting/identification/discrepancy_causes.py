@@ -141,10 +141,10 @@ def explain_discrepancy(
         return None
     before, alike, ranked = _rank_causes(plain, refit)
     explanations = [
-        _format_cause(cause, candidate, before, law, compression, leads=not place)
+        _build_explanation(cause, candidate, before, law, compression, leads=not place)
         for place, (cause, candidate) in enumerate(ranked)
     ]
-    if not explanations[0].explains and _has_failed(plain) == {"lines_explained"}:
+    if not explanations[0].explains and _find_failed_checks(plain) == {"lines_explained"}:
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
     rivals = [
@@ -179,12 +179,16 @@ def _rank_causes(
     candidates: list[Candidate] = []
     for causes in (CAUSES, PAIRS):
         if all(map(is_contradicted, candidates)):
-            new = [cause for cause in causes if problem.priors.each[cause.quantity] is not None]
+            new = [
+                cause
+                for cause in causes
+                if problem.priors.priors_by_name[cause.quantity] is not None
+            ]
             free += new
             candidates += [refit(_free_quantity(problem, cause)) for cause in new]
     scale = min(candidate.line_scale for candidate in candidates)
-    candidates = [_refit_equal_weights(candidate, scale) for candidate in candidates]
-    before = _refit_equal_weights(plain, scale)
+    candidates = [_refit_at_scale(candidate, scale) for candidate in candidates]
+    before = _refit_at_scale(plain, scale)
     least = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also tells causes apart: only a decisive lead counts
     alike = least + max(DECISIVE, LACKING * (before.criterion - least))
@@ -208,10 +212,10 @@ def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
 
 def is_contradicted(candidate: Candidate) -> bool:
     """Return True if lines, a relaxation test, mass, gain or stiffness are beyond belief."""
-    return bool(_has_failed(candidate))
+    return bool(_find_failed_checks(candidate))
 
 
-def _has_failed(candidate: Candidate) -> set[str]:
+def _find_failed_checks(candidate: Candidate) -> set[str]:
     return {check.name for check in agreement(candidate) if check.failed}
 
 
@@ -236,11 +240,11 @@ def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list
             zip(problem.relaxations, candidate.relaxation_chi2, strict=True), 1
         )
     ]
-    earlier = candidate.modelled.earlier[0]
+    earlier = candidate.model_prediction.earlier[0]
     if len(earlier):
         off = float(np.sqrt(np.mean(earlier**2)))
         answers.append(checks.earlier_fit_kept(off))
-    return answers + _list_rig_shifts(candidate.point, known or problem.priors)
+    return answers + _check_rig_nuisances(candidate.point, known or problem.priors)
 
 
 def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
@@ -250,7 +254,7 @@ def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
     return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
 
 
-def _list_rig_shifts(point: Parameters, priors: NuisancePriors) -> list[Check]:
+def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Check]:
     """How far each nuisance had to go from what was known of it."""
     mass = priors.mass
     pairs = [
@@ -267,19 +271,19 @@ def _free_quantity(
     problem: IdentificationProblem, cause: DiscrepancyCause
 ) -> IdentificationProblem:
     free = {
-        name: (problem.priors.each[name] or UNCHANGED)._replace(sd=np.inf)
+        name: (problem.priors.priors_by_name[name] or UNCHANGED)._replace(sd=np.inf)
         for name in (cause.quantity, cause.beside)
         if name
     }
     return replace(problem, priors=replace(problem.priors, **free))
 
 
-def _refit_equal_weights(candidate: Candidate, scale: float) -> Candidate:
+def _refit_at_scale(candidate: Candidate, scale: float) -> Candidate:
     """The same optimum, its lines weighted alike."""
     return descend(replace(candidate.problem, scale=scale), candidate.theta, tolerance=TOLERANCE)
 
 
-def _format_cause(
+def _build_explanation(
     cause: DiscrepancyCause,
     candidate: Candidate,
     before: Candidate,
@@ -295,7 +299,7 @@ def _format_cause(
     if explains and leads:
         says = _SENTENCES[cause.quantity](value, error)
         says += f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
-        says += _find_matching_stiffness(cause, candidate) + _format_other_compression(
+        says += _format_compensating_quantity(cause, candidate) + _format_other_compression(
             cause, value, law, compression
         )
     return Explanation(
@@ -317,7 +321,7 @@ def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, flo
     return value, value * float(np.sqrt(candidate.covariance[place, place]))
 
 
-def _find_matching_stiffness(cause: DiscrepancyCause, candidate: Candidate) -> str:
+def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate) -> str:
     """The stiffness that goes with a mass or a gain, where it is another one at all."""
     if not cause.beside:
         return ""

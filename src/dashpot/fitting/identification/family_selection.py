@@ -19,7 +19,7 @@ from dashpot.fitting.fractional_model.checks import (
     families_told_apart,
     slope_known,
 )
-from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, alternative_of
+from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, build_alternative
 from dashpot.fitting.identification.likelihood import Candidate
 from dashpot.fitting.identification.parametrisation import FractionalElement, is_at_edge
 from dashpot.numerics.inference.model_order import is_significant_fall
@@ -43,7 +43,7 @@ class AlternativeCandidate(NamedTuple):
     explains: bool
 
     @property
-    def worst(self) -> float:
+    def worst_misfit_ratio(self) -> float:
         """Root of what the best leaves of a test over what the other does, of the worst test."""
         mine, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
         return float(np.sqrt(np.max(mine / np.maximum(other, 1e-300))))
@@ -52,7 +52,7 @@ class AlternativeCandidate(NamedTuple):
         """The other family as a fit keeps it; `band` is what the tests inform, Hz."""
         problem, rise = self.best.problem, self.other.bic - self.best.bic
         single = not problem.relaxations and problem.constraints.before is None
-        return alternative_of(
+        return build_alternative(
             self.best.point.model, self.other.point.model, rise, band,
             explains=self.explains, extra=_ALONE if single else _JOINT,
         )  # fmt: skip
@@ -80,7 +80,7 @@ def chosen_rival(
     return AlternativeCandidate(best, (explain or others)[0], bool(explain))
 
 
-def reselected_family(
+def reselect_family(
     rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
 ) -> AlternativeCandidate:
     """The same two where what the tests contradict is free: else a wrong mass chooses the solid."""
@@ -103,7 +103,7 @@ def family_checks(
     if isinstance(best.problem.sought, FractionalElement):
         answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)))
         if rival is not None:
-            answers.append(element_explains(rival.worst, rival.other.arms))
+            answers.append(element_explains(rival.worst_misfit_ratio, rival.other.arms))
     return answers if rival is None else [*answers, families_told_apart(other)]
 
 

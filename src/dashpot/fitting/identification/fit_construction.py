@@ -37,8 +37,8 @@ from dashpot.fitting.identification.family_selection import (
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.identification.unseen_rig import moved_by_hammer_rig
-from dashpot.fitting.known_band import known_band
+from dashpot.fitting.identification.unseen_rig import compute_hammer_rig_sensitivity
+from dashpot.fitting.known_band import find_loss_factor_band
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
@@ -70,7 +70,7 @@ def build_identified_fit(
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
-    unmeasured = _moved_by_rig(best, physical, doubtful, rig)
+    unmeasured = _compute_rig_sensitivity(best, physical, doubtful, rig)
     if discrepancy is not None:
         # which of the two solids is right is a doubt of its own
         physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
@@ -94,7 +94,7 @@ def build_identified_fit(
         *dashpot,
     )
     of_noise, estimate = estimate, estimate.with_rig(unmeasured)
-    band, known_there = _known_band(best, band, of_noise, estimate)
+    band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
     answers = (*answers, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
     end = end_of_data(best, before, estimate)
     law = None if before is None else before.elastic_law
@@ -189,7 +189,7 @@ def _physical(
     return names, np.append(sought.physical(sought.pack(model))[1], b), quantity.covariance
 
 
-def _moved_by_rig(
+def _compute_rig_sensitivity(
     best: Candidate,
     covariance: FloatArray,
     doubtful: Sequence[RelaxationData],
@@ -202,13 +202,15 @@ def _moved_by_rig(
     was moved by.
     """
     size = len(covariance)
-    pulls = [data.pulled(best.point.model)[:size] for data in doubtful]
+    pulls = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful]
     before = best.problem.constraints.before
     if before is not None and best.problem.earlier is not None:
         places, _, root = best.problem.earlier
         pulls.append(np.zeros((size, len(places))))
-        pulls[-1][places] = np.linalg.solve(root @ root.T, _unseen_root(before, best))
-    of_hammer = _slope_of_physical(best) @ moved_by_hammer_rig(best, rig)
+        pulls[-1][places] = np.linalg.solve(
+            root @ root.T, _compute_rig_covariance_root(before, best)
+        )
+    of_hammer = _slope_of_physical(best) @ compute_hammer_rig_sensitivity(best, rig)
     indices = np.where(np.isfinite(covariance), covariance, 0.0)
     return np.hstack([*(indices @ pull for pull in pulls), of_hammer])
 
@@ -223,7 +225,7 @@ def _slope_of_physical(best: Candidate) -> FloatArray:
     return slope
 
 
-def _unseen_root(before: Fit, best: Candidate) -> FloatArray:
+def _compute_rig_covariance_root(before: Fit, best: Candidate) -> FloatArray:
     """A root of what rigs add to the covariance of an earlier fit, in the rows that are kept."""
     estimate = before.estimate
     rows = best.problem.earlier_rows
@@ -251,7 +253,7 @@ def _score(candidate: Candidate) -> OrderScore:
     )
 
 
-def _known_band(
+def _find_loss_factor_band(
     best: Candidate,
     band: tuple[float, float],
     of_noise: ParameterEstimate,
@@ -283,7 +285,7 @@ def _known_band(
     # an error by a covariance costs little: so many lines place the ends to a few per cent
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
     errors = every if every(peak)[1] <= WELL_KNOWN else noise
-    values, band_error = known_band(
+    values, band_error = find_loss_factor_band(
         errors, band, {line: errors(line) for line in lines}, around=peak
     )
     if errors is every:

@@ -26,7 +26,7 @@ from dashpot.fitting.identification.discrepancy_causes import (
 from dashpot.fitting.identification.family_selection import (
     AlternativeCandidate,
     chosen_rival,
-    reselected_family,
+    reselect_family,
 )
 from dashpot.fitting.identification.fit_construction import build_identified_fit
 from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
@@ -153,7 +153,7 @@ def identify(
     refuse_copies(records)
     frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
     before = before_hammer(records, fit, convert_to_si(temperature, "temperature"), family, bench)
-    point = point_of(before.known, mass, seals, compression)
+    point = point_of(before.primary_fit, mass, seals, compression)
     priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
     whole = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
     parallel_dashpot = known.parallel_dashpot
@@ -164,7 +164,7 @@ def identify(
     best, candidates, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
     final = _last_descent(replace(best.problem, scale=scale), best.theta)
-    earlier = before.known
+    earlier = before.primary_fit
     element = before.element if isinstance(best.problem.sought, FractionalElement) else before.arms
     discrepancy = explain_discrepancy(
         final,
@@ -173,11 +173,11 @@ def identify(
         compression=None if point is None else point.compression,
     )
     if discrepancy is not None and rival is not None:
-        rival = reselected_family(
+        rival = reselect_family(
             rival,
             lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
-    orders = [candidate.scaled(scale) for candidate in candidates]
+    orders = [candidate.copy_with_scale(scale) for candidate in candidates]
     if discrepancy is not None and discrepancy.found is not final:
         # what explains both tests chose its arms anew
         final, orders = discrepancy.found, [discrepancy.found]
@@ -237,7 +237,7 @@ def _best(
 ) -> tuple[Candidate, list[Candidate], AlternativeCandidate | None]:
     """The candidate to take, every number of arms tried beside it, and the other family's."""
     candidate = None if family == "maxwell" else _element(problems, before)
-    if candidate is not None and before.known is not before.arms:
+    if candidate is not None and before.primary_fit is not before.arms:
         # an earlier fit of four parameters is no prior of arms
         return candidate, [], None
     candidates = _solve_every_order(problems, numbers, before.arms)
@@ -250,7 +250,7 @@ def _best(
 
 def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
     """The best fractional element, from the linear start of dynamic stiffness."""
-    sought, tries = FractionalElement.of(before.relaxations), []
+    sought, tries = FractionalElement.from_relaxations(before.relaxations), []
     for problem in (
         replace(identification_problem, sought=sought) for identification_problem in problems
     ):
@@ -316,7 +316,7 @@ def _candidates(
         starts = [parameter for parameter in parameters if parameter.model.maxwell.arms == number]
         best = _lowest(problem, [*starts, *_spread(problem, before)])
         # more arms explain no less: where they do, their optimum was not found
-        if best.problem.sought.whole(best.point.model) and not (
+        if best.problem.sought.is_complete(best.point.model) and not (
             candidates and best.cost > ASTRAY * candidates[-1].cost
         ):
             candidates.append(best)
@@ -373,7 +373,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
             if candidate.problem.dashpot == dashpot
         }
         if ladder:
-            sure = [candidate.scaled(scale).significant for candidate in ladder.values()]
+            sure = [candidate.copy_with_scale(scale).significant for candidate in ladder.values()]
             bics = [candidate.bic for candidate in ladder.values()]
             best.append(ladder[select_model_order([*ladder], bics, sure, decisive=DECISIVE).arms])
     return min(best, key=lambda candidate: candidate.bic)
@@ -390,7 +390,7 @@ def _arms_enough(
     others = [few + index for index in range(1, FURTHER + 1)]
     candidates = [best, *_candidates(best.problem, others, before)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
-    sure = [candidate.scaled(scale).significant for candidate in candidates]
+    sure = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers, bics = (
         [candidate.arms for candidate in candidates],
         [candidate.bic for candidate in candidates],
@@ -411,9 +411,9 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
     sought = best.problem.sought
     if best.problem.dashpot:
-        return dashpot_not_missed(None, sought.counted(), best.point.model.maxwell.b)
+        return dashpot_not_missed(None, sought.format_model_order(), best.point.model.maxwell.b)
     if best.exact:
-        return dashpot_not_missed(0.0, sought.counted(), 0.0)
+        return dashpot_not_missed(0.0, sought.format_model_order(), 0.0)
     tries = []
     if isinstance(sought, Arms):
         least = 0 if before is None else before.model.arms
@@ -427,14 +427,18 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
         descend(problem, problem.pack(start), tolerance=LOOSE) for problem, start in tries
     ]
     other = min(candidates, key=lambda candidate: candidate.bic)
-    sure = best.scaled(best.line_scale).significant
+    sure = best.copy_with_scale(best.line_scale).significant
     b = other.point.model.maxwell.b
-    return dashpot_not_missed(best.bic - other.bic, other.problem.sought.counted(), b, sure=sure)
+    return dashpot_not_missed(
+        best.bic - other.bic, other.problem.sought.format_model_order(), b, sure=sure
+    )
 
 
 def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:
     """Every test as a linear problem in the stiffnesses of the solid."""
-    blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
+    blocks = [
+        relaxation.build_weighted_block(i) for i, relaxation in enumerate(problem.relaxations)
+    ]
     frf_data = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.mean)
     mean = None if problem.priors.mass is None else problem.priors.mass.mean
     return [*blocks, frf_data.stiffness_block(mean, dashpot=problem.dashpot)]

@@ -94,7 +94,7 @@ class NuisancePriors:
     spring: Prior = UNCHANGED
 
     @property
-    def each(self) -> dict[str, Prior | None]:
+    def priors_by_name(self) -> dict[str, Prior | None]:
         """By name, in the order of the vector."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
@@ -133,7 +133,7 @@ class Parameters:
     spring: float = 1.0
 
     @property
-    def felt(self) -> Solid:
+    def seal_under_hammer(self) -> Solid:
         """The seal under the hammer."""
         solid = self.model if self.spring == 1 else on_another_spring(self.model, self.spring)
         return solid if self.factor == 1 else self.factor * solid
@@ -169,7 +169,11 @@ class IdentificationProblem:
     @cached_property
     def at(self) -> dict[str, int]:
         """Place of b, and of each nuisance, in the vector."""
-        free = [name for name, prior in self.priors.each.items() if prior is None or prior.sd > 0]
+        free = [
+            name
+            for name, prior in self.priors.priors_by_name.items()
+            if prior is None or prior.sd > 0
+        ]
         names = ["b"] * self.dashpot + free
         return {name: place for place, name in enumerate(names, start=self.sought.size)}
 
@@ -202,7 +206,9 @@ class IdentificationProblem:
         }
         model = self.sought.unpack(theta[: self.sought.size], entries.pop("b", 0.0))
         available = {
-            name: prior.mean for name, prior in self.priors.each.items() if prior is not None
+            name: prior.mean
+            for name, prior in self.priors.priors_by_name.items()
+            if prior is not None
         }
         return Parameters(model, **available | entries)
 
@@ -215,7 +221,7 @@ class IdentificationProblem:
             name: (0.0, prior.sd / DELAY_UNIT)
             if name == "delay"
             else (float(np.log(prior.mean)), prior.sd / prior.mean)
-            for name, prior in self.priors.each.items()
+            for name, prior in self.priors.priors_by_name.items()
             if prior is not None and name in self.at
         }
         mean, sd = np.array([*entries.values()]).reshape(-1, 2).T
@@ -227,7 +233,7 @@ class IdentificationProblem:
         before = self.constraints.before
         if before is None:
             return None
-        retained, places = self.sought.kept(before)
+        retained, places = self.sought.extract_earlier_values(before)
         of = dict(zip(retained, places, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
         covariance, rows = before.estimate.noise_alone.covariance, self.earlier_rows
@@ -242,7 +248,7 @@ class IdentificationProblem:
         if before is None:
             return []
         retained, variance = (
-            self.sought.kept(before)[0],
+            self.sought.extract_earlier_values(before)[0],
             np.diag(before.estimate.noise_alone.covariance),
         )
         return [
@@ -261,7 +267,7 @@ class IdentificationProblem:
         return least_squares.Problem(
             lambda theta: ModelPrediction(self, theta).rows,
             [Parameter(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)],
-            priors=len(ModelPrediction(self, start).known[0]),
+            priors=len(ModelPrediction(self, start).prior_residuals[0]),
         )
 
 
@@ -280,7 +286,7 @@ class ModelPrediction:
     @property
     def rows(self) -> Rows:
         """All weighted residuals, tests first, what is known beforehand last; none is linear."""
-        y = -np.concatenate([*self.tests, self.lines, self.known[0]])
+        y = -np.concatenate([*self.tests, self.lines, self.prior_residuals[0]])
         return Rows(y, np.empty((len(y), 0)), lambda _: self.slope)
 
     @cached_property
@@ -288,7 +294,7 @@ class ModelPrediction:
         """Residuals of the relaxation tests."""
         return [
             relaxation.residual + self._b * relaxation.dashpot
-            for relaxation in self._relaxation_rows
+            for relaxation in self._relaxation_residuals
         ]
 
     @cached_property
@@ -299,11 +305,11 @@ class ModelPrediction:
         return problem.frf_data.misfit(shown) / problem.scale
 
     @cached_property
-    def known(self) -> tuple[FloatArray, FloatArray]:
+    def prior_residuals(self) -> tuple[FloatArray, FloatArray]:
         """Those of everything known beforehand, shape (r,), and their slope (r, p)."""
         at, mean, sd = self.problem.rig
         rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
-        off, slopes = zip(rig, *self._build_solid_rows(), self.earlier, strict=True)
+        off, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
         return np.concatenate(list(map(np.atleast_1d, off))), np.vstack(slopes)
 
     @cached_property
@@ -324,13 +330,13 @@ class ModelPrediction:
         size = len(self._numbers)
         tests = [
             np.zeros((len(relaxation.residual), len(self.theta)))
-            for relaxation in self._relaxation_rows
+            for relaxation in self._relaxation_residuals
         ]
-        for columns, residuals in zip(tests, self._relaxation_rows, strict=True):
+        for columns, residuals in zip(tests, self._relaxation_residuals, strict=True):
             columns[:, :size] = residuals.jacobian
             if self.problem.dashpot:
                 columns[:, self.problem.at["b"]] = self._b * residuals.dashpot
-        return np.concatenate([*tests, self._differentiate_lines(), self.known[1]])
+        return np.concatenate([*tests, self._differentiate_lines(), self.prior_residuals[1]])
 
     # -- private ------------------------------------------------------------------------------
 
@@ -343,7 +349,7 @@ class ModelPrediction:
         return float(np.exp(self.theta[self.problem.at["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
-    def _relaxation_rows(self) -> list[RelaxationResiduals]:
+    def _relaxation_residuals(self) -> list[RelaxationResiduals]:
         problem = self.problem
         return [
             problem.sought.residuals(relaxation, self._numbers)
@@ -352,12 +358,12 @@ class ModelPrediction:
 
     @cached_property
     def _response(self) -> Response:
-        return self.problem.frf_data.response(self.point.felt, self.point.mass)
+        return self.problem.frf_data.response(self.point.seal_under_hammer, self.point.mass)
 
     def _differentiate_lines(self) -> FloatArray:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
-        values = problem.sought.at_lines(self._numbers, s)
+        values = problem.sought.differentiate_stiffness(self._numbers, s)
         sensed = 1 / response.receptance - p.mass * s**2
 
         def differentiate_lost_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
@@ -402,14 +408,14 @@ class ModelPrediction:
             by[:, problem.at[name]] = rest[name]
         return by
 
-    def _build_solid_rows(self) -> Iterator[tuple[float, FloatArray]]:
+    def _iterate_solid_constraints(self) -> Iterator[tuple[float, FloatArray]]:
         constraints, p = self.problem.constraints, self.point
         if constraints.static_stiffness is not None:
             k_inf = p.model.k_inf
             yield constraints.static_stiffness.off(k_inf, k_inf * np.eye(1, len(self.theta))[0])
         if constraints.natural_frequency is None and constraints.damping_ratio is None:
             return
-        solid = self.problem.frf_data.seals * p.felt
+        solid = self.problem.frf_data.seals * p.seal_under_hammer
         pole = ringing_pole(solid, p.mass)
         at, size = np.array([pole]), abs(pole)
         values = differentiate_poles(self.problem.sought, self._numbers, at)[0]
@@ -449,14 +455,14 @@ class Candidate:
         return self.optimum.cost
 
     @cached_property
-    def modelled(self) -> ModelPrediction:
+    def model_prediction(self) -> ModelPrediction:
         """What it makes of every test."""
         return ModelPrediction(self.problem, self.theta)
 
     @property
     def point(self) -> Parameters:
         """The optimum in physical terms."""
-        return self.modelled.point
+        return self.model_prediction.point
 
     @cached_property
     def estimate(self) -> Estimate:
@@ -474,14 +480,14 @@ class Candidate:
     @property
     def significant(self) -> bool:
         """Every arm has k > 3 SE and SE(ln tau) < 0.5; the slope of an element is known."""
-        return self.problem.sought.identified(self._error)
+        return self.problem.sought.is_identified(self._error)
 
     @property
     def unknown(self) -> tuple[float, ...]:
         """Relaxation times of the arms that are not known, s, ascending."""
         assert isinstance(self.problem.sought, Arms)  # noqa: S101  # an element has none
         tau = np.exp(self.problem.sought.log_tau(self.theta))
-        return tuple(np.sort(tau[~self.problem.sought.known(self._error)]).tolist())
+        return tuple(np.sort(tau[~self.problem.sought.find_identified_arms(self._error)]).tolist())
 
     @property
     def _error(self) -> FloatArray:
@@ -496,8 +502,8 @@ class Candidate:
         total = deviance(max(self.line_misfit / lines, SMALLEST_SCATTER**2), effective=lines)
         for relaxation, chi2 in zip(self.problem.relaxations, self.relaxation_chi2, strict=True):
             total += deviance(chi2 / relaxation.samples, effective=relaxation.samples)
-        prior = self.modelled.known[0]
-        return self._add_penalty(total + float(prior @ prior))
+        prior = self.model_prediction.prior_residuals[0]
+        return self._compute_bic(total + float(prior @ prior))
 
     @property
     def exact(self) -> bool:
@@ -511,9 +517,9 @@ class Candidate:
     @property
     def criterion(self) -> float:
         """That with the noise as it is weighted."""
-        return self._add_penalty(self.cost)
+        return self._compute_bic(self.cost)
 
-    def _add_penalty(self, total: float) -> float:
+    def _compute_bic(self, total: float) -> float:
         return bic_of_deviance(total, effective=self.samples, parameters=len(self.theta))
 
     @property
@@ -526,13 +532,13 @@ class Candidate:
     @cached_property
     def relaxation_chi2(self) -> list[float]:
         """Chi-square of each relaxation test, its floor included."""
-        pairs = zip(self.modelled.tests, self.problem.relaxations, strict=True)
+        pairs = zip(self.model_prediction.tests, self.problem.relaxations, strict=True)
         return [float(rows @ rows) + relaxation.floor for rows, relaxation in pairs]
 
     @cached_property
     def line_misfit(self) -> float:
         """Squared misfit of the lines in units of their own scatter, not scaled."""
-        return float(np.sum((self.modelled.lines * self.problem.scale) ** 2))
+        return float(np.sum((self.model_prediction.lines * self.problem.scale) ** 2))
 
     @property
     def chi2(self) -> float:
@@ -546,7 +552,7 @@ class Candidate:
         rms = float(np.sqrt(self.line_misfit / spare))
         return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
 
-    def scaled(self, scale: float) -> Candidate:
+    def copy_with_scale(self, scale: float) -> Candidate:
         """As it was found, its covariance with the scatter of the lines scaled."""
         problem = replace(self.problem, scale=scale)
         return Candidate(problem, problem.about(self.theta).at(self.theta))

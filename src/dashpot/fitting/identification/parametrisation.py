@@ -100,11 +100,11 @@ class Arms:
         """Derivative of k_inf, every k and every ln tau of the solid's arms by the numbers."""
         return self.physical(numbers)[2]
 
-    def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
+    def differentiate_stiffness(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
         """Derivative of the stiffness by the numbers, shape (n, size)."""
         return differentiate_poles(self, numbers, s)[0]
 
-    def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
+    def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """What an earlier fit found, by name, and which of the physical parameters those are."""
         old = Arms(before.model.arms)
         names, values, _ = old.physical(old.pack(before.model))
@@ -113,11 +113,11 @@ class Arms:
         places = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
         return dict(zip(names, values.tolist(), strict=True)), places
 
-    def identified(self, error: FloatArray) -> bool:
+    def is_identified(self, error: FloatArray) -> bool:
         """True if standard errors of the numbers leave none unknown."""
-        return bool(self.known(error).all())
+        return bool(self.find_identified_arms(error).all())
 
-    def known(self, error: FloatArray) -> BoolArray:
+    def find_identified_arms(self, error: FloatArray) -> BoolArray:
         """Which arms those leave known, in the order of the numbers."""
         N = self.count
         return is_well_determined(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
@@ -126,11 +126,11 @@ class Arms:
         """Logarithms of the relaxation times, s, in that order."""
         return numbers[1 + self.count : 1 + 2 * self.count]
 
-    def whole(self, solid: Solid) -> bool:
+    def is_complete(self, solid: Solid) -> bool:
         """True if no part of the solid has left it."""
         return all(k > GONE * solid.k_0 for k in solid.maxwell.k)
 
-    def counted(self) -> str:
+    def format_model_order(self) -> str:
         """What is sought, in words."""
         return f"{self.count} arm{'s' * (self.count != 1)}"
 
@@ -154,7 +154,7 @@ class FractionalElement:
     )
 
     @classmethod
-    def of(cls, relaxations: Sequence[RelaxationData]) -> FractionalElement:
+    def from_relaxations(cls, relaxations: Sequence[RelaxationData]) -> FractionalElement:
         """An element beside these tests."""
         grids = {}
         for relaxation in relaxations:
@@ -201,7 +201,7 @@ class FractionalElement:
         """Of the arms that stand for it."""
         return self.unpack(numbers, 0.0).arm_gradient() @ self.physical(numbers)[2]
 
-    def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
+    def differentiate_stiffness(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
         """Derivative of its own stiffness."""
         (k_inf, value, tau), alpha = np.exp(numbers[:3]), numbers[3]
         power = (s * tau) ** alpha
@@ -210,20 +210,20 @@ class FractionalElement:
         spring = np.full(len(s), k_inf)
         return np.column_stack((spring, column, alpha * turned, np.log(s * tau) * turned))
 
-    def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
+    def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """What an earlier fit found."""
         values = self.physical(self.pack(before.solid))[1]
         return dict(zip(ELEMENT, values.tolist(), strict=True)), [*range(4)]
 
-    def identified(self, error: FloatArray) -> bool:
+    def is_identified(self, error: FloatArray) -> bool:
         """True if no number is unknown."""
         return not slope_known(float(error[3]), edge=False).failed
 
-    def whole(self, solid: Solid) -> bool:
+    def is_complete(self, solid: Solid) -> bool:
         """True if no part has left it."""
         return solid.k_0 - solid.k_inf > GONE * solid.k_0
 
-    def counted(self) -> str:
+    def format_model_order(self) -> str:
         """In words."""
         return "a fractional element"
 

@@ -40,7 +40,7 @@ class BenchFit:
         return {name: every[name] for name in every if every[name] != getattr(BenchFit, name)}
 
     @property
-    def of_one_test(self) -> BenchFit:
+    def single_test_options(self) -> BenchFit:
         """The same of a test by itself, which has one temperature."""
         return BenchFit(self.method, self.law, self.thorough)
 

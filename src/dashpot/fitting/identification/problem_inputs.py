@@ -11,7 +11,7 @@ from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.fractional_model.family_selection import refuse_beside_shifts
+from dashpot.fitting.fractional_model.family_selection import require_maxwell_family
 from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Constraints,
@@ -49,7 +49,7 @@ class PriorTests(NamedTuple):
     doubtful: tuple[RelaxationData, ...] = ()
 
     @property
-    def known(self) -> Fit | None:
+    def primary_fit(self) -> Fit | None:
         """The one that knows of elastic law and temperatures."""
         return self.element if self.arms is None else self.arms
 
@@ -73,13 +73,13 @@ def before_hammer(
     if not records:
         return _without_tests(fit, temperature, family)
     if len(temperatures_of(records)) > 1:
-        refuse_beside_shifts(family)
+        require_maxwell_family(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
-    before = _convert_to_family("maxwell", fit) or fit_tests(list(records), **bench.choices)
+    before = _select_family_fit("maxwell", fit) or fit_tests(list(records), **bench.choices)
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in get_choice_values(Method)
-    choices = bench.of_one_test.choices
+    choices = bench.single_test_options.choices
     fits = [before] if same else [fit_tests(record, **choices) for record in records]
     relaxation_datasets, doubtful = (
         tuple(
@@ -91,13 +91,13 @@ def before_hammer(
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
         return PriorTests(before, None, relaxation_datasets, doubtful)
-    element = _convert_to_family("fractional", fit) or fit_tests(
+    element = _select_family_fit("fractional", fit) or fit_tests(
         list(records), family="fractional", **bench.choices
     )
     return PriorTests(before, element, relaxation_datasets, doubtful)
 
 
-def _convert_to_family(family: str, fit: Fit | None) -> Fit | None:
+def _select_family_fit(family: str, fit: Fit | None) -> Fit | None:
     return fit if fit is not None and fit.family == family else None
 
 
@@ -170,7 +170,7 @@ def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
         prior("static_stiffness"),
         prior("natural_frequency"),
         prior("damping_ratio"),
-        before=None if before.relaxations else before.known,
+        before=None if before.relaxations else before.primary_fit,
     )
 
 

@@ -29,7 +29,7 @@ from dashpot.numerics.least_squares.problem import stack_real_rows
 _STEP = 1e-3
 
 
-def moved_by_hammer_rig(best: Candidate, rig: HammerRig) -> FloatArray:
+def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArray:
     """Return by how much the flat parameter vector follows each doubt, shape (p, d).
 
     Parameters
@@ -41,8 +41,8 @@ def moved_by_hammer_rig(best: Candidate, rig: HammerRig) -> FloatArray:
     """
     problem = best.problem
     columns = stack_real_rows(_doubts(best, rig) / problem.frf_data.sd[:, None]) / problem.scale
-    first = sum(len(rows) for rows in best.modelled.tests)
-    slope = best.modelled.slope[first : first + len(columns)]
+    first = sum(len(rows) for rows in best.model_prediction.tests)
+    slope = best.model_prediction.slope[first : first + len(columns)]
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
     return np.asarray(covariance @ (slope.T @ columns))
 
@@ -50,10 +50,10 @@ def moved_by_hammer_rig(best: Candidate, rig: HammerRig) -> FloatArray:
 def _doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     """What each doubt adds to the predicted lines, one standard deviation a column."""
     data, point = best.problem.frf_data, best.point
-    response = data.response(point.felt, point.mass)
+    response = data.response(point.seal_under_hammer, point.mass)
     s, accelerance = response.s, response.accelerance
     seals = s**2 / accelerance - point.mass * s**2
-    there = complex((data.seals * point.felt).stiffness_at(2j * np.pi * data.peak_hz))
+    there = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
     cable, loss = rig.cable_sd * abs(there.real), USUAL["loss of the cable"].size
     ones = np.ones_like(s)
     added = np.column_stack((
@@ -71,7 +71,7 @@ def _doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     after, before = (
         replace(data, lines=replace(data.lines, shift=data.lines.shift + way)).predict(
             replace(data, lines=replace(data.lines, shift=data.lines.shift + way)).response(
-                point.felt, point.mass
+                point.seal_under_hammer, point.mass
             ),
             point.gain,
             point.delay,

@@ -112,7 +112,7 @@ class RampLaw:
         )
 
     @property
-    def missed(self) -> tuple[float, ...]:
+    def relative_residuals(self) -> tuple[float, ...]:
         """Residual on each ramp as a part of the largest force."""
         rows = self.followed.weighted.solid.rows
         return tuple(value / rows.peak(i) for i, value in enumerate(self.followed.ramp))
@@ -123,7 +123,7 @@ class RampLaw:
         return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
 
 
-def build_estimate(
+def build_ramp_law(
     tests: Sequence[RampHold],
     hold: HoldEstimate,
     soundness: tuple[LinearFitQuality, ...],
@@ -141,7 +141,7 @@ def build_estimate(
 
     def seal(values: FloatArray) -> FloatArray:
         """The solid's parameters, then the law's shape, whose mean is 1."""
-        log_tau, shape = solid.parted(values[:first])
+        log_tau, shape = solid.split_parameters(values[:first])
         k = values[first : first + 1 + len(log_tau)]
         return np.concatenate(
             (k[:1], k[1 + there], log_tau[there], shape / (solid.weights @ shape))

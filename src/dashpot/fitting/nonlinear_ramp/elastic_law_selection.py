@@ -22,7 +22,7 @@ from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import (
     ElasticLawScore,
     KnotSpacing,
     RampLaw,
-    build_estimate,
+    build_ramp_law,
     elastic_law_of,
 )
 from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality, sample_noise, soundness
@@ -31,8 +31,8 @@ from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
     HoldEstimate,
     RampHoldOptimum,
     delay_derivative,
+    fit_hold_only,
     fit_ramp_and_hold,
-    hold_alone,
     independent,
     nuisances,
     recorded_hold,
@@ -88,12 +88,12 @@ def select_elastic_law(
     """
     require_choice("law", law, RampLawAsked, FitError)
     rows = downsample(tests)
-    hold = hold_alone(rows, arms, max_arms)
+    hold = fit_hold_only(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
-    soundness, optimum = linear_fit_quality(rows, hold, noise, arms)
+    soundness, optimum = assess_linear_fit(rows, hold, noise, arms)
     if law != "nonlinear" and all(quality.sound for quality in soundness):
         score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
-        return build_estimate(tests, hold, soundness, optimum, (score,))
+        return build_ramp_law(tests, hold, soundness, optimum, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
     bent = [item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)]
@@ -105,7 +105,7 @@ def select_elastic_law(
     ramp_optimum = _with_delay(tried[taken.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
         ramp_optimum = _with_faster_arm(ramp_optimum, hold)
-    return build_estimate(tests, hold, soundness, ramp_optimum, scores)
+    return build_ramp_law(tests, hold, soundness, ramp_optimum, scores)
 
 
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
@@ -118,7 +118,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
         The holds by the number of arms that was asked for.
     """
     arms = len(hold.log_tau)
-    more = hold_alone(downsample(tests))
+    more = fit_hold_only(downsample(tests))
     supported = len(more.log_tau)
     if supported <= arms:
         return None
@@ -199,7 +199,7 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
         return optimum
     tried = optimum.weighted.descend(np.append(fastest - np.log(4.0), optimum.optimum.theta))
     fall = optimum.optimum.cost - tried.cost
-    if solid.parted(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
+    if solid.split_parameters(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
         return optimum
     more = fit_ramp_and_hold(solid, hold, optimum, tried.theta, value=optimum.weighted.nuisances)
     faster = float(more.log_tau.min()) < fastest - np.log(2.0)
@@ -207,14 +207,14 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else optimum
 
 
-def linear_fit_quality(
+def assess_linear_fit(
     rows: DownsampledRows, hold: HoldEstimate, noise: Sequence[float], arms: int | None
 ) -> tuple[tuple[LinearFitQuality, ...], RampHoldOptimum]:
     """Return how sound the linear law is, the best of the numbers of arms tried."""
     count = len(hold.log_tau)
     tried = []
     for index in (count, count - 1) if arms is None and count > 1 else (count,):
-        start = hold if index == count else hold_alone(rows, index)
+        start = hold if index == count else fit_hold_only(rows, index)
         optimum = _joint(rows, hold, start.log_tau, noise)
         qualities = tuple(
             soundness(

@@ -23,10 +23,10 @@ from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
 from dashpot.fitting.nuisance_priors import delay_prior, last_of_hold, significant_drift
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import hold_only_data
+from dashpot.fitting.relaxation_likelihood import build_hold_data
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.rig_sensitivity import clock_sensitivity
+from dashpot.fitting.uncertainty.rig_sensitivity import compute_clock_sensitivity
 from dashpot.fitting.uncertainty.valid_band import informed_band
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -96,7 +96,7 @@ def ramp_fit(
 def held_ramps(tests: Sequence[RampHold], law: RampLaw) -> list[RelaxationData]:
     """The holds of tests that share an elastic law, with what their rigs may have done unseen."""
     return [
-        hold_only_data(
+        build_hold_data(
             test,
             law.model,
             residual[test.settled.start - test.hold.stop :],
@@ -122,7 +122,7 @@ def _add_test_errors(
     depth = [depth_error(test) for test in tests]
     scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
     off = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
-    by = np.column_stack((off * scaled, clock_sensitivity(tests, model)))
+    by = np.column_stack((off * scaled, compute_clock_sensitivity(tests, model)))
     return replace(estimate, covariance=estimate.covariance + by @ by.T)
 
 
@@ -155,12 +155,12 @@ def ramp_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of elastic law and load cell, each at its worst over the records."""
     rows = law.followed.weighted.solid.rows
-    worst = int(np.argmax(law.missed))
+    worst = int(np.argmax(law.relative_residuals))
     values = law.followed.nuisance
     error = np.sqrt(np.diag(law.estimate.covariance))
     deepest = int(np.argmax(rows.depths))
     followed = checks.ramp_followed(
-        law.missed[worst],
+        law.relative_residuals[worst],
         max(rows.noise[worst], law.hold.rms[worst]) / rows.peak(worst),
         law.discrepancy[worst],
         law.law.kind,

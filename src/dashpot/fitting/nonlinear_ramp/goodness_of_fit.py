@@ -106,11 +106,11 @@ def linear_soundness(test: RampHold, whole: FloatArray, single: FloatArray) -> L
         discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
-        unread=peak / test.depth * _left_of_motion(test, slice(onset, corner)),
+        unread=peak / test.depth * _compute_motion_residual(test, slice(onset, corner)),
     )
 
 
-def _left_of_motion(test: RampHold, ramp: slice) -> float:
+def _compute_motion_residual(test: RampHold, ramp: slice) -> float:
     """Standard deviation of what the encoder leaves of the motion on the ramp, m."""
     _, residual = denoise_displacement(test)
     return float(np.sqrt(np.mean(residual[ramp] ** 2)))

@@ -99,12 +99,12 @@ class RampHoldOptimum:
     @property
     def log_tau(self) -> FloatArray:
         """Of every arm, shape (N,)."""
-        return self.weighted.solid.parted(self.optimum.theta)[0]
+        return self.weighted.solid.split_parameters(self.optimum.theta)[0]
 
     @property
     def shape(self) -> FloatArray:
         """Of the law at its knots, of mean 1."""
-        return self.weighted.solid.parted(self.optimum.theta)[1]
+        return self.weighted.solid.split_parameters(self.optimum.theta)[1]
 
     @property
     def k(self) -> FloatArray:
@@ -138,7 +138,7 @@ class RampHoldOptimum:
 # -- the hold alone -------------------------------------------------------------------------------
 
 
-def hold_alone(
+def fit_hold_only(
     rows: DownsampledRows, arms: int | None = None, max_arms: int = MAX_ARMS
 ) -> HoldEstimate:
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
@@ -149,7 +149,7 @@ def hold_alone(
     one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
     solutions = solve_orders(blocks, most, negligible=one_more)
     chosen = _select_order(rows, blocks, solutions) if arms is None else solutions[-1]
-    return _build_solution(rows, blocks, chosen)
+    return _build_hold_estimate(rows, blocks, chosen)
 
 
 def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
@@ -196,7 +196,7 @@ def _select_order(
     )
 
 
-def _build_solution(
+def _build_hold_estimate(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
 ) -> HoldEstimate:
     jacobian = full_jacobian(blocks, solution)

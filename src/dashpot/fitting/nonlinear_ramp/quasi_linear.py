@@ -49,7 +49,7 @@ class QuasiLinear:
         """Every ln tau, and the shape of a law that is not straight, (N + P,)."""
         return np.concatenate((log_tau, shape[self.bends]))
 
-    def parted(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def split_parameters(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Every ln tau, and the shape at every knot."""
         arms = len(theta) - self.bends.stop
         return theta[:arms], theta[arms:] if self.bends.stop else np.ones(2)

@@ -92,7 +92,7 @@ class Weighted:
 
     def force(self, best: Optimum) -> FloatArray:
         """Force of the solid alone, N, shape (M,)."""
-        log_tau, shape = self.solid.parted(best.theta)
+        log_tau, shape = self.solid.split_parameters(best.theta)
         columns = self.solid.columns(log_tau) @ shape
         return np.asarray(np.sum(columns * self._expand_by_row(self.stiffnesses(best)), axis=1))
 
@@ -102,7 +102,7 @@ class Weighted:
         bends = solid.weights[solid.bends]
 
         def model(theta: FloatArray) -> Rows:
-            log_tau, shape = solid.parted(theta)
+            log_tau, shape = solid.split_parameters(theta)
             mean = float(solid.weights @ shape)
             hats, shape = solid.columns(log_tau), shape / mean
             columns = hats @ shape
@@ -133,10 +133,10 @@ class Weighted:
 
     def _normalise_shape(self, theta: FloatArray) -> FloatArray:
         """The length of the shape is no parameter."""
-        log_tau, shape = self.solid.parted(theta)
+        log_tau, shape = self.solid.split_parameters(theta)
         return np.concatenate((log_tau, shape / float(self.solid.weights @ shape)))
 
     def descend(self, theta: FloatArray) -> Optimum:
         """Return the nearest optimum, ln tau in the window of the rows, shape >= 0 of mean 1."""
-        problem = self.problem(len(self.solid.parted(theta)[0]))
+        problem = self.problem(len(self.solid.split_parameters(theta)[0]))
         return require_optimum(problem, [theta], most=_STEPS, flat=_FINISHED / len(self.root))

@@ -158,11 +158,11 @@ class AdmissibleSpectra:
         self.best = np.zeros(len(norm))
         self._ball = NonnegativeConfidenceRegion(self.columns, self.target)
         self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
-        self.least = self.left(self.best)
+        self.least = self.compute_misfit(self.best)
         self.total = self.least + aside
         return self.total
 
-    def thinned(self, decades: float) -> AdmissibleSpectra:
+    def reduce_grid(self, decades: float) -> AdmissibleSpectra:
         """Return the same set on fewer relaxation times, at least so many decades apart.
 
         All that carry weight in a spectrum that was met stay, and so does the best. A search ends
@@ -183,7 +183,7 @@ class AdmissibleSpectra:
         spectra.met = deque((values[keep] for values in self.met), maxlen=REMEMBERED)
         return spectra
 
-    def refuse_beyond(self, misfit: float, floor: float) -> None:
+    def validate_misfit(self, misfit: float, floor: float) -> None:
         """Refuse a set whose best spectrum is far worse than the fit, which is one of them.
 
         Parameters
@@ -206,7 +206,7 @@ class AdmissibleSpectra:
                 "give it in fewer digits"
             )
 
-    def left(self, s: FloatArray) -> float:
+    def compute_misfit(self, s: FloatArray) -> float:
         """Sum of squares that a spectrum, in unit columns, leaves."""
         misfit = self.columns @ s[self.shown] - self.target
         return float(misfit @ misfit)
@@ -252,7 +252,7 @@ class AdmissibleSpectra:
 
     # -- reaches ----------------------------------------------------------------------------------
 
-    def farthest(self, v: FloatArray) -> FloatArray:
+    def find_extreme_spectrum(self, v: FloatArray) -> FloatArray:
         """The spectrum of the largest v . k, N/m, shape (m,)."""
         aim, on = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ aim).argmax())]
@@ -264,7 +264,9 @@ class AdmissibleSpectra:
 
     def reach(self, v: FloatArray) -> tuple[float, float]:
         """Smallest and largest v . k that the tests do not reject."""
-        return _project_spectrum(v, self.farthest(-v)), _project_spectrum(v, self.farthest(v))
+        return _project_spectrum(v, self.find_extreme_spectrum(-v)), _project_spectrum(
+            v, self.find_extreme_spectrum(v)
+        )
 
     def ratio_reach(self, above: FloatArray, below: FloatArray) -> tuple[float, float]:
         """Smallest and largest (above . k) / (below . k), below . k > 0 (Dinkelbach 1967)."""
@@ -279,7 +281,7 @@ class AdmissibleSpectra:
             return np.inf if (above > 0).any() else 0.0
         ratio = max(values)
         for _ in range(STEPS):
-            result = self.farthest(above - ratio * below)
+            result = self.find_extreme_spectrum(above - ratio * below)
             if not float(below @ result) > 0:
                 break
             gain = float(above @ result) - ratio * float(below @ result)

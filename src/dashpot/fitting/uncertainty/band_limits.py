@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.band_error import WELL_KNOWN, BandError
-from dashpot.fitting.known_band import known_band
+from dashpot.fitting.known_band import find_loss_factor_band
 from dashpot.fitting.relaxation_data import RelaxationRows
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.curve_data import CurveData
@@ -105,7 +105,7 @@ def _largest_ratio(
     """
     ratio = start
     for _ in range(STEPS):
-        values = spectra.farthest(above - ratio * below)
+        values = spectra.find_extreme_spectrum(above - ratio * below)
         if not np.isfinite(values).all():
             return np.inf
         base = float(below @ values)
@@ -144,9 +144,9 @@ def band_of_hold(
     band : (float, float)
         The frequencies that the test informs, Hz.
     """
-    if not _is_asked(solid, band):
+    if not _has_loss_band(solid, band):
         return band, None
-    errors = ErrorsAbout(spectra.thinned(THINNED), solid)
+    errors = ErrorsAbout(spectra.reduce_grid(THINNED), solid)
     ends = [errors(line) for line in band]
     # of a hold the stiffness is known alike over the band: what its ends say is enough
     between = replace(errors, stiffness=max(stiffness for stiffness, _ in ends))
@@ -166,7 +166,7 @@ def band_of_hold(
             if lines[float(at[place])][1] <= WELL_KNOWN:
                 break
     lines = dict(sorted(lines.items()))
-    return known_band(between, band, lines)
+    return find_loss_factor_band(between, band, lines)
 
 
 def band_of_curve(
@@ -180,12 +180,12 @@ def band_of_curve(
 
     The parameters are those of :func:`band_of_hold`; `creep` where the spectra are of compliance.
     """
-    if not _is_asked(solid, band):
+    if not _has_loss_band(solid, band):
         return band, None
     count = int(np.ceil(PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, FEWEST)).tolist()
-    errors = ErrorsAbout(spectra.thinned(0.0), solid, creep)
-    return known_band(errors, band, {line: errors(line) for line in lines})
+    errors = ErrorsAbout(spectra.reduce_grid(0.0), solid, creep)
+    return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +236,6 @@ class BeforeCurve:
         )
 
 
-def _is_asked(solid: Solid, band: tuple[float, float]) -> bool:
+def _has_loss_band(solid: Solid, band: tuple[float, float]) -> bool:
     """Whether there is a band, and a solid that has a loss."""
     return 0 < band[0] < band[1] < np.inf and sum(solid.maxwell.k) > 0

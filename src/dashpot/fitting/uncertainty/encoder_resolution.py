@@ -49,7 +49,7 @@ class Encoder(NamedTuple):
     contact_error: float = 0.0
 
     @classmethod
-    def of(cls, record: RampHold) -> Encoder:
+    def from_record(cls, record: RampHold) -> Encoder:
         """Of a prepared record, up to the end of its hold."""
         used = slice(0, record.hold.stop)
         return cls(

@@ -40,15 +40,15 @@ def spectra_of_holds(
     dof: float,
     level: float = 0.95,
 ) -> AdmissibleSpectra:
-    """Return the spectra that some holds do not reject, as :func:`end_of_hold_limits` asks."""
+    """Return the spectra that some holds do not reject, as :func:`compute_end_limits` asks."""
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), extra=own.tau
     )
-    spectra.refuse_beyond(*misfits(relaxations))
+    spectra.validate_misfit(*misfits(relaxations))
     return spectra
 
 
-def end_of_hold_limits(
+def compute_end_limits(
     relaxations: Sequence[RelaxationData],
     *,
     time: float,
@@ -84,7 +84,7 @@ def end_of_hold_limits(
         k_3end=_reach(spectra, spectra.relaxed_to(3 * time)),
         k_inf=(0.0, _highest(spectra, spectra.relaxed_to(np.inf))),
         falling=_highest(spectra, falling),
-        named=_left_if_named(relaxations, spectra, time),
+        named=_compute_named_rig_share(relaxations, spectra, time),
     )
     return end.holding(own)
 
@@ -162,7 +162,7 @@ def _compute_curve_limits(spectra: AdmissibleSpectra, ended: Ended, time: float)
     return _reach(spectra, spectra.relaxed_to(time))
 
 
-def _left_if_named(
+def _compute_named_rig_share(
     relaxations: Sequence[RelaxationData], spectra: AdmissibleSpectra, time: float
 ) -> float:
     """What is left of the width of k(T) if give, settling and drift were named; nan if they are.
@@ -192,4 +192,4 @@ def _reach(spectra: AdmissibleSpectra, v: FloatArray) -> Interval:
 
 
 def _highest(spectra: AdmissibleSpectra, v: FloatArray) -> float:
-    return float(v @ spectra.farthest(v))
+    return float(v @ spectra.find_extreme_spectrum(v))

@@ -221,7 +221,7 @@ class PredictedFRF:
             raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
 
     @property
-    def _base_force(self) -> float:
+    def _excited_mass(self) -> float:
         """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
         over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
         return self.mass + self.coupled if over_base else 1.0
@@ -232,7 +232,7 @@ class PredictedFRF:
         with np.errstate(divide="ignore"):
             if self.kind is Kind.TRANSMISSIBILITY:
                 return np.asarray(np.abs(self.seals * stiffness + self.coupled * omega**2) / away)
-            return np.asarray(self._base_force * omega**2 / away)
+            return np.asarray(self._excited_mass * omega**2 / away)
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Lowest and highest magnitude over all spectra that the tests do not reject."""
@@ -240,7 +240,7 @@ class PredictedFRF:
         if self.kind is Kind.TRANSMISSIBILITY:
             return ratios(spectra, omega, self.mass * ratio, self.coupled * ratio)
         near, far = distances(spectra, omega, self.mass * ratio)
-        ratio = ratio * self._base_force
+        ratio = ratio * self._excited_mass
         # where a spectrum without loss may resonate, nothing limits the response
         return ratio / far, ratio / near if near > 0 else np.inf
 
@@ -311,7 +311,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     spectra = AdmissibleSpectra(
         data, fastest=fastest, limit=deviance_limit(level, fit.dof), extra=fit.few_arms.tau
     )
-    spectra.refuse_beyond(*misfits(data))
+    spectra.validate_misfit(*misfits(data))
     return spectra
 
 
@@ -336,7 +336,9 @@ def _resonance(
 
     def excess(sign: float, omega: float) -> float:
         storage, _ = spectra.stiffness_at(omega)
-        return float(storage @ spectra.farthest(sign * storage)) / (share * omega**2) - 1
+        return (
+            float(storage @ spectra.find_extreme_spectrum(sign * storage)) / (share * omega**2) - 1
+        )
 
     low, high = value / SOUGHT, value * SOUGHT
     if excess(1, low) < 0 or excess(-1, high) > 0:

@@ -40,7 +40,7 @@ class _TestColumns(NamedTuple):
     unseen: FloatArray
 
 
-def rig_sensitivity(
+def compute_rig_sensitivity(
     relaxations: Sequence[RelaxationData], solid: Solid, *, separate: bool = False
 ) -> FloatArray:
     """Return what each doubt of each test adds to the parameters of a solid fitted to them.
@@ -127,7 +127,7 @@ def _rows(data: RelaxationData, solid: Solid) -> _TestColumns:
     )
 
 
-def clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
+def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
     r"""Return what late forces add to the parameters of a solid fitted to holds, shape (p, 1).
 
     A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The end of a ramp

@@ -29,17 +29,19 @@ def distances(spectra: AdmissibleSpectra, omega: float, inertia: float) -> tuple
     """Nearest and farthest distance of the convex set of (K', K'') from (inertia, 0), outer."""
     stiffness_set = StiffnessSet(spectra, omega, inertia)
     while True:
-        nearest, inside = stiffness_set.nearest()
+        nearest, inside = stiffness_set.find_hull_point()
         corner = max(stiffness_set.corners(), key=abs)
         if len(stiffness_set) >= DIRECTIONS:
             break
-        gap_near = 0.0 if inside else 1 - stiffness_set.near / max(abs(nearest), 1e-300)
+        gap_near = (
+            0.0 if inside else 1 - stiffness_set.nearest_distance_bound / max(abs(nearest), 1e-300)
+        )
         # a set that is one point, where the point is, has no farther one
         gap_far = 1 - stiffness_set.far / abs(corner) if corner else 0.0
         if max(gap_near, gap_far) <= CLOSE:
             break
-        stiffness_set.towards(-nearest if gap_near > gap_far else corner)
-    return 0.0 if inside else stiffness_set.near, abs(corner)
+        stiffness_set.add_direction(-nearest if gap_near > gap_far else corner)
+    return 0.0 if inside else stiffness_set.nearest_distance_bound, abs(corner)
 
 
 def ratios(
@@ -69,7 +71,7 @@ def ratios(
             return least, most
         sign, disc = ((1, most > 1), (-1, least < 1))[worse]
         at = (inner if disc else outer)[worse][1]
-        stiffness_set.towards(complex(*(sign * _steepest(at, base))))
+        stiffness_set.add_direction(complex(*(sign * _steepest(at, base))))
 
 
 class StiffnessSet:
@@ -86,16 +88,16 @@ class StiffnessSet:
         self._directions: list[complex] = []
         self.points: list[complex] = []
         for direction in (1, -1, 1j, -1j):
-            self.towards(direction)
+            self.add_direction(direction)
 
     def __len__(self) -> int:
         return len(self.points)
 
-    def towards(self, direction: complex) -> None:
+    def add_direction(self, direction: complex) -> None:
         """Feel the set in one more direction."""
         unit = direction / abs(direction)
         storage, loss = self._columns
-        spectrum = self._spectra.farthest(unit.real * storage + unit.imag * loss)
+        spectrum = self._spectra.find_extreme_spectrum(unit.real * storage + unit.imag * loss)
         open_ended = np.isinf(spectrum)
         if open_ended.any():
             # as good as without end, and still a point
@@ -113,7 +115,7 @@ class StiffnessSet:
         return [_dot(*pair) for pair in zip(self._directions, self.points, strict=True)]
 
     @property
-    def near(self) -> float:
+    def nearest_distance_bound(self) -> float:
         """No point of the set is nearer."""
         return max(0.0, -min(self._supports))
 
@@ -122,7 +124,7 @@ class StiffnessSet:
         """Some point of the set is as far."""
         return max(map(abs, self.points))
 
-    def nearest(self) -> tuple[complex, bool]:
+    def find_hull_point(self) -> tuple[complex, bool]:
         """The nearest point of the hull of all points met, and whether the origin is in it."""
         angles = sorted(map(phase, self.points))
         widest = max(b - a for a, b in pairwise((*angles, angles[0] + 2 * pi)))

@@ -72,17 +72,19 @@ def informed_band(
     step = min(float(np.diff(test.time).min()) / a for test, a in group)
     ramp = min(test.ramp_time / a for test, a in group)
     fastest = min(1.0 / (np.pi * max(ramp, step)), 0.5 / step)
-    frequency, residual = spread_left(blocks, stiffness=stiffness, noise=noise)
+    frequency, residual = compute_posterior_spread(blocks, stiffness=stiffness, noise=noise)
     return _widest(frequency, residual, slowest, fastest)
 
 
-def informed_alone(block: DataBlock, *, stiffness: float, noise: float) -> tuple[float, float]:
+def find_single_test_band(
+    block: DataBlock, *, stiffness: float, noise: float
+) -> tuple[float, float]:
     """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
-    frequency, residual = spread_left([block], stiffness=stiffness, noise=noise)
+    frequency, residual = compute_posterior_spread([block], stiffness=stiffness, noise=noise)
     return _widest(frequency, residual, float(frequency[0]), float(frequency[-1]))
 
 
-def spread_left(
+def compute_posterior_spread(
     blocks: Sequence[DataBlock], *, stiffness: float, noise: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return frequencies, Hz, and the part of the prior spread of K'' that the test leaves."""

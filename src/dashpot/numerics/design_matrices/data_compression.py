@@ -40,7 +40,7 @@ ACCURACY = 1e-11
 PLAIN = 1e-5
 
 
-class _Section(NamedTuple):
+class _RecordSection(NamedTuple):
     """Samples start:stop, cut into equal pieces, each projected on the same orthonormal basis."""
 
     start: int
@@ -66,7 +66,7 @@ class DataCompression:
 
     nodes: FloatArray
     root_weight: FloatArray
-    stages: tuple[tuple[_Section, ...], ...]
+    stages: tuple[tuple[_RecordSection, ...], ...]
     step: float | None = None
     weighted: bool = False
 
@@ -126,7 +126,7 @@ def project_values(
     return np.concatenate(parts, axis=-1), floor
 
 
-def _apply_stages(values: FloatArray, stages: Sequence[tuple[_Section, ...]]) -> FloatArray:
+def _apply_stages(values: FloatArray, stages: Sequence[tuple[_RecordSection, ...]]) -> FloatArray:
     for sections in stages:
         values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
     return values
@@ -136,7 +136,7 @@ def _squares(values: FloatArray) -> FloatArray:
     return np.asarray(np.vecdot(values, values))
 
 
-def _cut(values: FloatArray, section: _Section) -> tuple[FloatArray, FloatArray]:
+def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
     """A section's pieces, (..., pieces, length), and their projections, (..., points)."""
     part = values[..., section.start : section.stop]
     length = len(section.basis)
@@ -220,7 +220,7 @@ def make_sample_plan(count: int) -> DataCompression:
         return make_identity_plan(np.arange(float(count)))
     position: list[FloatArray] = []
     weight: list[FloatArray] = []
-    sections: list[_Section] = []
+    sections: list[_RecordSection] = []
     start = 0
     # ever longer pieces while they are short beside their distance from the start, then the rest
     until = [*(min(count, NODES * longer) for longer in PIECES[1:]), count]
@@ -232,7 +232,7 @@ def make_sample_plan(count: int) -> DataCompression:
             first = start + length * np.arange(pieces)
             position.append((first[:, None] + nodes).ravel())
             weight.append(np.tile(root, pieces))
-            sections.append(_Section(start, start + pieces * length, basis))
+            sections.append(_RecordSection(start, start + pieces * length, basis))
             start += pieces * length
     at, root = np.concatenate(position), np.concatenate(weight)
     edges = np.array(_doubling(count)[1:-1]) - 0.5
@@ -260,7 +260,7 @@ def _doubling(count: int) -> list[int]:
 
 def _blocks(
     position: FloatArray, root_weight: FloatArray, cuts: IndexArray | None = None
-) -> tuple[FloatArray, FloatArray, tuple[_Section, ...]]:
+) -> tuple[FloatArray, FloatArray, tuple[_RecordSection, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
     if cuts is None:
         first = position[NODES]
@@ -273,12 +273,12 @@ def _blocks(
         if here.stop - here.start <= NODES:
             nodes.append(position[here])
             roots.append(root_weight[here])
-            sections.append(_Section(here.start, here.stop, np.ones((1, 1))))
+            sections.append(_RecordSection(here.start, here.stop, np.ones((1, 1))))
             continue
         node, root, basis = gauss(position[here], root_weight[here], NODES)
         nodes.append(node)
         roots.append(root)
-        sections.append(_Section(here.start, here.stop, basis))
+        sections.append(_RecordSection(here.start, here.stop, basis))
     return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
 
 

@@ -12,7 +12,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
 from dashpot.reading.table import LoadedColumns
-from dashpot.signals.clock import BESIDE, LEAP, clock_jumps
+from dashpot.signals.clock import BESIDE, LEAP, find_clock_jumps
 
 _LAST = 5.0
 """How much longer than all others the last step may be before it is worth a word."""
@@ -269,7 +269,7 @@ def _late_start(steps: FloatArray) -> list[str]:
 def _leaps(time: FloatArray) -> list[str]:
     """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
     # of the first and the last row others tell
-    leaps = [jump for jump in clock_jumps(time) if 0 < jump.at < len(time) - 2]
+    leaps = [jump for jump in find_clock_jumps(time) if 0 < jump.at < len(time) - 2]
     notes = [
         f"the clock goes on by {leap.step:.6g} s at t = {time[leap.at]:.6g} s, where its steps "
         f"are {leap.beside:.3g} s: it jumped, or the record was interrupted"

@@ -398,8 +398,8 @@ def test_the_law_of_a_limit_loses_more_and_each_constant_moves_its_own_way():
     limit = law.at_least()
     assert limit.physical == pytest.approx(law.physical + BOUND * 2e-3)
     assert limit.life(398.15, 0.5) < law.life(398.15, 0.5)
-    assert law._moved(3, 0.1).exponent == pytest.approx(0.5 * np.exp(0.1))
-    assert law._moved(2, 500.0).activation == pytest.approx(law.activation + 500)
+    assert law._shift_parameter(3, 0.1).exponent == pytest.approx(0.5 * np.exp(0.1))
+    assert law._shift_parameter(2, 500.0).activation == pytest.approx(law.activation + 500)
 
 
 def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():

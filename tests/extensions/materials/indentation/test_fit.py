@@ -280,7 +280,7 @@ def test_slopes_are_those_of_the_model(of, pull, law):
     best = fit._fit_law(window, law).optimum
     theta = best.theta + np.append(np.full(len(best.theta) - 1, 5e-4), 0.0)
     # no sample at the touch or the release, where slopes jump
-    ends = theta[-1] + np.array([0.0, window.struck(LAWS[law], theta).duration])
+    ends = theta[-1] + np.array([0.0, window.simulate_collision(LAWS[law], theta).duration])
     shifts = np.linspace(0.0, test.step, 20)
     near = np.abs(window.time[:, None, None] - ends - shifts[:, None]).min(axis=(0, 2))
     theta[-1] += shifts[near.argmax()]

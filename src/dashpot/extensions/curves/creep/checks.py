@@ -11,7 +11,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import round_to_error
 from dashpot.extensions.curves.checks import FOLLOWED
 from dashpot.fitting.checks.relaxation import largest_rms
-from dashpot.fitting.checks.solid import arms_said
+from dashpot.fitting.checks.solid import format_arm_count
 from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
 from dashpot.preprocessing.contact import MIN_BASELINE
 from dashpot.signals.frozen import frozen_runs
@@ -221,7 +221,7 @@ def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
 def compliance_followed(missed: float, arms: int) -> Finding:
     """The fit follows the curve of compliance."""
     return Finding(
-        f"{arms_said(arms)} leave {100 * missed:.2g} % rms of the compliance",
+        f"{format_arm_count(arms)} leave {100 * missed:.2g} % rms of the compliance",
         missed,
         "They do not follow the curve",
         Remedy("Cut off where the instrument's inertia oscillates, or use more arms.", "arms"),

@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.curves.creep.fit import fit_creep, pre_load_baseline
+from dashpot.extensions.curves.creep.fit import estimate_preload_baseline, fit_creep
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.datamodel.creep import (
     COMPLIANCES,
@@ -65,7 +65,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
     ratio = record.displacement - fitted_displacement(fit, record)
-    if not pre_load_baseline(record).told:
+    if not estimate_preload_baseline(record).told:
         drift = sum(nuisance.value for nuisance in fit.nuisance if nuisance.name == "drift")
         ratio = ratio + drift * (record.time - record.time[0])
     ratio = ratio[record.hold] / record.level

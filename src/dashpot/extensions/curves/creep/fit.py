@@ -50,7 +50,7 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design_matrix import NUISANCE, regular_clock
+from dashpot.fitting.design_matrix import NUISANCE, regularise_clock
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import DOUBTED, FitData, max_determinable_arms
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
@@ -58,10 +58,10 @@ from dashpot.fitting.nuisance_priors import (
     ROUNDING,
     NuisanceTerms,
     Prior,
-    baseline_of_channel,
     delay_prior,
+    estimate_channel_zero,
 )
-from dashpot.fitting.pipeline import SelectedModel, requested_arms, select_order
+from dashpot.fitting.pipeline import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
@@ -139,7 +139,7 @@ def fit_creep(
     DataError, FitError
         If no force is held, the compliance falls, or an option makes no sense.
     """
-    requested_arms(arms, max_arms)
+    validate_arm_count(arms, max_arms)
     if isinstance(test, CreepCompliance) and test.temperature is not None:
         test = superpose(test)
     if isinstance(test, Superposition):
@@ -162,7 +162,7 @@ def _align_load(
     was found, until hardly any delay is left, by Gauss-Newton.
     """
     most = _FARTHEST * delay_prior(record).sd
-    retardation = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+    retardation = _fit_recorded_load(record, arms, max_arms=max_arms, thorough=thorough)
     for _ in range(_MOVES):
         delay = retardation.solution.coefficient("delay")
         if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
@@ -171,11 +171,11 @@ def _align_load(
         if earlier is record:
             break
         record = earlier
-        retardation = _found_as_recorded(record, arms, max_arms=max_arms, thorough=thorough)
+        retardation = _fit_recorded_load(record, arms, max_arms=max_arms, thorough=thorough)
     return record, retardation
 
 
-def _found_as_recorded(
+def _fit_recorded_load(
     record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
 ) -> Retarded:
     """The kind of part, and its retardations, with the load where the record has it."""
@@ -183,7 +183,7 @@ def _found_as_recorded(
         select_order(_data(record, flows=flows), item, max_arms=max_arms, thorough=thorough)
         for flows, item in _candidates(arms)
     ]
-    return _better([_beyond_load_error(record, selection) for selection in selections])
+    return _better([_add_load_errors(record, selection) for selection in selections])
 
 
 def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["auto"]]]:
@@ -198,8 +198,8 @@ def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["
 
 def _data(record: LoadHold, *, flows: bool) -> FitData:
     """The displacement as an answer to the load, with what is known of its zero before it."""
-    baseline = pre_load_baseline(record)
-    time = regular_clock(record.time - record.time[0])
+    baseline = estimate_preload_baseline(record)
+    time = regularise_clock(record.time - record.time[0])
     window = slice(baseline.first, None)
     block = retarding(
         recorded_block(
@@ -241,7 +241,7 @@ class _PreloadBaseline(NamedTuple):
         return NuisanceTerms(priors, -self.at, self.least)
 
 
-def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBaseline:
+def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBaseline:
     """Return what the samples before the load say of its zero, its drift and its clock.
 
     `claimed` for limits, which bear all that a rig may drift unseen.
@@ -259,7 +259,9 @@ def pre_load_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBas
     usual = Machine().drift_sd(both, duration, unmeasured)
     slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
-        offset, at, slope = baseline_of_channel(time[:first], x[:first], record.displacement_noise)
+        offset, at, slope = estimate_channel_zero(
+            time[:first], x[:first], record.displacement_noise
+        )
         # a reading that stands on one count hides a part of the next
         offset = Prior(offset.mean, max(offset.sd, OF_A_COUNT * count))
         slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
@@ -351,7 +353,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     word = "m" if record.unit == "N/m" else "1"
     nuisance = _nuisances(record, retardation, word)
     answers = (
-        retardation.ended,
+        retardation.convergence_check,
         *_checks(retardation, record.unit, window, "the record", word),
         *_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time),
@@ -380,7 +382,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
             sources_of([record]),
             (
                 *record.steps,
-                *_format_load_change(record),
+                *_make_lead_steps(record),
                 _step(retardation, f"{len(residual)} samples of a creep test", arms),
             ),
             record.specimen,
@@ -405,7 +407,7 @@ def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
     return term.value, term.standard_error, term.prior_sd or 0.0
 
 
-def _format_load_change(record: LoadHold) -> tuple[Step, ...]:
+def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
     """What was done to the load."""
     if not record.lead:
         return ()
@@ -416,7 +418,7 @@ def _format_load_change(record: LoadHold) -> tuple[Step, ...]:
     return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), says),)
 
 
-def _beyond_load_error(record: LoadHold, selection: SelectedModel) -> SelectedModel:
+def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedModel:
     """The choice with what the noise of the load leaves unknown in its errors.
 
     Where the number was left to the rules, a retardation that is not significant beside that
@@ -484,7 +486,7 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     """Whether a drift may be a flow, where none was taken."""
     if retardation.flows:
         return []
-    baseline = pre_load_baseline(record)
+    baseline = estimate_preload_baseline(record)
     drift = retardation.solution.coefficient("drift")
     return [checks.drift_is_no_flow(drift, baseline.usual, reported=baseline.told)]
 
@@ -503,13 +505,13 @@ def _end_of_test(
     """
     block, residual = retardation.data.blocks[0], retardation.estimate.residuals[0]
     if FLOW not in block.fixed_names:
-        time = regular_clock(record.time - record.time[0])
+        time = regularise_clock(record.time - record.time[0])
         span = slice(len(time) - len(residual), None)
         block = block.with_column(FLOW, _impulse(time, record.load)[span])
-    terms = pre_load_baseline(record, claimed=True).terms
+    terms = estimate_preload_baseline(record, claimed=True).terms
     if record.unit == "N/m":
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
-        terms = terms.beside(**{GLASS: Prior(0.0, give / record.level)})
+        terms = terms.add_terms(**{GLASS: Prior(0.0, give / record.level)})
     power = max(noise_power(residual), block.rounding_floor)
     worth = len(residual) * float(np.mean(residual**2)) / power
     data = CurveData(
@@ -591,7 +593,7 @@ def _fit_curve(
             f"the compliance at {t[i]:g} s is {values[i]:g}; expected values > 0: leave out what "
             "came before the load was there"
         )
-    most = requested_arms(arms, max_arms)
+    most = validate_arm_count(arms, max_arms)
     window = ((float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1]))
     if not window[0] > 0:
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
@@ -620,7 +622,7 @@ def _fit_curve(
             error = replace(error, misfit=(float(np.max(missed[inside], initial=0.0)), 0.0))
     answers = (
         *origin.checks,
-        best.ended,
+        best.convergence_check,
         *check_temperature(curve.specimen),
         *_checks(best, unit, window, "the curve", "1"),
         *_flow_checks(creep, float(t[-1])),

@@ -56,9 +56,9 @@ from dashpot.fitting.fractional_model.family_selection import (
     checked_family,
     chosen_family,
     describe_fit,
-    refuse_beside_shifts,
+    require_maxwell_family,
 )
-from dashpot.fitting.pipeline import SelectedModel, requested_arms, select_order
+from dashpot.fitting.pipeline import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.replicates import refuse_copies
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
@@ -149,9 +149,9 @@ def fit_dynamic(
     records = _records(tests, data, dashpot=dashpot)
     shifted = isinstance(origin, Superposition)
     if shifted:
-        _refuse_of_one_temperature(family, records)
+        _validate_temperature_options(family, records)
     weights = weights or _USUAL[shifted]
-    most = requested_arms(arms, max_arms)
+    most = validate_arm_count(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
     selection = select_order(_stack_parts(sets), arms, max_arms=max_arms, thorough=thorough)
     both = chosen_family(selection, family)
@@ -188,7 +188,7 @@ def fit_dynamic(
             selection.orders,
             selection.certificate,
             checks=(
-                selection.ended,
+                selection.convergence_check,
                 *of_data,
                 *check_temperature(data.specimen),
                 *_checks(selection, data, records, end, [n for item in sets for n in item.freedom]),
@@ -259,9 +259,9 @@ def _select_one_temperature(
     return data, UnshiftedCurve(sources_of([data]), (storage_rises(data),))
 
 
-def _refuse_of_one_temperature(family: str, records: Sequence[RampHold]) -> None:
+def _validate_temperature_options(family: str, records: Sequence[RampHold]) -> None:
     """Refuse what goes with a sweep of one temperature alone."""
-    refuse_beside_shifts(family)
+    require_maxwell_family(family)
     if records:
         raise FitError(
             "the sweeps are of several temperatures, the relaxation tests of one: choose the "

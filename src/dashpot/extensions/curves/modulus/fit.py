@@ -32,7 +32,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
-from dashpot.fitting.pipeline import requested_arms, select_order
+from dashpot.fitting.pipeline import select_order, validate_arm_count
 from dashpot.fitting.uncertainty.band_limits import BeforeCurve, band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
@@ -112,7 +112,7 @@ def fit_modulus(
     falls = modulus_falls(values)
     if falls.failed:
         raise DataError(f"this is no relaxation modulus: {decapitalise_sentence(falls.told)}")
-    most = requested_arms(arms, max_arms)
+    most = validate_arm_count(arms, max_arms)
     window = _window(t)
     block = _weight_curve(t, values, weights, window, most)
     selection = select_order(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
@@ -133,7 +133,7 @@ def fit_modulus(
         extra="Measure longer.",
     )
     requested_checks = (
-        selection.ended,
+        selection.convergence_check,
         *origin.checks,
         *check_temperature(data.specimen),
         arms_supported(model, selection.error, unit=unit),

@@ -147,7 +147,7 @@ class ShiftSearch:
         sizes = [Parameter(scale=_SIZES[i // n]) for i in self.free.tolist()]
         return Problem(self.rows, sizes, positive=True, priors=n - 1)
 
-    def placed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def split_shifts(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Ln a and ln b of each isotherm."""
         shifts = self.shifts.copy()
         shifts[self.free] = theta
@@ -156,7 +156,7 @@ class ShiftSearch:
 
     def rows(self, theta: FloatArray) -> Rows:
         """Of every isotherm, and what is known of the steps between neighbours."""
-        ln_a, ln_b = self.placed(theta)
+        ln_a, ln_b = self.split_shifts(theta)
         n, prior = len(ln_a), _prior(self.isotherms, self.noise)
         group = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
         columns = [
@@ -177,13 +177,13 @@ class ShiftSearch:
         return Rows(y, A, slope)
 
     @property
-    def found(self) -> ShiftedSpectrum:
+    def best_spectrum(self) -> ShiftedSpectrum:
         """The best there is from the start."""
         start = self.shifts[self.free]
         best = require_optimum(
             self.problem, [start], most=_STEPS, finished=_STILL, flat=_LEAST_GAIN
         )
-        return ShiftedSpectrum(*self.placed(best.theta), self.ln_tau, best)
+        return ShiftedSpectrum(*self.split_shifts(best.theta), self.ln_tau, best)
 
 
 def spectrum_at(
@@ -191,7 +191,7 @@ def spectrum_at(
 ) -> ShiftedSpectrum:
     """Return the spectrum at given shifts."""
     none = np.zeros(0, dtype=np.intp)
-    return ShiftSearch(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).found
+    return ShiftSearch(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).best_spectrum
 
 
 def solve_shifts(
@@ -218,7 +218,9 @@ def solve_shifts(
     free = _free(len(isotherms), reference)
     for _ in range(_GRIDS):
         grid = grid_of(isotherms, ln_a)
-        spectrum = ShiftSearch(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
+        spectrum = ShiftSearch(
+            isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise
+        ).best_spectrum
         far = float(np.abs(spectrum.ln_a - ln_a).max())
         ln_a = spectrum.ln_a
         if far < _REGRID:
@@ -239,7 +241,7 @@ def refine_shifts(
     free = _free(len(isotherms), reference, both=free_b)
     return ShiftSearch(
         isotherms, fine, np.concatenate((spectrum.ln_a, spectrum.ln_b)), free, noise
-    ).found
+    ).best_spectrum
 
 
 def vertical_step(

@@ -109,7 +109,7 @@ def superpose(
     at = _reference(t, convert_to_si(reference, "temperature"))
     parts = _fit_isotherms_separately(isotherms)
     if shifts:
-        best, how, checks = _as_given(isotherms, shifts, at)
+        best, how, checks = _apply_stated_shifts(isotherms, shifts, at)
     else:
         best, how, checks = _search_shifts(isotherms, at, vertical, np.sqrt(parts.variance))
     covariance = _decadic(best, at)
@@ -139,7 +139,7 @@ def superpose(
     )
 
 
-class _Apart(NamedTuple):
+class _SeparateSpectra(NamedTuple):
     """What the isotherms leave, each with a spectrum of its own."""
 
     sse: float
@@ -158,10 +158,10 @@ class _Apart(NamedTuple):
         return best.variance / self.variance, float(by_chance)
 
 
-def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _Apart:
+def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _SeparateSpectra:
     at = np.zeros(1)
     spectra = [spectrum_at([isotherm], at, at, grid_of([isotherm], at)) for isotherm in isotherms]
-    return _Apart(
+    return _SeparateSpectra(
         sum(spectrum.sse for spectrum in spectra),
         sum(spectrum.values - spectrum.parameters for spectrum in spectra),
     )
@@ -205,7 +205,7 @@ def _search_shifts(
     return best, how, (vertical_shift_known(how, margin, ratio), followed)
 
 
-def _as_given(
+def _apply_stated_shifts(
     isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""

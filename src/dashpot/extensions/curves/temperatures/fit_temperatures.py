@@ -24,7 +24,7 @@ from dashpot.extensions.curves.superposition.checks import collect_shift_checks,
 from dashpot.extensions.curves.temperatures import checks
 from dashpot.extensions.curves.temperatures.joint_covariance import (
     JointCovariance,
-    joint_covariance,
+    compute_joint_covariance,
 )
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum, optimum
 from dashpot.extensions.curves.temperatures.marginalised_data import (
@@ -32,9 +32,9 @@ from dashpot.extensions.curves.temperatures.marginalised_data import (
     shift_block,
 )
 from dashpot.extensions.curves.temperatures.result import (
+    build_point_fit,
     elastic_law,
     law_of,
-    point_alone,
     provenance,
     shifts_of,
 )
@@ -52,12 +52,12 @@ from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.fit_data import FitData, data_of, weighed
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.linearity import HoldBlocks, assess_linearity
-from dashpot.fitting.pipeline import FURTHER, certificate_for
+from dashpot.fitting.pipeline import FURTHER, compute_certificate
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.replicates import end_stiffnesses
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_hold_limits, spectra_of_holds
-from dashpot.fitting.uncertainty.valid_band import informed_alone, informed_band
+from dashpot.fitting.uncertainty.end_of_hold_limits import compute_end_limits, spectra_of_holds
+from dashpot.fitting.uncertainty.valid_band import find_single_test_band, informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
 from dashpot.numerics.inference.model_order import Shortage, chi2_sf
@@ -94,7 +94,7 @@ def fit_records(
 ) -> Fit:
     """Fit one solid that moves with temperature to ramps and holds, as :func:`fit_thermal`."""
     return fit_thermal(
-        [_fit_alone(record, asked.law, thorough=asked.thorough) for record in records],
+        [_fit_single_test(record, asked.law, thorough=asked.thorough) for record in records],
         arms=asked.count,
         max_arms=asked.max_arms,
         vertical=vertical,
@@ -105,7 +105,9 @@ def fit_records(
     )
 
 
-def _fit_alone(record: RampHold, law: RampLawAsked, *, thorough: bool) -> SingleTemperatureTest:
+def _fit_single_test(
+    record: RampHold, law: RampLawAsked, *, thorough: bool
+) -> SingleTemperatureTest:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], FitSetup("full"))
@@ -114,14 +116,14 @@ def _fit_alone(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Single
     )
     bend = law == "nonlinear"
     if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
-        return SingleTemperatureTest.of(record, kelvin, gate.first, None)
+        return SingleTemperatureTest.from_first_fit(record, kelvin, gate.first, None)
     from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
         select_elastic_law,  # a sound linear fit needs none
     )
 
     bent = select_elastic_law([record], law=law)
     if bent.sound and not bend:
-        return SingleTemperatureTest.of(record, kelvin, gate.first, None)
+        return SingleTemperatureTest.from_first_fit(record, kelvin, gate.first, None)
     block = block_of(
         record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
     )
@@ -131,7 +133,7 @@ def _fit_alone(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Single
         in_time=True,
         bind=partial(bound, [record], [block], FitSetup("full")),
     )
-    return SingleTemperatureTest.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
+    return SingleTemperatureTest.from_first_fit(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
 def fit_thermal(
@@ -174,11 +176,11 @@ def fit_thermal(
         tests, reference, arms=arms, max_arms=max_arms, vertical=vertical, thorough=thorough
     )
     if not intervals and arms is not None:
-        return point_alone(best, vertical, shift_law, requested=arms)
-    fit = MultiTemperatureFit(best, joint_covariance(best.joint, best.tests, best.point))
+        return build_point_fit(best, vertical, shift_law, requested=arms)
+    fit = MultiTemperatureFit(best, compute_joint_covariance(best.joint, best.tests, best.point))
     made = _build_fit(fit, vertical, shift_law, requested=arms)
     end = _end_of_hold(fit, made)
-    band, error = _known_band(fit, made)
+    band, error = _find_loss_factor_band(fit, made)
     checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
     if arms is not None:
         more = optimum(
@@ -201,7 +203,7 @@ def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
     return arms_enough(shortage, few.order, unit="sd")
 
 
-def _known_band(
+def _find_loss_factor_band(
     fit: MultiTemperatureFit, made: Fit
 ) -> tuple[tuple[float, float], BandError | None]:
     """The valid band, and how well all tests together know the solid there; their ramps linear."""
@@ -227,7 +229,7 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
     ]
     if not records:
         return None
-    return end_of_hold_limits(
+    return compute_end_limits(
         [relaxation_data(record, made) for record in records],
         time=max(record.hold_time for record in records),
         own=made.model,
@@ -255,11 +257,11 @@ def _build_fit(
     )
     estimate = ParameterEstimate(
         parameter_names(point.order),
-        knowledge.of_solid,
+        knowledge.solid_covariance,
         knowledge.dof,
         knowledge.residual,
         nuisance=knowledge.nuisances,
-    ).with_rig(knowledge.solid_moved)
+    ).with_rig(knowledge.solid_rig_sensitivity)
     fewer = requested is not None and model.arms < requested
     noticed = [check for record in records for check in record.checks]
     return build_fit(
@@ -267,7 +269,7 @@ def _build_fit(
         Evidence(
             band,
             orders=_orders(fit),
-            certificate=certificate_for(_reduce_tests(fit), solution),
+            certificate=compute_certificate(_reduce_tests(fit), solution),
             checks=(*noticed, *_checks(fit, shifts, law_fit, band)),
         ),
         provenance(best, shifts),
@@ -295,7 +297,11 @@ def _orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
     sse = fit.knowledge.residual.sse / fit.best.point.chi_square
     return tuple(
         OrderScore(
-            point.order, sse * point.chi_square, bic, fit.best.joint.clear(point), point.solid
+            point.order,
+            sse * point.chi_square,
+            bic,
+            fit.best.joint.has_significant_arms(point),
+            point.solid,
         )
         for point, bic in fit.best.tried
     )
@@ -318,7 +324,7 @@ def _checks(
         *run_solid_checks(
             records,
             point.solid,
-            np.sqrt(np.diag(knowledge.of_solid)),
+            np.sqrt(np.diag(knowledge.solid_covariance)),
             Residuals(knowledge.residuals, residual.rms, residual.kappa),
             RelaxationWindow((min(low), max(high)), "the tests together"),
             solids=solids,
@@ -385,7 +391,7 @@ def _compute_data_estimate(nuisance: Nuisance, value: float) -> tuple[float, flo
 def _informed_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
     """The band that the tests of one temperature inform, Hz at the reference."""
     group = [
-        informed_alone(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
+        find_single_test_band(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
         for block, at in zip(_reduce_tests(fit), fit.best.joint.at, strict=True)
         if at == i
     ]

@@ -46,12 +46,12 @@ class JointCovariance(ParameterCovariance):
     moved: FloatArray
 
     @property
-    def of_solid(self) -> FloatArray:
+    def solid_covariance(self) -> FloatArray:
         """Covariance of the solid's parameters, for the noise."""
         return np.asarray(self.covariance[np.ix_(self._solid, self._solid)])
 
     @property
-    def solid_moved(self) -> FloatArray:
+    def solid_rig_sensitivity(self) -> FloatArray:
         """What the doubts of the rigs add to the solid's parameters, shape (p, d)."""
         return self.moved[self._solid]
 
@@ -79,7 +79,7 @@ class JointCovariance(ParameterCovariance):
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
         names = self.names[len(self.names) - len(self.own) :]
-        return build_test_columns(names, self.own, self.point, self.standard_error)
+        return build_test_nuisances(names, self.own, self.point, self.standard_error)
 
     @property
     def residual(self) -> Residual:
@@ -87,7 +87,7 @@ class JointCovariance(ParameterCovariance):
         return self.statistics([noise.samples for noise in self.noises])
 
 
-def build_test_columns(
+def build_test_nuisances(
     names: Sequence[str], base: FloatArray, point: ShiftedSolid, error: Callable[[str], float]
 ) -> tuple[Nuisance, ...]:
     """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
@@ -116,13 +116,13 @@ class TestResidual(NamedTuple):
     columns: FloatArray
 
 
-def left_of(
+def compute_test_residual(
     joint: JointTests, test: SingleTemperatureTest, i: int, point: ShiftedSolid
 ) -> TestResidual:
     """Return what a point leaves of every sample of test i."""
     weight, exact = 1 / test.spread, test.block.exact
     part = joint.part(exact, int(joint.at[i]), point)
-    columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
+    columns = exact.evaluate(np.zeros(0), False).fixed[:, test.nuisance_columns]
     rows, target = test.prior_rows
     values = np.linalg.lstsq(
         np.concatenate((weight * columns, rows)),
@@ -132,18 +132,18 @@ def left_of(
     return TestResidual(part.residual - columns @ values, values, part, columns)
 
 
-def own_names(tests: Sequence[SingleTemperatureTest]) -> tuple[str, ...]:
+def list_column_names(tests: Sequence[SingleTemperatureTest]) -> tuple[str, ...]:
     """Return the columns of each test, ``"offset@0"``."""
     return tuple(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds)
 
 
-def joint_covariance(
+def compute_joint_covariance(
     joint: JointTests, tests: Sequence[SingleTemperatureTest], point: ShiftedSolid
 ) -> JointCovariance:
     """Return what all samples say of a point, the columns of every test fitted beside it."""
     shared = joint.names(point.order)
-    names = (*shared, *own_names(tests))
-    residuals = [left_of(joint, test, i, point) for i, test in enumerate(tests)]
+    names = (*shared, *list_column_names(tests))
+    residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(tests)]
     jacobians, before, noises, others, unmeasured = [], [], [], [], []
     for i, (test, residual) in enumerate(zip(tests, residuals, strict=True)):
         weight, rows = 1 / test.spread, test.prior_rows[0]
@@ -186,4 +186,4 @@ def _encoder_rows(
 ) -> FloatArray:
     """What errors of a test's encoder make of columns of its Jacobian."""
     kernel = Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau))
-    return encoder_rows(columns, Encoder.of(test.record), kernel) / test.spread
+    return encoder_rows(columns, Encoder.from_record(test.record), kernel) / test.spread

@@ -81,7 +81,7 @@ def optimum(
     for _ in range(2):
         point = _select_candidate(tried, choice, arms).point
         tests = tuple(
-            _shift_start(test, point, int(i), temperatures)
+            _add_warming(test, point, int(i), temperatures)
             for test, i in zip(tests, at, strict=True)
         )
         joint = joint_of(tests)
@@ -93,11 +93,11 @@ def optimum(
     )
 
 
-def _shift_start(
+def _add_warming(
     test: SingleTemperatureTest, point: ShiftedSolid, i: int, temperatures: FloatArray
 ) -> SingleTemperatureTest:
     by_a, by_b = (np.gradient(values, temperatures)[i] for values in (point.log_a, point.log_b))
-    return test.warmed(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
+    return test.add_warming_column(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
 
 
 def _ascending(point: ShiftedSolid) -> ShiftedSolid:
@@ -107,7 +107,7 @@ def _ascending(point: ShiftedSolid) -> ShiftedSolid:
 
 def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> OrderChoice:
     numbers = [candidate.point.order for candidate in tried]
-    clear = [joint.clear(candidate.point) for candidate in tried]
+    clear = [joint.has_significant_arms(candidate.point) for candidate in tried]
     bics = [candidate.bic for candidate in tried]
     return select_model_order(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
 

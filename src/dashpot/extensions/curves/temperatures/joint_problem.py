@@ -86,7 +86,7 @@ class ShiftedSolid:
             self.k_inf, tuple(self.k[order]), tuple(np.exp(self.log_tau[order]))
         )
 
-    def moved_log_tau(self, i: int) -> FloatArray:
+    def compute_log_tau(self, i: int) -> FloatArray:
         """Ln of the relaxation times at temperature i."""
         return shifted_log_tau(self.log_tau, float(self.log_a[i]), self.slope)
 
@@ -96,7 +96,7 @@ class ShiftedSolid:
         return GeneralizedMaxwell(
             b * self.k_inf,
             tuple(b * self.k[order]),
-            tuple(np.exp(self.moved_log_tau(i)[order])),
+            tuple(np.exp(self.compute_log_tau(i)[order])),
         )
 
 
@@ -135,7 +135,7 @@ class JointTests:
     slope_sd: float
 
     @cached_property
-    def further(self) -> IndexArray:
+    def free_temperatures(self) -> IndexArray:
         """The temperatures whose shifts are sought."""
         every = np.arange(len(self.temperatures))
         return np.asarray(every[every != self.reference])
@@ -149,7 +149,7 @@ class JointTests:
 
     def names(self, order: int) -> tuple[str, ...]:
         """What is shared, in the order of the derivatives."""
-        arms, extra = range(1, order + 1), self.further
+        arms, extra = range(1, order + 1), self.free_temperatures
         return (
             "k_inf",
             *(f"k_{j}" for j in arms),
@@ -164,7 +164,7 @@ class JointTests:
         """What picks log10 a_T and ln b_T of every temperature out of the parameters named."""
         count = len(self.temperatures)
         turn = np.zeros((2 * count, len(names)))
-        for i in self.further:
+        for i in self.free_temperatures:
             turn[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
             if f"ln_b_{i}" in names:
                 turn[count + i, names.index(f"ln_b_{i}")] = 1.0
@@ -184,7 +184,7 @@ class JointTests:
             self._replace_parameters(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost
         )
 
-    def clear(self, point: ShiftedSolid) -> bool:
+    def has_significant_arms(self, point: ShiftedSolid) -> bool:
         """Whether every arm is significant."""
         n, error = point.order, np.sqrt(np.diag(self.covariance(point)))
         return significant(point.k, error[1 : 1 + n], error[1 + n : 1 + 2 * n])
@@ -197,7 +197,7 @@ class JointTests:
         """All tests at once, with as many arms."""
         n, (low, high) = start.order, np.array([block.bounds for block in self.blocks]).T
 
-        def select_visible_times(theta: FloatArray) -> FloatArray:
+        def clip_log_tau(theta: FloatArray) -> FloatArray:
             """Relaxation times that one of the tests shows."""
             change = self._replace_parameters(start, theta).log_a[self.at]
             tau = np.clip(theta[:n], (low - change).min(), (high - change).max())
@@ -209,7 +209,7 @@ class JointTests:
             [Parameter(scale=_SIZES[kind]) for kind in kinds],
             positive=True,
             priors=len(self._build_prior_rows(start)),
-            gauge=select_visible_times,
+            gauge=clip_log_tau,
         )
 
     def _build_prior_rows(self, point: ShiftedSolid) -> FloatArray:
@@ -233,7 +233,7 @@ class JointTests:
 
     def _test(self, block: DataBlock, i: int, point: ShiftedSolid) -> _Rows:
         """One test of temperature i."""
-        n, evaluation = point.order, block.evaluate(point.moved_log_tau(i))
+        n, evaluation = point.order, block.evaluate(point.compute_log_tau(i))
         b, spring = float(np.exp(point.log_b[i])), list(block.fixed_names).index("k_inf")
         A = b * np.column_stack((evaluation.fixed[:, spring], evaluation.arms))
 
@@ -253,17 +253,17 @@ class JointTests:
 
     def theta(self, point: ShiftedSolid) -> FloatArray:
         """Ln tau, the shifts that are sought, and g."""
-        log_b = point.log_b[self.further] if self.vertical == "free" else ()
+        log_b = point.log_b[self.free_temperatures] if self.vertical == "free" else ()
         slope = [point.slope] * (point.order > 1)
-        return np.concatenate((point.log_tau, point.log_a[self.further], log_b, slope))
+        return np.concatenate((point.log_tau, point.log_a[self.free_temperatures], log_b, slope))
 
     def _replace_parameters(self, point: ShiftedSolid, theta: FloatArray) -> ShiftedSolid:
         """The point with its ln tau, shifts and g."""
-        n, m = point.order, len(self.further)
+        n, m = point.order, len(self.free_temperatures)
         log_a, log_b = point.log_a.copy(), point.log_b.copy()
-        log_a[self.further] = theta[n : n + m]
+        log_a[self.free_temperatures] = theta[n : n + m]
         if self.vertical == "free":
-            log_b[self.further] = theta[n + m : n + 2 * m]
+            log_b[self.free_temperatures] = theta[n + m : n + 2 * m]
         slope = float(theta[-1]) if n > 1 else 0.0
         return replace(point, log_tau=theta[:n], log_a=log_a, log_b=log_b, slope=slope)
 

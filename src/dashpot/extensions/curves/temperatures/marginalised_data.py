@@ -32,7 +32,7 @@ from dashpot.fitting.nuisance_priors import (
     recorded_warming,
     terms_of,
 )
-from dashpot.fitting.relaxation_likelihood import sample_motion, unmeasured_effects
+from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, select_motion_samples
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.numerics.design_matrices.relaxation_kernels import compact_block
 from dashpot.numerics.inference.whitening import marginal
@@ -83,7 +83,7 @@ class SingleTemperatureTest:
     warming: FloatArray | None = None
 
     @classmethod
-    def of(
+    def from_first_fit(
         cls, record: RampHold, temperature: float, first: InitialFit, law: ElasticLaw | None
     ) -> SingleTemperatureTest:
         """From its own free fit."""
@@ -112,17 +112,17 @@ class SingleTemperatureTest:
     @cached_property
     def terms(self) -> NuisanceTerms:
         """What is known of those columns."""
-        return terms_of(self.record).beside(warming=recorded_warming(self.record.specimen))
+        return terms_of(self.record).add_terms(warming=recorded_warming(self.record.specimen))
 
     @property
-    def own_columns(self) -> list[int]:
+    def nuisance_columns(self) -> list[int]:
         """Which fixed columns are the test's own."""
         return [i for i, name in enumerate(self.block.fixed_names) if name != "k_inf"]
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
-        return tuple(kind_of(self.block.fixed_names[i]) for i in self.own_columns)
+        return tuple(kind_of(self.block.fixed_names[i]) for i in self.nuisance_columns)
 
     @cached_property
     def prior_rows(self) -> tuple[FloatArray, FloatArray]:
@@ -147,7 +147,7 @@ class SingleTemperatureTest:
         """The first sample that is fitted."""
         return first_sample(self.record) if self.law is None else self.record.settled.start
 
-    def warmed(
+    def add_warming_column(
         self, solid: GeneralizedMaxwell, *, by_a: float, by_b: float
     ) -> SingleTemperatureTest:
         """Return the test with the column of a seal that warms while it is recorded.
@@ -170,8 +170,8 @@ class SingleTemperatureTest:
         temperature of the test.
         """
         (time, x), cell_priors = self.path, priors(self.record)
-        at = sample_motion(self.record, time)
-        effects = unmeasured_effects(self.record, time[at], x[at], solid)
+        at = select_motion_samples(self.record, time)
+        effects = compute_unmeasured_effects(self.record, time[at], x[at], solid)
         # it is sought
         del effects["warming"]
         columns = [sd * np.interp(time, time[at], column) for column, sd in effects.values()]

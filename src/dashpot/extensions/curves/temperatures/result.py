@@ -15,9 +15,9 @@ from dashpot.datamodel.fit_diagnostics import Provenance
 from dashpot.datamodel.shift_factors import TemperatureShifts, shifts_with
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.temperatures.joint_covariance import (
-    build_test_columns,
-    left_of,
-    own_names,
+    build_test_nuisances,
+    compute_test_residual,
+    list_column_names,
 )
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum
 from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
@@ -104,7 +104,9 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     return Step("fit", parameters, says)
 
 
-def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested: int) -> Fit:
+def build_point_fit(
+    best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested: int
+) -> Fit:
     """Return the optimum as a fit of which nothing more is known.
 
     The law is laid through the shifts as white noise would leave them.
@@ -114,12 +116,12 @@ def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requ
     law_fit = law_of(best, turn @ joint.covariance(point) @ turn.T, law)
     unknown = np.where(turn.any(axis=1), np.inf, 0.0)
     shifts = shifts_of(best, vertical, law_fit, np.diag(unknown), np.empty(0))
-    residuals = [left_of(joint, test, i, point) for i, test in enumerate(best.tests)]
+    residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(best.tests)]
     residual, values = (
         np.concatenate([getattr(test_residual, part) for test_residual in residuals])
         for part in ("left", "own")
     )
-    nuisance = build_test_columns(own_names(best.tests), values, point, lambda _: np.inf)
+    nuisance = build_test_nuisances(list_column_names(best.tests), values, point, lambda _: np.inf)
     estimate = point_estimate(point.solid, len(residual), float(residual @ residual), nuisance)
     return build_fit(
         SolidEstimate(point.solid, estimate, fewer=point.order < requested),

@@ -48,7 +48,7 @@ def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
     """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
     log_b = joint.held_log_b
 
-    def compute_weight(at: int, fall: float) -> list[DataBlock]:
+    def shift_temperature_blocks(at: int, fall: float) -> list[DataBlock]:
         every = zip(joint.blocks, joint.at, strict=True)
         return [
             shift_block(block, fall, log_b[at] - log_b[i + 1])
@@ -57,17 +57,17 @@ def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
         ]
 
     ends = [
-        *compute_weight(i, falls[0]),
-        *compute_weight(i, falls[-1]),
-        *compute_weight(i + 1, 0.0),
+        *shift_temperature_blocks(i, falls[0]),
+        *shift_temperature_blocks(i, falls[-1]),
+        *shift_temperature_blocks(i + 1, 0.0),
     ]
     low, high = min(end.bounds[0] for end in ends), max(end.bounds[1] for end in ends)
     grid = np.linspace(low, high, int((high - low) / np.log(10.0) * _PER_DECADE) + 2)
-    warm = [block.evaluate(grid, False) for block in compute_weight(i + 1, 0.0)]
+    warm = [block.evaluate(grid, False) for block in shift_temperature_blocks(i + 1, 0.0)]
 
     def rows(theta: FloatArray) -> Rows:
         evaluations = [
-            *(block.evaluate(grid, False) for block in compute_weight(i, theta[0])),
+            *(block.evaluate(grid, False) for block in shift_temperature_blocks(i, theta[0])),
             *warm,
         ]
         columns = [

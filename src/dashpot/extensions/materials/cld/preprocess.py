@@ -31,7 +31,7 @@ from dashpot.extensions.materials.cld.local_stiffness import (
 )
 from dashpot.fitting.nuisance_priors import Prior, error_by_delay, taken_later
 from dashpot.preprocessing.strokes import Stroke, inward, strokes_of
-from dashpot.preprocessing.zero_point import Zero, later_contact, zero_of
+from dashpot.preprocessing.zero_point import Zero, find_later_contact, zero_of
 from dashpot.signals.segments import resolution_of
 
 _SMOOTHED, _RARE = 5, 4.0
@@ -282,7 +282,7 @@ def _cycle(
     back = None if unloading is None else _branch(x, force, unloading)
     contact = 0.0
     if number > 1:
-        met = later_contact(way_in.compression, way_in.force, noise=zero.noise)
+        met = find_later_contact(way_in.compression, way_in.force, noise=zero.noise)
         contact = np.nan if met is None else met
     depth = float(x[loading.last])
     here = fit_local_slope(way_in, common, half=WINDOW * depth, excess=excess)

@@ -191,7 +191,7 @@ class Hyperelastic:
         """J/m^3 at rest; of a mode in which the law keeps its volume, its shape's alone."""
         x = np.asarray(stretch, dtype=float)
         if mode == "volumetric" and self.kind != "hyperfoam":
-            return np.asarray(0.5 * self._known_bulk() * (x - 1) ** 2)
+            return np.asarray(0.5 * self._require_bulk() * (x - 1) ** 2)
         e = np.log(x)[..., None] * direction(mode, self.poisson)
         if self.kind in POWERS:
             a, b = np.expm1(2 * e).sum(-1), np.expm1(-2 * e).sum(-1)
@@ -218,7 +218,7 @@ class Hyperelastic:
         """
         x = np.asarray(stretch, dtype=float)
         if mode == "volumetric" and self.kind != "hyperfoam":
-            return np.asarray(self._known_bulk() * (x - 1))
+            return np.asarray(self._require_bulk() * (x - 1))
         if self.kind not in POWERS:
             along = path(mode, x, self.poisson)
             terms = zip(self.constants, self.exponents, strict=True)
@@ -233,7 +233,7 @@ class Hyperelastic:
         """Derivative of the nominal stress by the stretch, Pa: what small vibration about it feels."""  # noqa: E501
         x = np.asarray(stretch, dtype=float)
         if mode == "volumetric" and self.kind != "hyperfoam":
-            return np.full_like(x, self._known_bulk())
+            return np.full_like(x, self._require_bulk())
         along = direction(mode, self.poisson)
         H = self._hessian(np.log(x)[..., None] * along)
         tau = self.nominal(mode, x) * x
@@ -291,7 +291,7 @@ class Hyperelastic:
 
     # -- the energy and its derivatives ---------------------------------------------------------
 
-    def _known_bulk(self) -> float:
+    def _require_bulk(self) -> float:
         if self.bulk is None:
             raise DataError(
                 f"this {self.kind} law has no bulk modulus; give one (Python: bulk=, Pa)"

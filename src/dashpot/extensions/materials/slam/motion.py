@@ -84,7 +84,7 @@ def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
     """
     m, v, pull, path, k_inf, k, tau, b, factor = masses
     x, u, arms = np.zeros(len(m)), np.zeros(len(m)), np.zeros(k.shape)
-    even = EvenStep.of(step / tau)
+    even = EvenStep.from_ratio(step / tau)
     viscous = b is not None and factor is not None
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
     motion = MotionHistory(*np.empty((4, most + 1, len(m))))

@@ -89,7 +89,7 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
     share = x / depth
     rubs, arm = np.zeros_like(x), np.zeros_like(x)
     contact = median(np.array([hit.contact for hit in slams.hits]))
-    even = EvenStep.of(np.array(slams.step / (_EARLY * contact)))
+    even = EvenStep.from_ratio(np.array(slams.step / (_EARLY * contact)))
     for i, (way, pressed, item) in enumerate(
         zip(np.diff(x, axis=0), relaxed[1:], np.diff(relaxed, axis=0), strict=True), start=1
     ):
