@@ -328,7 +328,7 @@ def test_more_arms_that_leave_more_were_not_found(monkeypatch, worse, found):
 
     def ended(problem, start, **_):
         number = problem.sought.number
-        sought = SimpleNamespace(whole=lambda model: True)
+        sought = SimpleNamespace(is_complete=lambda model: True)
         return SimpleNamespace(
             problem=SimpleNamespace(sought=sought), point=SimpleNamespace(model=None), exact=False,
             cost=worse if number == 2 else 1.0, bic=0.0, number=number,

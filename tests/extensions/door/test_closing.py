@@ -326,15 +326,15 @@ def test_half_the_step_and_the_order_of_stations_change_nothing():
 
 def test_a_slow_door_comes_back():
     elastic = close_door(a_door(), speed=0.3)
-    assert not elastic.is_latched
+    assert not elastic.latched
     assert elastic.stopped > 0
     # a spring gives back all of it
     assert elastic.rebound == pytest.approx(0.3, rel=1e-2)
     assert elastic.left == 0
     lossy = close_door(a_door(TABLE_1), speed=0.4)
     assert 0.9 * 0.4 < lossy.rebound < 0.4
-    assert not close_door(a_door(), speed=0.3286).is_latched
-    assert close_door(a_door(), speed=0.3287).is_latched
+    assert not close_door(a_door(), speed=0.3286).latched
+    assert close_door(a_door(), speed=0.3287).latched
 
 
 def test_a_hump_on_the_way_counts():
