@@ -84,7 +84,9 @@ class Commands(Directive):
                 verb = command_line.get_command(above, name)
                 one = click.Context(verb, info_name=name, parent=above)
                 section = _section(f"dashpot {name}")
-                section += nodes.literal_block(text=verb.shown(one, every=True), language="text")
+                section += nodes.literal_block(
+                    text=verb.render_help(one, every=True), language="text"
+                )
                 part += section
             parts.append(part)
         return parts

@@ -126,7 +126,7 @@ class Mount:
         What stands beside the solid and answers to amplitude: friction, stiffening, both.
     amplitude : float or None
         Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
-        leaves it to :func:`~dashpot.systems.response_at_level`.
+        leaves it to ``dashpot.systems.response_at_level``.
     name : str
         Of the part that it belongs to: those of one name share its energy.
     """
