@@ -1,9 +1,9 @@
 // A handle on the time axis of a panel: by pointer, by touch, by keyboard; a slider to who cannot
 // see it. What it is moved to it tells as an event "moved" of name, value (null: as found) and held.
 
-/** @typedef {import("../../plot/charts.js").Figure} Figure */
+/** @typedef {import("../../../plot/charts.js").Figure} Figure */
 /** @typedef {import("./panels.js").Clock} Clock */
-/** @typedef {import("../../plot/charts.js").Panel} Axes */
+/** @typedef {import("../../../plot/charts.js").Panel} Axes */
 /** @typedef {{figure: Figure, axes: Axes, on: DOMRect, about: DOMRect, scale: number}} Ground */
 
 const EDGE = 0.01;

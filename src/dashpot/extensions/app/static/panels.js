@@ -1,5 +1,5 @@
 // The drawn panels: zoom and read-off, curves that follow, handles on their time axes.
-import { Figure } from "../../plot/charts.js";
+import { Figure } from "../../../plot/charts.js";
 import { all, made, panelCard, put } from "./dom.js";
 import { Handle } from "./handles.js";
 import { state, together } from "./job.js";
