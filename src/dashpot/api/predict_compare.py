@@ -80,9 +80,10 @@ def predict(solid: Any, /, **how: Any) -> Any:
     row = row_of(solid)
     if row is not None and row.predict:
         return load_object(row.predict)(solid, **how)
-    special = find_handler("predict", solid) or next(
-        filter(None, (find_handler("predict with option", option) for option in how)), None
-    )
+    special = find_handler("predict", solid)
+    if special is None and isinstance(solid, Fit):
+        by_option = (find_handler("predict with option", option) for option in how)
+        special = next(filter(None, by_option), None)
     if special is not None:
         return special(solid, **how)
     return _under_mass(solid, **how) if isinstance(solid, Fit) else _predict_solid_frf(solid, **how)
@@ -164,12 +165,12 @@ def _prepare_tests(record: Records, machine: Machine | None = None) -> list[Ramp
     return [prepare_ramp_hold(test, machine) for test in tests]
 
 
-def compare(frf: Any, other: Any, /, **how: Any) -> Any:
+def compare(first: Any, other: Any, /, **how: Any) -> Any:
     """Hold a prediction against a measurement, an FRF against an FRF, or a lot against a lot.
 
     Parameters
     ----------
-    frf : Fit, Prediction, FRF or Lot
+    first : Fit, Prediction, FRF or Lot
     other : ImpactTest, FRF or Lot
     mass, seals : optional
         Of the block, and how many carry it; a prediction knows both. Without a mass it is taken
@@ -189,24 +190,24 @@ def compare(frf: Any, other: Any, /, **how: Any) -> Any:
     >>> dp.compare(found, hits, mass="114.8g", seals=2).verdict.use
     'do not use'
     """
-    special = find_handler("compare", frf)
-    if special is not None and type(frf) is type(other):
-        return special(frf, other, **how)
-    if isinstance(frf, FRF) and isinstance(other, FRF):
+    special = find_handler("compare", first)
+    if special is not None and type(first) is type(other):
+        return special(first, other, **how)
+    if isinstance(first, FRF) and isinstance(other, FRF):
         from dashpot.vibration.comparison import compare as room
 
         band = si_range(how.pop("band", None), "frequency")
-        return room.compare(frf, other, band=band, **how)
+        return room.compare(first, other, band=band, **how)
     measured = isinstance(other, ImpactTest | FRF) or (
         not isinstance(other, FRFSet)
         and find_handler("compare", other) is None
         and kind_of(other) == "impact"
     )
-    if isinstance(frf, Fit | Prediction) and measured:
-        return _agreement(frf, other, **how)
+    if isinstance(first, Fit | Prediction) and measured:
+        return _agreement(first, other, **how)
     raise DataError(
-        f"a {type(frf).__name__} is not compared with a {type(other).__name__}. Compare a fit or a "
-        "prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot"
+        f"a {type(first).__name__} is not compared with a {type(other).__name__}. Compare a fit or "
+        "a prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot"
     )
 
 

@@ -1,4 +1,4 @@
-"""What the app asks of pieces that were pressed, and their figures by what was fit_form_files."""
+"""What the app asks of pressed pieces, and their figures by the fields of that form."""
 
 from __future__ import annotations
 

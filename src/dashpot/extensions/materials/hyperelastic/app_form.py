@@ -1,4 +1,4 @@
-"""What the app asks of curves of stress over strain, and their law by what was fit_form_files."""
+"""What the app asks of curves of stress over strain, and their law by that form."""
 
 from __future__ import annotations
 

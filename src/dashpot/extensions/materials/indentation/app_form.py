@@ -1,4 +1,4 @@
-"""What the app asks of an indenter's contact, and what it finds by what was fit_form_files."""
+"""What the app asks of an indenter's contact, and what it finds by that form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the app asks of slams, and what they find by what was fit_form_files."""
+"""What the app asks of slams, and what they find by the fields of that form."""
 
 from __future__ import annotations
 
