@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
@@ -153,6 +154,22 @@ def format_fixed_width(value: float, width: int) -> str:
             if candidate and len(candidate) <= width and float(candidate) == float(rounded):
                 return candidate
     raise ExportError(f"{value!r} does not fit into {width} columns")
+
+
+def format_fields(*values: object) -> str:
+    """Return a line of fields of ten columns, as LS-DYNA reads its cards."""
+    words = (
+        format_fixed_width(value, 9) if isinstance(value, float) else str(value) for value in values
+    )
+    return "".join(f"{word:>10}" for word in words)
+
+
+def format_tbdata(values: Sequence[float]) -> list[str]:
+    """Return the rows of an Ansys table, six numbers a row."""
+    return [
+        f"TBDATA,{start + 1}," + ",".join(map(text, values[start : start + 6]))
+        for start in range(0, len(values), 6)
+    ]
 
 
 def _finite(value: float) -> float:

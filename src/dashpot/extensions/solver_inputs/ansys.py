@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from dashpot.base.errors import ExportError
@@ -15,7 +13,7 @@ from dashpot.export.frequency_tables import Table
 from dashpot.export.nonlinear_elements import CARRIERS
 from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.temperature_shift_cards import ansys_shift
-from dashpot.export.unit_systems import text
+from dashpot.export.unit_systems import format_tbdata, text
 
 FORMS = ("arms", "table", "prony")
 SUFFIX = "mac"
@@ -182,7 +180,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
 
 
 def _prony(deck: Deck) -> DeckText:
-    rows = tbdata([value for pair in deck.prony for value in pair])
+    rows = format_tbdata([value for pair in deck.prony for value in pair])
     shift, says = ansys_shift(deck.temperatures)
     return deck.written(
         "!",
@@ -196,11 +194,3 @@ def _prony(deck: Deck) -> DeckText:
             *says,
         ],
     )
-
-
-def tbdata(values: Sequence[float]) -> list[str]:
-    """The rows of a table, six numbers a row."""
-    return [
-        f"TBDATA,{start + 1}," + ",".join(map(text, values[start : start + 6]))
-        for start in range(0, len(values), 6)
-    ]

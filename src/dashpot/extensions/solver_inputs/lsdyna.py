@@ -11,7 +11,7 @@ from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.seal_line_springs import SpringRow, row_of
-from dashpot.export.unit_systems import format_fixed_width
+from dashpot.export.unit_systems import format_fields, format_fixed_width
 
 FORMS = ("arms", "prony")
 SUFFIX = "k"
@@ -88,9 +88,9 @@ def _section(number: int) -> list[str]:
     return [
         "*SECTION_DISCRETE",
         "$#   secid       dro        kd        v0        cl        fd",
-        fields(number, 0, 0.0, 0.0, 0.0, 0.0),
+        format_fields(number, 0, 0.0, 0.0, 0.0, 0.0),
         "$#     cdl       tdl",
-        fields(0.0, 0.0),
+        format_fields(0.0, 0.0),
     ]
 
 
@@ -98,10 +98,10 @@ def _part(number: int, section: int, material: _Material) -> list[str]:
     keyword, values = material
     return [
         keyword,
-        fields(number, *values),
+        format_fields(number, *values),
         "*PART",
         f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
-        fields(number, section, number),
+        format_fields(number, section, number),
     ]
 
 
@@ -142,7 +142,7 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     cards += [
         "*DEFINE_SD_ORIENTATION",
         "$#     vid       iop        xt        yt        zt      nid1      nid2",
-        *(fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
+        *(format_fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
         *_section(first_id),
     ]
     parts, sentences = _parts(deck, row, first_id)
@@ -181,7 +181,7 @@ def _arms(deck: Deck) -> DeckText:
             f"{format_fixed_width(x, 20):>20}{format_fixed_width(F, 20):>20}"
             for x, F in deck.beside.both_ways()
         )
-        curve = ["*DEFINE_CURVE", fields(1), *rows]
+        curve = ["*DEFINE_CURVE", format_fields(1), *rows]
     cards = [
         "*KEYWORD",
         "*NODE",
@@ -190,7 +190,7 @@ def _arms(deck: Deck) -> DeckText:
         f"{2:>8}{'1.':>16}{'0.':>16}{'0.':>16}",
         "*DEFINE_SD_ORIENTATION",
         "$#     vid       iop        xt        yt        zt      nid1      nid2",
-        fields(1, 0, 1.0, 0.0, 0.0, 0, 0),
+        format_fields(1, 0, 1.0, 0.0, 0.0, 0, 0),
         *_section(1),
     ]
     for number, material in enumerate(materials, start=1):
@@ -237,20 +237,12 @@ def _prony(
             "*KEYWORD",
             "*MAT_GENERAL_VISCOELASTIC",
             "$#     mid        ro      bulk       pcf        ef      tref         a         b",
-            fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
+            format_fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
             "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
-            fields(0),
+            format_fields(0),
             "$#      gi     betai",
-            *(fields(G, beta) for G, beta in terms),
+            *(format_fields(G, beta) for G, beta in terms),
             "*END",
         ],
         remarks=["the first term has beta = 0: the equilibrium modulus"],
     )
-
-
-def fields(*values: object) -> str:
-    """A line of a card: fields of ten columns."""
-    words = (
-        format_fixed_width(value, 9) if isinstance(value, float) else str(value) for value in values
-    )
-    return "".join(f"{word:>10}" for word in words)

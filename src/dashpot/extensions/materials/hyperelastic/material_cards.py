@@ -12,11 +12,16 @@ from dashpot.base.version import byline
 from dashpot.export import refuse_untaken
 from dashpot.export.deck import NOT_VERIFIED, DeckText
 from dashpot.export.deck_validation import list_allowed_problems
-from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text, unit_system
+from dashpot.export.unit_systems import (
+    UnitSystem,
+    convert_to_printable_ascii,
+    format_fields,
+    format_tbdata,
+    text,
+    unit_system,
+)
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.strain_energy import POWERS, Hyperelastic
-from dashpot.extensions.solver_inputs.ansys import tbdata
-from dashpot.extensions.solver_inputs.lsdyna import fields
 
 VERIFIED = (
     "verified: CalculiX (ccx) runs such a card in dashpot's tests; one element has the stress of "
@@ -308,11 +313,11 @@ def _ansys(card: _Card) -> Body:
     law = card.fit.law
     name, values, sentences = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
     says = ["d = 2 / K", *sentences]
-    body = [f"TB,HYPER,1,1,{name}", *tbdata(values)]
+    body = [f"TB,HYPER,1,1,{name}", *format_tbdata(values)]
     if card.prony:
         body += [
             f"TB,PRONY,1,1,{len(card.prony)},SHEAR",
-            *tbdata([v for p in card.prony for v in p]),
+            *format_tbdata([v for p in card.prony for v in p]),
         ]
         times = f"{card.ratio:.6g} times those at rest"
         says.append(f"the constants are the instantaneous ones, {times}")
@@ -332,13 +337,13 @@ def _lsdyna(card: _Card) -> Body:
         return _hill_foam(card, density)
     K = card.bulk
     poisson = (3 * K - 2 * G) / (6 * K + 2 * G)
-    head = fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
+    head = format_fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
     says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
     if law.kind in POWERS:
         entries = dict(zip(law.constant_names, card.constants, strict=True))
         order = ("C10", "C01", "C11", "C20", "C02", "C30")
         constants = (entries.get(name, 0.0) for name in order)
-        body = ["*MAT_HYPERELASTIC_RUBBER", head, fields(*constants, 0.0)]
+        body = ["*MAT_HYPERELASTIC_RUBBER", head, format_fields(*constants, 0.0)]
     else:
         body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]
         says.append(_OTHER_MU)
@@ -346,7 +351,7 @@ def _lsdyna(card: _Card) -> Body:
         says.append(
             "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
         )
-    return ["*KEYWORD", *body, *(fields(*pair) for pair in shear), "*END"], says
+    return ["*KEYWORD", *body, *(format_fields(*pair) for pair in shear), "*END"], says
 
 
 def _hill_foam(card: _Card, density: float) -> Body:
@@ -361,9 +366,9 @@ def _hill_foam(card: _Card, density: float) -> Body:
     return [
         "*KEYWORD",
         "*MAT_HILL_FOAM",
-        fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
+        format_fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
         *_eight_terms(card),
-        fields(0.0, 0.0),
+        format_fields(0.0, 0.0),
         "*END",
     ], says
 
@@ -372,8 +377,8 @@ def _eight_terms(card: _Card) -> list[str]:
     """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
     filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
     return [
-        fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
-        fields(*(a for _, a in filled)),
+        format_fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
+        format_fields(*(a for _, a in filled)),
     ]
 
 
