@@ -82,7 +82,6 @@ NAMED = {
     "extensions/curves/": "each kind is its own",
     "extensions/materials/": "each kind is its own",
     "extensions/amplitude/": "each kind is its own",
-    "extensions/batch/table_row.py": "a sweep as wide as no machine makes one is a master curve",
     "signals/": "what the moves of a record show",
     "workflow/example_files.py": "what an example is",
 }

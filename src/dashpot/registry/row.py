@@ -242,7 +242,9 @@ class Extension:
         which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
         the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals.
         Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, and ``"options"``, those
-        that it has besides.
+        that it has besides. ``"fit complex modulus"``: from frequencies and moduli to a solid, as a
+        kind is fitted; ``"lot columns"``: what the row of a lot lists of a record; ``"process
+        capability"``: of values between two limits.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

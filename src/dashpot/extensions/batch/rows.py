@@ -11,6 +11,9 @@ EXTENSION = Extension(
         "compare": {
             "dashpot.extensions.batch.lot:Lot": "dashpot.extensions.batch.api:compare_lots",
         },
+        "process capability": {
+            "numpy:ndarray": "dashpot.extensions.batch.statistics.process_capability:capability",
+        },
         "read": {
             "lot": "dashpot.extensions.batch.api:read_lot",
         },

@@ -9,8 +9,6 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import SIMULATED
@@ -28,12 +26,16 @@ from dashpot.extensions.batch.impact_comparison import (
     read_hammer_resonance,
 )
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash
-from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
-from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.reading.columns.kind_detection import MASTER
 from dashpot.reading.readers.detect_kind import Recognised, recognise
-from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, load_object, row_of
+from dashpot.registry import (
+    FIT_FILES,
+    KINDS,
+    KindOfTest,
+    Piece,
+    find_handler,
+    load_object,
+    row_of,
+)
 from dashpot.workflow.fit_bench_tests import fit_files
 from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
 
@@ -191,16 +193,8 @@ def _build_record_columns(record: Record) -> dict[str, Any]:
             "hold_s": record.hold_time,
             "force_noise_N": record.force_noise,
         }
-    if isinstance(record, LoadHold):
-        times = {"ramp_s": record.ramp_time, "hold_s": record.hold_time}
-        return entries | {"samples": len(record.time)} | times
-    if isinstance(record, CreepCompliance | RelaxationModulus):
-        return entries | {"samples": len(record.time), "hold_s": record.time[-1]}
-    if isinstance(record, DynamicTest):
-        wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER
-        shifted = {"kind": "master-curve"} if wide else {}
-        return entries | shifted | {"samples": len(record.frequency)}
-    return entries
+    list_columns = find_handler("lot columns", record)
+    return entries if list_columns is None else entries | list_columns(record)
 
 
 def _build_fit_columns(fit: Fit, hold: float | None, space: int) -> dict[str, Any]:

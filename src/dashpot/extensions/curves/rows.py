@@ -58,5 +58,14 @@ EXTENSION = Extension(
         "fit at several temperatures": {
             "dashpot.datamodel.relaxation:RampHold": "dashpot.extensions.curves.temperatures.fit_temperatures:fit_records",
         },
+        "lot columns": {
+            "dashpot.extensions.curves.datamodel.creep:LoadHold": "dashpot.extensions.curves.lot_row:list_load_columns",
+            "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "dashpot.extensions.curves.lot_row:list_curve_columns",
+            "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.lot_row:list_curve_columns",
+            "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.lot_row:list_sweep_columns",
+        },
+        "fit complex modulus": {
+            "dma": "dashpot.extensions.curves.dynamic.fit:fit_complex_modulus",
+        },
     },
 )  # fmt: skip

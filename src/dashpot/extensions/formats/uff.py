@@ -19,7 +19,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions, flag
-from dashpot.reading.table import Column, FileTable, Question, make_loader
+from dashpot.reading.table import SEGMENT, Column, FileTable, Question, make_loader
 
 TIME, FRF_, COHERENCE = 1, 4, 6
 """Function types of dataset 58."""
@@ -32,8 +32,6 @@ _QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
 """SI unit by the specific data type of an axis."""
 _BLANK = {"", "NONE", "NULL"}
 _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
-SEGMENT = "--part segment=NUMBER"
-"""What answers which of several FRFs is meant."""
 _REAL = (2, 4)
 """Ordinate data types without an imaginary part."""
 _EXPONENTIAL = (4, 6)

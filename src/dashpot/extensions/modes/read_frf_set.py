@@ -10,7 +10,6 @@ from pathlib import Path
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.frf_set import FRFSet
-from dashpot.extensions.formats.uff import SEGMENT
 from dashpot.reading.columns.amplitude_phase_pairs import two_signals
 from dashpot.reading.columns.kind_detection import FileKind
 from dashpot.reading.columns.role_assignment import score
@@ -19,7 +18,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.frf import PAIRS, build_frf, determine_frf_columns, read_frf
-from dashpot.reading.table import Column
+from dashpot.reading.table import SEGMENT, Column
 
 _NAMED = 1.5
 """Least score of a column whose name says its role."""

@@ -20,6 +20,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import Residual
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.checks import (
     bands_meet,
     data_agree,
@@ -212,6 +213,21 @@ def fit_dynamic(
     if records or arms != "auto" or dashpot or few.family != "maxwell":
         return few
     return dense_spectrum_if_needed(few, error, origin, lambda: dynamic_master_curve(data), of_data)
+
+
+def fit_complex_modulus(
+    frequency: FloatArray,
+    modulus: ComplexArray,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    family: FamilyAsked = "maxwell",
+    specimen: Specimen | None = None,
+) -> Fit:
+    """Fit a solid to a complex modulus, Pa, at frequencies, Hz, as a dynamic test is fitted."""
+    test = DynamicTest(
+        frequency, modulus.real, modulus.imag, specimen=specimen or Specimen(), units="SI"
+    )
+    return fit_dynamic(test, arms=arms, family=family)
 
 
 def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:

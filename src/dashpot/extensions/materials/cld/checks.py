@@ -8,7 +8,7 @@ from math import pi
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import format_quantity
-from dashpot.extensions.batch.statistics.process_capability import Capability
+from dashpot.extensions.materials.cld.datamodel import ProcessCapability
 from dashpot.preprocessing.zero_point import MOST_PRELOAD
 
 SETTLED = 0.02
@@ -330,7 +330,7 @@ def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
 
 
 @criterion("Cpk", ">=", 1.33, "AIAG's usual demand of a process that is known")
-def pieces_capable(of: Capability, unit: str) -> Finding:
+def pieces_capable(of: ProcessCapability, unit: str) -> Finding:
     """The force at the nominal compression keeps to its limits by a margin."""
     low, high = of.cpk_interval or (0.0, 0.0)
     return Finding(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -517,3 +517,29 @@ class RateLaw(EqualByValue, Serialisable):
         """The solid that small vibration about a compression, m, feels."""
         tangent = float(self.law.tangent(compression))
         return GeneralizedMaxwell(tangent, self.k, self.tau, self.c(compression)[0])
+
+
+class ProcessCapability(Protocol):
+    """What is asked of how well the forces of pieces keep between two limits.
+
+    Attributes
+    ----------
+    count, outside : int
+        Of the pieces, and of those beyond a limit.
+    lower, upper : float or None
+        The limits.
+    cpk : float or None
+        None where the forces do not scatter.
+    cpk_interval : (float, float) or None
+        95 %.
+    says : str
+        Cpk with its interval.
+    """
+
+    count: int
+    outside: int
+    lower: float | None
+    upper: float | None
+    cpk: float | None
+    cpk_interval: tuple[float, float] | None
+    says: str

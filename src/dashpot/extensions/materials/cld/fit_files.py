@@ -22,13 +22,13 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.batch.statistics.process_capability import Capability, capability
 from dashpot.extensions.materials.cld.checks import pieces_capable, pieces_tested_alike
 from dashpot.extensions.materials.cld.datamodel import (
     CLD,
     SAME_SPEED,
     AtCompression,
     CompressionTest,
+    ProcessCapability,
     RateLaw,
     RelaxedLaw,
 )
@@ -39,6 +39,7 @@ from dashpot.extensions.materials.cld.rate_dependence import fit_rate
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import find_handler
 
 _ALIKE = 0.05
 """Relative difference of depths and speeds that are one."""
@@ -88,7 +89,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
         One a file.
     scatter : tuple of PieceStatistics
         Of two or more pieces.
-    capability : Capability or None
+    capability : ProcessCapability or None
         Of the force at the nominal compression between its limits.
     checks : tuple of Check
         Those of every piece, each at its worst, and of the pieces together.
@@ -116,7 +117,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
 
     pieces: tuple[CLD, ...]
     scatter: tuple[PieceStatistics, ...]
-    capability: Capability | None
+    capability: ProcessCapability | None
     checks: tuple[Check, ...]
     relaxed: RelaxedLaw | None = None
     fit: Fit | None = None
@@ -290,9 +291,8 @@ def _add_piece_scatter(new_pieces: Pieces, limits: tuple[float, float] | None) -
     pieces, within = new_pieces.pieces, None
     checks = [pieces_tested_alike(_otherwise(pieces))]
     if limits is not None:
-        within = capability(
-            np.array([piece.per * piece.nominal.loading for piece in pieces]), *limits
-        )
+        forces = np.array([piece.per * piece.nominal.loading for piece in pieces])
+        within = find_handler("process capability", forces)(forces, *limits)
         checks.append(pieces_capable(within, new_pieces.unit))
     scatter = tuple(_scatter(pieces))
     return replace(

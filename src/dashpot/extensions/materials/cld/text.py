@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 from dashpot import workflow
 from dashpot.base.number_format import ascii_only
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
-from dashpot.extensions.materials.cld.datamodel import format_hysteresis
+from dashpot.extensions.materials.cld.datamodel import ProcessCapability, format_hysteresis
 from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import cell, format_rounded, with_error
 
 if TYPE_CHECKING:
-    from dashpot.extensions.batch.statistics.process_capability import Capability
     from dashpot.extensions.materials.cld.fit_files import PieceStatistics
 
 
@@ -60,7 +59,7 @@ def _scatter(statistics: Sequence[PieceStatistics]) -> list[str]:
     return table(rows)
 
 
-def _capability(capability: Capability | None) -> list[str]:
+def _capability(capability: ProcessCapability | None) -> list[str]:
     if capability is None or capability.cpk is None:
         return []
     return [f"  {capability.says}, {capability.outside} of {capability.count} outside"]

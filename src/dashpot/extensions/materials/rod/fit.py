@@ -10,8 +10,10 @@ moves is added to the covariance,
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
+from functools import partial
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -20,12 +22,13 @@ from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.materials.rod.checks import ROD_LINES
 from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.fitting.parameters import values
+from dashpot.registry import find_handler
 
+FitModulus: TypeAlias = Callable[..., Fit]
+"""From a complex modulus to a solid."""
 _PER_OCTAVE = 24
 
 
@@ -42,7 +45,7 @@ def fit_rod(
     ----------
     rod_modulus : RodModulus
     arms, family
-        As in :func:`~dashpot.extensions.curves.dynamic.fit.fit_dynamic`.
+        As of a dynamic test.
     specimen
         Of the rod.
 
@@ -58,21 +61,17 @@ def fit_rod(
             "for a fit: measure more lines about the resonance"
         )
     frequency, modulus = _average_lines(lines, lines.modulus)
-    test = DynamicTest(
-        frequency,
-        modulus.real,
-        modulus.imag,
-        specimen=specimen or Specimen(),
-        units="SI",
+    fit_modulus: FitModulus = partial(
+        find_handler("fit complex modulus", "dma"), frequency, specimen=specimen
     )
-    fit = fit_dynamic(test, arms=arms, family=family)
+    fit = fit_modulus(modulus, arms=arms, family=family)
     here = values(fit)
     if here is None:  # a dense spectrum has no errors of its own
         return fit
     added = np.zeros_like(fit.covariance)
     for relative in lines.by_errors:
         _, change = _average_lines(lines, lines.modulus * (1 + relative))
-        there = _fit_same_solid(fit, replace(test, storage=change.real, loss=change.imag))
+        there = _fit_same_solid(fit, fit_modulus, change)
         by = np.zeros(len(here)) if there is None else there - here
         added += np.outer(by, by)
     scatter = np.diag(fit.covariance)
@@ -87,10 +86,10 @@ def fit_rod(
     return replace(fit, estimate=estimate)
 
 
-def _fit_same_solid(fit: Fit, test: DynamicTest) -> FloatArray | None:
+def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) -> FloatArray | None:
     """The parameters of the same solid under another test; None where it is not found."""
     try:
-        other = fit_dynamic(test, arms=_order(fit), family=fit.family)
+        other = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:
         return None
     return values(other) if other.parameters == fit.parameters else None

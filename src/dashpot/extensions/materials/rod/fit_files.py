@@ -20,7 +20,6 @@ from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.curves.checks import end_level, plateau_told
 from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
 from dashpot.extensions.materials.rod.fit import fit_rod
 from dashpot.extensions.materials.rod.wave_equation import rod_modulus
@@ -34,7 +33,7 @@ from dashpot.workflow.vibration.measured_frf import read_measured
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
-_OF_THE_PLATEAU = frozenset({plateau_told.name, end_level.name})
+_OF_THE_PLATEAU = frozenset({"plateau_told", "end_level"})
 """Checks of what lies below the band of a rod, whose answer is its modulus within."""
 
 
