@@ -21,7 +21,7 @@ from dashpot import workflow
 from dashpot.base.units import find_unit, parse_column_title
 from dashpot.extensions.amplitude import page as level
 from dashpot.extensions.amplitude import text as amplitude_text
-from dashpot.extensions.app import modes, view_models
+from dashpot.extensions.app import view_models
 from dashpot.extensions.batch import page
 from dashpot.extensions.batch import table_row as row
 from dashpot.extensions.batch.limits import read_limits
@@ -29,6 +29,7 @@ from dashpot.extensions.batch.summary import summary
 from dashpot.extensions.materials.indentation import text as indentation_text
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.lot_row import build_lot_row as indentation_row
+from dashpot.extensions.modes.page import list_mode_facts
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import Piece
 from dashpot.report import tables
@@ -371,7 +372,8 @@ def test_modes_say_the_same_in_text_and_app(bench):
     found, _ = workflow.modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
     assert found.modes
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
-    app = {one.name: one for one in modes._terms([("1", found.modes[0].mode)])}
+    facts = list_mode_facts([("1", found.modes[0].mode)])
+    app = {one.name: one for one in map(view_models.term, facts)}
     frequency, ratio, residue = found.modes[0].mode.facts
     assert "Hz, damping ratio" in line
     for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):

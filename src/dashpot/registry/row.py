@@ -244,7 +244,11 @@ class Extension:
         Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, and ``"options"``, those
         that it has besides. ``"fit complex modulus"``: from frequencies and moduli to a solid, as a
         kind is fitted; ``"lot columns"``: what the row of a lot lists of a record; ``"process
-        capability"``: of values between two limits.
+        capability"``: of values between two limits. Of the app: ``"fit job"``: a job to its result
+        and its `JobPage`; ``"figure cards"``: of a result, in place of its picture; ``"file row"``:
+        what the list of files says of a suffix; ``"predict open files"``: files of a kind that is
+        not fitted; ``"recorder"``: a device by its driver; ``"record"``: to a file; ``"open
+        folder"``: the last job kept in one, and what finds its files.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

@@ -16,7 +16,7 @@ from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.specimen import Specimen
-from dashpot.plot.picture import Picture
+from dashpot.plot.picture import Panel, Picture
 from dashpot.registry import page_of
 from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
 from dashpot.report.tables import TextTable
@@ -49,6 +49,24 @@ class CollapsibleSection(NamedTuple):
     line: str
     table: TextTable | None = None
     picture: Picture | None = None
+
+
+class AppCard(NamedTuple):
+    """A part of what the app shows: a drawing, panels that are alike, a table, or HTML."""
+
+    title: str
+    content: Picture | tuple[Panel, ...] | TextTable | str
+    across: int = 1
+
+
+class JobPage(NamedTuple):
+    """What the app shows of the files of one job: cards, and facts with a note under a title."""
+
+    cards: tuple[AppCard, ...]
+    title: str
+    facts: tuple[ReportedValue, ...]
+    sources: tuple[Source, ...]
+    note: str = ""
 
 
 @dataclass(frozen=True)

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
+from dashpot.base.progress import send_progress
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
-from dashpot.extensions.amplitude.fit_files import Levels
+from dashpot.extensions.amplitude.fit_files import Levels, level_files
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.plot.picture import Picture, unit_of
 from dashpot.report import notebook
 from dashpot.report.page_content import (
+    AppCard,
     Group,
+    JobPage,
     KindPage,
     Topic,
     format_specimen_header,
@@ -30,6 +34,7 @@ from dashpot.report.page_content import (
 from dashpot.report.result_pages import frf_pages
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
+from dashpot.workflow.job import LevelJob
 
 _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
@@ -92,6 +97,19 @@ def draw_prediction(prediction: LevelPrediction) -> Picture:
         labels=("predicted at a vanishing level", *names),
         ordered=True,
         intervals=[level.magnitude for level in prediction.preloaded],
+    )
+
+
+def fit_job(job: LevelJob) -> tuple[Levels, JobPage]:
+    """Fit the files of a job, and list what the app shows of them."""
+    send_progress(f"fitting {', '.join(Path(path).name for path in job.files)}")
+    levels = level_files(**vars(job))
+    return levels, JobPage(
+        (AppCard("", plot.level(levels.fit, levels.records)),),
+        "What amplitude does",
+        tuple(numbers(levels)),
+        levels.source,
+        format_residual_note(levels),
     )
 
 

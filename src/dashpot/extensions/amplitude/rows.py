@@ -27,6 +27,7 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "fit job": {"dashpot.workflow.job:LevelJob": "dashpot.extensions.amplitude.page:fit_job"},
         "read sweep": {
             "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.amplitude_response:swept_part",
         },

@@ -11,6 +11,8 @@ from typing import NamedTuple
 from dashpot.extensions.app.view_models import render_template
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.svg import strip, swatch
+from dashpot.report.page_content import AppCard
+from dashpot.report.tables import TextTable
 
 TWO, CARD = 700.0, 18.0
 """Room for two cards beside each other, and what the border of a card takes, px."""
@@ -22,6 +24,23 @@ class FigureCard(NamedTuple):
     title: str
     html: str
     across: int = 1
+
+
+def draw_cards(cards: Sequence[AppCard], width: float) -> list[FigureCard]:
+    """What an extension shows, as cards; of a drawing with a title the first strip alone."""
+    drawn: list[FigureCard] = []
+    for title, content, across in cards:
+        if isinstance(content, Picture):
+            strips = make_figure_cards(content, width)
+            drawn += [strips[0]._replace(title=title)] if title else strips
+        elif isinstance(content, TextTable):
+            html = render_template("cells", head=content.head, rows=content.rows)
+            drawn.append(FigureCard(title, html, across))
+        elif isinstance(content, str):
+            drawn.append(FigureCard(title, content, across))
+        else:
+            drawn.append(FigureCard(title, small_multiples(content, "shape", width), across))
+    return drawn
 
 
 def make_figure_cards(picture: Picture, width: float) -> list[FigureCard]:

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.extensions.app import (
-    amplitude,
     bench_tests,
     compare_fits,
     downloads,
+    job_results,
     kind_results,
-    modes,
     open_folder,
     request_handlers,
 )
@@ -24,10 +23,10 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "take": downloads.download_file, "profile": downloads.profile,
     "project": downloads.project,
     "bench": bench_tests.bench, "take-bench": bench_tests.download_bench,
-    "level": amplitude.level, "take-level": amplitude.download_level,
+    "level": job_results.level, "take-level": job_results.download_level,
     "against": compare_fits.build_fit_comparison,
     "judged": kind_results.fit_kind, "take-judged": kind_results.download_kind,
-    "modes": modes.modes, "take-modes": modes.download_modes,
+    "modes": job_results.modes, "take-modes": job_results.download_modes,
     "recent": open_folder.get_recent_folders, "folder": open_folder.folder, "row": open_folder.row,
 }  # fmt: skip
 """From the request and the folder of the files to a message."""

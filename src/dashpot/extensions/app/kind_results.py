@@ -17,16 +17,18 @@ from typing import Any
 from dashpot.base.errors import DataError
 from dashpot.base.form_fields import FormData
 from dashpot.base.progress import send_progress
-from dashpot.extensions.app import doors, view_models, wire_format
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.app import result_cache, view_models, wire_format
 from dashpot.extensions.app.bench_tests import KEPT, WIDE
-from dashpot.extensions.app.figure_cards import make_figure_cards
+from dashpot.extensions.app.figure_cards import draw_cards, make_figure_cards
 from dashpot.extensions.app.request_parsing import get_list, mapping, part, sizes_of
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, asks_of, load_object
+from dashpot.registry import KINDS, asks_of, find_handler, load_object
 from dashpot.report.page_content import KindPage, kind_page
 from dashpot.report.page_frame import COLOURS
 from dashpot.report.result_page import text_of
+from dashpot.workflow.job import Job
 
 
 @dataclass(frozen=True)
@@ -62,9 +64,9 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
 def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
     """What was found in such files, and what its page tells."""
     send_progress(f"fitting {', '.join(Path(path).name for path in request.files)}")
-    if request.kind == doors.DOOR:
-        door = doors.predict_door(request.files, request.behind)
-        return door, doors.page(door)
+    if find_handler("predict open files", request.kind) is not None:
+        result = _predict_files(request)
+        return result, kind_page(result)
     row = KINDS.get(request.kind)
     if row is None or not (row.panel or row.fits):
         raise DataError(f"'{request.kind}' is no kind of test that is fitted by itself")
@@ -77,12 +79,27 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
     return result, kind_page(result)
 
 
+def _predict_files(request: KindRequest) -> Any:
+    """What such files predict, with the fit of the relaxation test that is open, if it is asked."""
+    path = Path(request.files[0])
+    home = path.parent.parent / f"{request.kind}s" / path.parent.name
+
+    def fit_test() -> Fit:
+        choices = result_cache.select_fit_choices(Job(request.behind))
+        fit: Fit = result_cache.fit_job(choices, True, None)
+        return fit
+
+    predict = find_handler("predict open files", request.kind)
+    return predict(request.files, home, fit_test if request.behind else None)
+
+
 def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     """The result of such files: verdict, lights, figures, numbers, checks and command."""
     kind_request = _parse_request(request, folder)
     result, page = _fit_with_page(kind_request)
     verdict = result.verdict
     width = sizes_of(request).get("bench", WIDE)[0]
+    list_cards = find_handler("figure cards", result)
     return wire_format.encode_message(
         {
             "verdict": view_models.verdict(verdict, page.lights),
@@ -91,9 +108,9 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
             "solid": "",
             "arms": "",
             "checks": view_models.check_list(result.checks),
-            "figures": doors.figures(result, width)
-            if kind_request.kind == doors.DOOR
-            else make_figure_cards(page.picture, width),
+            "figures": make_figure_cards(page.picture, width)
+            if list_cards is None
+            else draw_cards(list_cards(result), width),
             "facts": [list(names) for names in page.strip],
             "asks": view_models.make_form_fields(asks_of(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
@@ -114,6 +131,6 @@ def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
 def _line(request: KindRequest) -> str:
     """The command that gives the same."""
     names = [Path(path).name for path in request.files]
-    if request.kind == doors.DOOR:
+    if find_handler("predict open files", request.kind) is not None:
         return shlex.join(["dashpot", "predict", names[0]])
     return shlex.join(["dashpot", "fit", *names, *request.said.options(len(names))])

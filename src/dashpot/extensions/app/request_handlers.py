@@ -21,14 +21,14 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.app import doors, record_cache, result_cache, view_models, wire_format
+from dashpot.extensions.app import record_cache, result_cache, view_models, wire_format
 from dashpot.extensions.app.request_parsing import job_of, number, part, sizes_of, word
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
-from dashpot.registry import KINDS, asks_of
+from dashpot.registry import KINDS, asks_of, find_handler
 from dashpot.report import first_screen
 from dashpot.report.page_frame import COLOURS
 from dashpot.report.summary import find_simulated_files
@@ -52,8 +52,9 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
-    if path.suffix.lower() == ".toml":
-        return wire_format.encode_message(doors.row(path))
+    describe_file = find_handler("file row", path.suffix.lower())
+    if describe_file is not None:
+        return wire_format.encode_message(describe_file(path))
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next

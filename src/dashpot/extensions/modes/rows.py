@@ -8,6 +8,7 @@ EXTENSION = Extension(
         "compare files": {
             "frf": "dashpot.extensions.modes.measured_modes:modes_files",
         },
+        "fit job": {"dashpot.workflow.job:ModesJob": "dashpot.extensions.modes.page:fit_job"},
         "leave one out": {
             "dashpot.datamodel.impact:ImpactTest": "dashpot.extensions.modes.leave_one_out:cross_validate_hits",
         },

@@ -1,42 +1,39 @@
-"""A door on its seal, dropped on the page with the files that it names."""
+"""A door on its seal in the app: predicted with the files that are open beside it, and shown."""
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.base.number_format import hertz, round_to_error
 from dashpot.base.parsing import parsed_toml
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.app import result_cache, view_models
-from dashpot.extensions.app.figure_cards import FigureCard, make_figure_cards, small_multiples
+from dashpot.extensions.door.analyse_file import door_file
 from dashpot.extensions.door.figure import View, frf_panel, line_panel, shape_panels
 from dashpot.extensions.door.page import format_door_summary, lights_of, modes_of
 from dashpot.extensions.door.result import DoorResult
 from dashpot.plot.picture import Picture
 from dashpot.report.first_screen import Row
-from dashpot.report.page_content import Group, KindPage
-from dashpot.workflow.job import Job
+from dashpot.report.page_content import AppCard, Group, KindPage
+from dashpot.report.page_frame import environment
 from dashpot.workflow.json_archive import to_json
 
-DOOR = "door"
 _HEIGHT = 300.0
 """Of a response beside no seal line, px."""
 
 
-def row(path: Path) -> dict[str, Any]:
-    """What the list of files says of a door."""
-    return {"kind": DOOR, "page": "judged", "line": "a door on its seal", "mark": "good",
+def describe_file(path: Path) -> dict[str, Any]:
+    """Return what the list of files says of a door."""
+    return {"kind": "door", "page": "judged", "line": "a door on its seal", "mark": "good",
             "simulated": False, "long": False, "asks": [], "alone": False,
             "name": path.name}  # fmt: skip
 
 
 def page(result: DoorResult) -> KindPage:
-    """What its own page tells, in the form of the other kinds."""
+    """What the page of a door tells, in the form of the other kinds."""
     rows = tuple(
         Row(
             f"Mode {i}",
@@ -63,37 +60,39 @@ def page(result: DoorResult) -> KindPage:
     )
 
 
-def figures(result: DoorResult, width: float) -> list[FigureCard]:
-    """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
+def list_cards(result: DoorResult) -> list[AppCard]:
+    """Return the seal line and the response, the modes with their shares, and their shapes."""
     view = View.from_result(result)
     panels = [] if view is None else [line_panel(result, view)]
     if result.frfs:
         panels.append(frf_panel(result, 0, height=panels[0].height if panels else _HEIGHT))
-    cards: list[FigureCard] = []
+    cards: list[AppCard] = []
     if panels:
         picture = Picture("door", "", tuple((panel,) for panel in panels), len(panels))
-        cards += make_figure_cards(picture, width)
+        cards.append(AppCard("", picture))
     if result.modes:
-        words = "Modes: who holds, who loses"
-        cards.append(
-            FigureCard(words, view_models.render_template("door_modes", modes=modes_of(result)))
-        )
+        table = environment("dashpot.extensions.door").get_template("modes_table.html")
+        html = table.render(modes=modes_of(result))
+        cards.append(AppCard("Modes: who holds, who loses", html))
     shapes = [] if view is None else shape_panels(result, view)
     if shapes:
-        drawn = small_multiples(shapes, "shape", width)
-        cards.append(FigureCard("Shapes, from outside", drawn))
+        cards.append(AppCard("Shapes, from outside", tuple(shapes)))
     return cards
 
 
-def predict_door(files: Sequence[str], behind: str = "") -> DoorResult:
-    """A door with the files that are open beside it: it names them, and none elsewhere.
+def predict_open_files(
+    files: Sequence[str], home: Path, fit_test: Callable[[], Fit] | None = None
+) -> DoorResult:
+    """Predict a door with the files that are open beside it: it names them, and none elsewhere.
 
     Parameters
     ----------
     files : sequence of path
         The door's own first.
-    behind : path, optional
-        The open relaxation test whose fit the door may name.
+    home : path
+        Where they are put together; what was there is removed.
+    fit_test : callable, optional
+        Fits the open relaxation test, whose fit the door may name.
     """
     path = Path(files[0])
     names = {Path(file).name: Path(file) for file in files[1:]}
@@ -106,19 +105,16 @@ def predict_door(files: Sequence[str], behind: str = "") -> DoorResult:
             raise ReadError(
                 f"{path.name} names a file elsewhere ({text}). Name it alone, and open it here"
             )
-    home = path.parent.parent / "doors" / path.parent.name
     shutil.rmtree(home, ignore_errors=True)
     home.mkdir(parents=True)
     shutil.copy(path, home / path.name)
     for name, item in names.items():
         shutil.copy(item, home / name)
     wanted = toml.get("seal", {}).get("fit") if isinstance(toml.get("seal"), dict) else None
-    if isinstance(wanted, str) and wanted not in names and behind:
+    if isinstance(wanted, str) and wanted not in names and fit_test is not None:
         # the door names the fit of a test that is open
-        job = Job(behind)
-        fitted: Fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, None)
-        (home / wanted).write_text(to_json(fitted), encoding="utf-8")
-    return workflow.door_file(home / path.name)
+        (home / wanted).write_text(to_json(fit_test()), encoding="utf-8")
+    return door_file(home / path.name)
 
 
 def _texts(text: Any) -> Iterator[str]:

@@ -1,0 +1,96 @@
+"""Files of which several make one result: tests at several amplitudes, FRFs with their modes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import DataError
+from dashpot.extensions.app import view_models, wire_format
+from dashpot.extensions.app.bench_tests import KEPT, WIDE
+from dashpot.extensions.app.figure_cards import draw_cards
+from dashpot.extensions.app.request_parsing import build_from_request, get_list, sizes_of
+from dashpot.extensions.app.upload_store import path_in
+from dashpot.registry import find_handler
+from dashpot.report.first_screen import Light
+from dashpot.report.page_content import JobPage, kind_page
+from dashpot.report.page_frame import COLOURS
+from dashpot.report.result_page import text_of
+from dashpot.workflow.command_lines import line
+from dashpot.workflow.job import LevelJob, ModesJob
+
+
+@lru_cache(2 * KEPT)
+def _fit_job(job: LevelJob | ModesJob) -> tuple[Any, JobPage]:
+    """What was found in the files of a job, and what the page shows of it."""
+    result: tuple[Any, JobPage] = find_handler("fit job", job)(job)
+    return result
+
+
+def _parse_level_job(request: Mapping[str, Any], folder: Path) -> LevelJob:
+    """The request; a mass and what goes with it are of FRFs alone, each of which has its level."""
+    job = build_from_request(LevelJob, request, folder)
+    if not job.levels:
+        return LevelJob(job.files, law=job.law, options=job.options)
+    if job.mass is None:
+        raise DataError("no mass is given: say what rests on the seals, such as 104 g")
+    return job
+
+
+def _parse_modes_job(request: Mapping[str, Any], folder: Path) -> ModesJob:
+    for file, mass in zip(get_list(request, "files"), get_list(request, "masses"), strict=False):
+        if not mass:
+            name = path_in(folder, file).name
+            raise DataError(f"{name}: say which mass was on the seals, such as 104 g")
+    return build_from_request(ModesJob, request, folder)
+
+
+def _build_message(
+    job: LevelJob | ModesJob, request: Mapping[str, Any], lights: Sequence[Light], **others: Any
+) -> bytes:
+    """Verdict, numbers, checks, figures, what else there is, and the command that gives it."""
+    result, page = _fit_job(job)
+    terms = [view_models.term(fact) for fact in page.facts]
+    message = {
+        "verdict": view_models.verdict(result.verdict, lights),
+        "colour": COLOURS[result.verdict.use],
+        "solid": view_models.term_table(page.title, terms, page.note),
+        "arms": "",
+        "checks": view_models.check_list(result.checks),
+        "figures": draw_cards(page.cards, sizes_of(request).get("bench", WIDE)[0]),
+        **others,
+        "simulated": any(source.simulated for source in page.sources),
+        "command": line("fit", job),
+    }
+    return wire_format.encode_message(message)
+
+
+def level(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The fit of tests at several amplitudes, with its lights and the line of facts."""
+    job = _parse_level_job(request, folder)
+    page = kind_page(_fit_job(job)[0])
+    return _build_message(job, request, page.lights, facts=[list(names) for names in page.strip])
+
+
+def modes(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The modes of FRFs: of points of one structure, or under several masses on one seal."""
+    return _build_message(_parse_modes_job(request, folder), request, ())
+
+
+def download_level(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The fit as its JSON, as ``dashpot fit --json`` prints it."""
+    return _build_download("levels.json", _parse_level_job(request, folder))
+
+
+def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The modes as their JSON, as ``dashpot fit --json`` prints it."""
+    return _build_download("modes.json", _parse_modes_job(request, folder))
+
+
+def _build_download(name: str, job: LevelJob | ModesJob) -> bytes:
+    result, _ = _fit_job(job)
+    return wire_format.encode_message(
+        {"name": name, "kind": "application/json", "text": text_of(result)}
+    )
