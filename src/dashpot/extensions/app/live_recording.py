@@ -6,20 +6,20 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.choices import Driver, require_choice
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.extensions.acquisition.record_to_file import record
-from dashpot.extensions.acquisition.recorder import Block, Recorder
-from dashpot.extensions.acquisition.replay_device import create_simulated_device, replay
-from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
 from dashpot.plot.picture import Line, Panel, Pen, Scale, compute_padded_limits
 from dashpot.plot.svg import strip
+from dashpot.registry import find_handler
+
+if TYPE_CHECKING:
+    from dashpot.files import recording
 
 MOST = 2000
 """Stretches of a curve beyond which two become one."""
@@ -85,7 +85,7 @@ class Live:
     def __init__(self, store: Store) -> None:
         self._store, self._lock, self._one = store, threading.Lock(), threading.Lock()
         self._thread: threading.Thread | None = None
-        self._recorder: Recorder | None = None
+        self._recorder: recording.Recorder | None = None
         self._traces: list[Trace] = []
         self._rows, self._said, self._failed = 0, (), ""  # type: tuple[int, tuple[str, ...], str]
         self._path = Path()
@@ -154,10 +154,11 @@ class Live:
             return ["it goes with the app: name a folder to keep the next one"]
         return [f"kept in {self._path}"]
 
-    def _run(self, recorder: Recorder) -> None:
+    def _run(self, recorder: recording.Recorder) -> None:
         """Read until the end, in a thread of its own."""
         failed, sentences, retained = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
+            record = find_handler("record", "file")
             _, sentences = record(recorder, self._path, seen=self._add_block)
             if self._path.stat().st_size <= LIMIT:
                 name = self._path.name
@@ -171,7 +172,7 @@ class Live:
         with self._lock:
             self._failed, self._said, self._kept = failed, sentences, retained
 
-    def _add_block(self, block: Block) -> None:
+    def _add_block(self, block: recording.Block) -> None:
         with self._lock:
             self._rows += len(block[0])
             for trace, values in zip(self._traces, block[1].T, strict=True):
@@ -188,23 +189,17 @@ class Live:
             raise DataError(f"{named} is no folder; name one that is there")
         return folder
 
-    def _device(self, driver: str, options: Mapping[str, Any]) -> Recorder:
-        made: dict[str, Callable[[], Recorder]] = {
-            "serial": lambda: SerialLine(
+    def _device(self, driver: str, options: Mapping[str, Any]) -> recording.Recorder:
+        require_choice("driver", driver, Driver)
+        open_device: Callable[..., recording.Recorder] = find_handler("recorder", driver)
+        if driver == "serial":
+            return open_device(
                 str(options.get("port", "")).strip(),
                 columns=str(options.get("columns", "")).split(","),
                 baud=_number(options, "baud", 115200, int),
-            ),
-            "simulated": lambda: create_simulated_device(
-                speed=_number(options, "speed", 1.0, float)
-            ),
-            "replay": lambda: replay(
-                path_in(self._store.folder, options.get("file")),
-                speed=_number(options, "speed", 1.0, float),
-            ),
-        }
-        require_choice("driver", driver, Driver)
-        return made[driver]()
+            )
+        files = [path_in(self._store.folder, options.get("file"))] if driver == "replay" else []
+        return open_device(*files, speed=_number(options, "speed", 1.0, float))
 
 
 def _number(options: Mapping[str, Any], name: str, usual: Any, kind: Callable[[Any], Any]) -> Any:

@@ -6,7 +6,6 @@ project's own history lists inside it, and of a lot the test whose contents the 
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,12 +16,8 @@ from dashpot.base.number_format import format_count
 from dashpot.extensions.app import recent, wire_format
 from dashpot.extensions.app.request_parsing import page_of
 from dashpot.extensions.app.upload_store import LIMIT, Store
-from dashpot.extensions.batch.lot import Lot
-from dashpot.extensions.projects.history import read_history
-from dashpot.extensions.projects.project import open_project, resolve_project_path
 from dashpot.reading.raw_file import open_raw
-from dashpot.workflow.job import Job
-from dashpot.workflow.json_archive import from_json
+from dashpot.registry import find_handler
 
 COLUMNS = (
     "file", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
@@ -100,18 +95,10 @@ def _put(home: Path, name: str, content: bytes) -> str:
 
 def _project(place: Path, home: Path) -> dict[str, Any]:
     """The last job of a project, with its files put where the page has them."""
-    project = open_project(place)
-    history = read_history(project.folder)
-    if not history.lines:
-        raise DataError(f"{place} is a project without a result: open its files by hand")
-    if not all(history.intact):
-        raise DataError(
-            f"the history of {place} is not as dashpot wrote it: 'dashpot verify' says where"
-        )
-    job: Job = from_json(json.dumps(history.lines[-1].job))
+    job, find_file = find_handler("open folder", "project")(place)
 
     def brought(path: str) -> dict[str, str]:
-        file = resolve_project_path(project, path)
+        file = find_file(path)
         content = b"".join(open_raw(file).blocks())
         return {"id": _put(home, file.name, content), "name": file.name}
 
@@ -124,12 +111,12 @@ def _project(place: Path, home: Path) -> dict[str, Any]:
 
 
 def _rows(place: Path) -> list[dict[str, Any]]:
-    return list(Lot.read(place).table.iter_rows(named=True))
+    return list(find_handler("read", "lot")(place).table.iter_rows(named=True))
 
 
 def _lot(place: Path) -> dict[str, Any]:
     """The table of a lot; what is no number is null."""
-    lot = Lot.read(place)
+    lot = find_handler("read", "lot")(place)
     rows = [
         [_finite(iter_row[name]) for name in COLUMNS]
         for iter_row in lot.table.iter_rows(named=True)

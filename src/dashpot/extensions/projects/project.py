@@ -22,6 +22,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ from dashpot.extensions.projects.history import FileEntry, append, file_of, read
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.workflow.job import Job, with_paths
-from dashpot.workflow.json_archive import to_document, to_json
+from dashpot.workflow.json_archive import from_json, to_document, to_json
 from dashpot.workflow.study import Study, run
 
 SCHEMA = "dashpot/project@1"
@@ -115,6 +116,26 @@ def open_project(folder: str | Path) -> Project:
             f"{path / 'dashpot.toml'} has schema {about.get('schema')!r}; expected {SCHEMA!r}"
         )
     return Project(path)
+
+
+def open_last_job(folder: str | Path) -> tuple[Job, Callable[[str], Path]]:
+    """Return the job of the last line of a project's history, and what finds the files it names.
+
+    Raises
+    ------
+    DataError
+        If there is no line, or the history is not as it was written.
+    """
+    project = open_project(folder)
+    history = read_history(project.folder)
+    if not history.lines:
+        raise DataError(f"{folder} is a project without a result: open its files by hand")
+    if not all(history.intact):
+        raise DataError(
+            f"the history of {folder} is not as dashpot wrote it: 'dashpot verify' says where"
+        )
+    job: Job = from_json(json.dumps(history.lines[-1].job))
+    return job, partial(resolve_project_path, project)
 
 
 def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple[Study, Path]:

@@ -4,6 +4,9 @@ from dashpot.registry.row import Command, Extension
 
 EXTENSION = Extension(
     "projects",
+    handlers={
+        "open folder": {"project": "dashpot.extensions.projects.project:open_last_job"},
+    },
     commands=(
         Command("verify", "Many tests", "Recompute a project and check every hash.", "dashpot.extensions.projects.command", order=7),
     ),
