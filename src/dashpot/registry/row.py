@@ -227,7 +227,7 @@ class Extension:
     name : str
     kinds : tuple of KindOfTest
     handlers : mapping of str to mapping of str to str
-        For a task of the core, the function that does it for a type (``"package.module:Class"``) or
+        For a task, the function that does it for a type (``"package.module:Class"``) or
         for a name. Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds),
         ``"html"`` (a page of its own look), ``"export"`` (the input of a solver), ``"deck terms"``
         (what the decks on its page are asked for). ``"plot"``: a figure of `dashpot.plot` by its
