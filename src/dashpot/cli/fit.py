@@ -32,7 +32,6 @@ from dashpot.registry import FITS, KINDS, find_handler, find_kinds_by_option, lo
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shift_options import ShiftChoices
 
-_CLD, _BALL, _SLAM = "cld", "indentation", "slam"
 _BENCH = SOLIDS
 _ELASTIC = (*get_choice_values(RampLawAsked), "by-depth")
 
@@ -51,7 +50,7 @@ def _word(flag: str, choice: Sequence[str], **how: Any) -> CommandOption:
 def _mass() -> list[CommandOption]:
     mass = opt(
         "--mass", type=WithUnit("mass"), multiple=True, metavar="MASS",
-        kinds=f"{VIBRATION} {_BALL} {_SLAM}",
+        kinds=f"{VIBRATION} {find_kinds_by_option('mass')}",
         help="Mass of the block, e.g. 104g. Without it: modes.",
     )  # fmt: skip
     return [
@@ -64,7 +63,7 @@ def _mass() -> list[CommandOption]:
             build_options(
                 Job,
                 "compression",
-                kinds=f"{VIBRATION} {_CLD}",
+                kinds=f"{VIBRATION} {find_kinds_by_option('compression')}",
                 help="Compression where the result is wanted.",
             ),
             build_options(LevelJob, "at", kinds=VIBRATION),
@@ -105,7 +104,7 @@ _OPTIONS = (
             _word("--method", get_choice_values(Method), default="full", kinds="relaxation",
                   help="Whole record (full), or equation (5) of the paper."),
             options.cuts("relaxation"),
-            options.machine(f"relaxation creep cyclic {_CLD} {VIBRATION} "
+            options.machine(f"relaxation creep cyclic {VIBRATION} "
                             f"{find_kinds_by_option('machine')}"),
             build_options(Job, "filter", kinds="relaxation"),
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
@@ -118,7 +117,7 @@ _OPTIONS = (
             build_options(Job, "impact_temperature", kinds=VIBRATION),
         ),
         options.hammer(kinds="impact transmissibility"),
-        *find_handler("options", "fit")(),
+        *find_handler("option groups", "fit")(),
         options.piece(flag=True),
     ),
     options.reading(),
@@ -152,8 +151,9 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     from dashpot.cli.fit_handlers._request import FitRequest
     from dashpot.workflow.fit_routing import route
 
-    if said["slam"] and said["options"].kind is None:
-        said["options"] = replace(said["options"], kind=_SLAM)
+    stated = (kind.name for kind in KINDS.values() if kind.said_by and said[kind.said_by])
+    if said["options"].kind is None and (name := next(stated, None)):
+        said["options"] = replace(said["options"], kind=name)
     detections = detect_file_kinds(files, said["options"])
     kinds = kinds_of(detections, said["options"])
     context = click.get_current_context()

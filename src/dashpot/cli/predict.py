@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from inspect import signature
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +20,12 @@ from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli.fit_handlers._request import PAGE
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, load_object
+from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, list_names, load_object
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
-_SOLID, _DOOR = "fit", "door"
+_SOLID = "fit"
+_FILES = list_names("predict file")
+"""Kinds of files that are predicted as a whole."""
 _QUESTION, _PART = "Question", "Part of a material"
 
 
@@ -45,7 +49,10 @@ def _fits(kind: KindOfTest) -> list[str]:
     group(
         _QUESTION,
         build_options(
-            Job, "band", kinds=f"{_SOLID} {_DOOR}", help="Frequencies (1:50Hz; door 1:200Hz)."
+            Job,
+            "band",
+            kinds=" ".join((_SOLID, *_FILES)),
+            help="Frequencies (1:50Hz; door 1:200Hz).",
         ),
         opt(
             "--temperature",
@@ -143,18 +150,7 @@ def _fits(kind: KindOfTest) -> list[str]:
             ),
         ),
     ),
-    group(
-        "Door",
-        opt(
-            "--close",
-            "speed",
-            type=WithUnit("velocity"),
-            metavar="SPEED",
-            kinds=_DOOR,
-            help="Close it: energy, least closing speed.",
-        ),
-        opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
-    ),
+    *find_handler("option groups", "predict")(),
     mark_advanced(group(RAMP, options.machine(_SOLID)), options.reading()),
     options.result("FRF as .csv; of a door .json; or a page, .html."),
 )
@@ -163,21 +159,22 @@ def command(*, path: str, **said: Any) -> CommandResult:
     detection = detect_file_kinds([path], ReadOptions())[path]
     row = KINDS.get(detection.kind) if detection.stored else None
     single = row is not None and bool(row.predict)
-    kind = detection.kind if detection.kind == _DOOR or single else _SOLID
+    kind = detection.kind if detection.kind in _FILES or single else _SOLID
     refuse_others(command, click.get_current_context(), {path: kind})
     if row is not None and single:
         return _predict_kind(path, row, said)
-    if kind == _DOOR:
-        outcome: CommandResult = find_handler("predict file", _DOOR)(
-            path, **{name: said[name] for name in _OF_DOOR}
-        )
+    if kind in _FILES:
+        predict = find_handler("predict file", kind)
+        _, *names = signature(predict).parameters
+        outcome: CommandResult = predict(path, **{name: said[name] for name in names})
         return outcome
-    if said["slam"]:
-        return _predict_slam(path, said)
-    others = {
-        field.name for kind in PREDICTED for field in iterate_option_fields(load_object(kind.asked))
-    }
-    left_out = {*_NO_MASS, *others}
+    for name in _BY_OPTION:
+        if said[name]:
+            return _predict_with_option(name, path, said)
+    others = (
+        option.names for option in command.options if option.kinds and _SOLID not in option.kinds
+    )
+    left_out = {*_BY_OPTION, *chain.from_iterable(others)}
     return _under_mass(path, **{name: item for name, item in said.items() if name not in left_out})
 
 
@@ -214,31 +211,28 @@ def is_page(output: str | None) -> bool:
     return suffix in PAGE
 
 
-_OF_SLAM = ("--slam", "--mass", "--seals")
+_BY_OPTION = list_names("predict with option")
+"""Options with which a fit is predicted otherwise than in vibration."""
 
 
-def _predict_slam(path: str, stated: dict[str, Any]) -> CommandResult:
-    """Predict what a mass does that is slammed on the piece."""
+def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> CommandResult:
+    """Predict of a fit what such an option asks."""
+    predict = find_handler("predict with option", name)
+    _, *names = signature(predict).parameters
     context = click.get_current_context()
     for option in command.options:
         if (
             option.get_typed_words(context)
             and option.group != options.RESULT
-            and option.flag not in _OF_SLAM
+            and option.names.isdisjoint(names)
         ):
             raise click.UsageError(
-                f"{option.flag} is for a vibration, and --slam is one hit. Leave out one of them."
+                f"{option.flag} is for a vibration, and --{name} is one hit. Leave out one of them."
             )
     return _write_prediction(
-        find_handler("predict with option", "slam")(
-            workflow.read_fit(path), slam=stated["slam"], mass=stated["mass"], seals=stated["seals"]
-        ),
+        predict(workflow.read_fit(path), **{name: stated[name] for name in names}),
         stated,
     )
-
-
-_OF_DOOR = ("band", "temperature", "speed", "every", "picture", "output")
-_NO_MASS = ("speed", "every", "slam")
 
 
 def _under_mass(

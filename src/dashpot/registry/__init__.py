@@ -178,8 +178,14 @@ def list_names(task: str) -> tuple[str, ...]:
 
 
 def find_kinds_by_option(option: str) -> str:
-    """Return the kinds whose fit takes an option of the command, as its help wants them."""
-    return " ".join(kind.name for kind in KINDS.values() if option in kind.takes)
+    """Return the kinds with a fit of their own that takes an option, as the help wants them."""
+    unrecognised = {kind.also for kind in KINDS.values()}
+    return " ".join(
+        kind.name
+        for kind in KINDS.values()
+        if kind.name not in unrecognised
+        and (option in kind.takes or (kind.name in FITS and option in FITS[kind.name].options))
+    )
 
 
 def row_of(result: object) -> KindOfTest | None:

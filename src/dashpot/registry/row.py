@@ -110,6 +110,8 @@ class KindOfTest:
         Its example files, each with a caption and what writes it.
     fits : str
         From records to what is found, where the fit of a kind takes no more than `takes`.
+    said_by : str
+        The option of ``dashpot fit`` that says files to be of it, where they do not show it.
     takes : tuple of str
         What of the options of ``dashpot fit`` its fit takes.
     predict : str
@@ -140,6 +142,7 @@ class KindOfTest:
     resonates: bool = False
     examples: str = ""
     fits: str = ""
+    said_by: str = ""
     takes: tuple[str, ...] = ()
     predict: str = ""
     asked: str = ""
@@ -249,6 +252,8 @@ class Extension:
         what the list of files says of a suffix; ``"predict open files"``: files of a kind that is
         not fitted; ``"recorder"``: a device by its driver; ``"record"``: to a file; ``"open
         folder"``: the last job kept in one, and what finds its files.
+        Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"``, those
+        that it has besides, and ``"option groups"``, those under titles of their own.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

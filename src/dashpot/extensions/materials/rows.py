@@ -91,12 +91,12 @@ EXTENSION = Extension(
                 panel="dashpot.extensions.materials.slam.app_form",
                 checks="dashpot.extensions.materials.slam.checks",
                 examples="dashpot.extensions.materials.slam.examples:EXAMPLES",
-                fits="dashpot.extensions.materials.slam.fit:fit_slams", takes=("mass", "slam", "memory", "specimen"), order=16,
+                fits="dashpot.extensions.materials.slam.fit:fit_slams", said_by="slam", takes=("mass", "slam", "memory", "specimen"), order=16,
         ),
     ),
     handlers={
+        "option groups": {"fit": "dashpot.extensions.materials.fit_options:list_groups"},
         "options": {
-            "fit": "dashpot.extensions.materials.fit_options:list_groups",
             "predict": "dashpot.extensions.materials.slam.command_options:list_of_prediction",
         },
         "predict with option": {

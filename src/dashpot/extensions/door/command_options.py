@@ -1,0 +1,26 @@
+"""Options of ``dashpot predict`` on a door."""
+
+from __future__ import annotations
+
+from dashpot.cli._command import CommandOption, group, opt
+from dashpot.cli._param_types import WithUnit
+
+_DOOR = "door"
+
+
+def list_groups() -> list[list[CommandOption]]:
+    """Return the options of a door, under their title."""
+    return [
+        group(
+            "Door",
+            opt(
+                "--close",
+                "speed",
+                type=WithUnit("velocity"),
+                metavar="SPEED",
+                kinds=_DOOR,
+                help="Close it: energy, least closing speed.",
+            ),
+            opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
+        )
+    ]
