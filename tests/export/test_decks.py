@@ -20,7 +20,6 @@ from kit.fractional import SEAL
 from kit.levels import a_level_fit
 
 from dashpot.base.checks import Check
-from dashpot.base.choices import DECKS as DECK_NAMES
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
 from dashpot.base.status import Status
@@ -36,6 +35,7 @@ from dashpot.export.unit_systems import format_fixed_width, text
 from dashpot.extensions import solver_inputs
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.registry import SOLVER_INPUTS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -563,7 +563,7 @@ def test_every_deck_has_its_row_in_the_documents():
 def test_every_file_of_a_deck_is_offered():
     folders = (Path(decks.__file__).with_name("decks"), Path(solver_inputs.__file__).parent)
     files = {path.stem for folder in folders for path in folder.glob("*.py")}
-    assert files - {"__init__", "rows"} == set(DECK_NAMES) == set(TARGETS)
+    assert files - {"__init__", "rows"} == set(SOLVER_INPUTS) == set(TARGETS)
 
 
 def test_forms_and_targets_are_the_same_list():

@@ -37,7 +37,16 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.registry import KINDS, KindOfTest, Piece, asks_of, figure_of, load_object, row_of
+from dashpot.registry import (
+    KINDS,
+    KindOfTest,
+    Piece,
+    asks_of,
+    figure_of,
+    find_kinds_by_option,
+    load_object,
+    row_of,
+)
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.example_files import FILES
 from dashpot.workflow.inspections import inspect_files
@@ -230,3 +239,14 @@ def test_a_document_comes_back_as_it_was(folder: Path, name: str) -> None:
     found = json.loads(text)
     assert schemas()[found["schema"]] is type(noun)
     assert json.loads(to_json(from_json(text))) == found
+
+
+def test_an_option_is_of_the_kinds_whose_own_fit_takes_it() -> None:
+    assert find_kinds_by_option("compression") == "cld"
+    assert find_kinds_by_option("mass") == "indentation slam"  # no file says it is a rod
+
+
+def test_the_option_that_names_a_kind_is_taken_by_its_fit() -> None:
+    named = [kind for kind in KINDS.values() if kind.said_by]
+    assert named
+    assert all(kind.said_by in kind.takes for kind in named)

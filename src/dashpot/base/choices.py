@@ -35,11 +35,6 @@ Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 
 Drawn: TypeAlias = Literal["pdf", "png", "svg"]
 FigureSize: TypeAlias = Literal["column", "slide"]
-DECKS = (
-    "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
-    "statespace", "csv",
-)  # fmt: skip
-"""Solvers: each a file of ``export/decks``."""
 
 
 def get_choice_values(choice: Any) -> tuple[str, ...]:

@@ -10,7 +10,6 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
 from dashpot.base.sentences import paragraph
 from dashpot.base.serialisation import Serialisable
@@ -20,6 +19,7 @@ from dashpot.cli._command_io import CommandResult, write
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.datamodel.specimen import Specimen
+from dashpot.registry import SOLVER_INPUTS
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
@@ -45,6 +45,7 @@ class Exported(Serialisable):
 
 
 _SOLVER = "Solver"
+_SOLVERS = tuple(SOLVER_INPUTS)
 _FORMS = "arms, table or prony, as the solver has it."
 ALL = "all"
 """The word of ``--allow`` that overlooks every problem."""
@@ -60,8 +61,9 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=ChoiceWithSuggestion(DECKS, plugins="decks"), metavar="SOLVER",
-            help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
+        opt("--to", "target", type=ChoiceWithSuggestion(_SOLVERS, plugins="decks"),
+            metavar="SOLVER",
+            help=f"{', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
         opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
@@ -150,7 +152,7 @@ def command(
 
 def _unsaid(result: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]) -> str:
     """What to say where no solver is named: that, and all else that a deck would be asked for."""
-    requested = f"Name the solver: --to {', '.join(DECKS[:-1])} or {DECKS[-1]}."
+    requested = f"Name the solver: --to {', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."
     try:
         workflow.deck_for(
             "abaqus", result, units=units, temperature=specimen.temperature, allow=allow

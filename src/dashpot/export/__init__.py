@@ -13,7 +13,6 @@ from importlib import import_module
 from inspect import signature
 from types import MappingProxyType
 
-from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
@@ -23,7 +22,7 @@ from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.registry import SOLVER_INPUTS, find_handler
 from dashpot.solids.maxwell import Solid
 
-_MODULES = {name: import_module(SOLVER_INPUTS[name]) for name in DECKS}
+_MODULES = {name: import_module(row.module) for name, row in SOLVER_INPUTS.items()}
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {name: module.FORMS for name, module in _MODULES.items()}
 )

@@ -24,6 +24,7 @@ from dashpot.registry.row import (
     Meant,
     Piece,
     Place,
+    SolverInput,
 )
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ __all__ = [
     "Meant",
     "Piece",
     "Place",
+    "SolverInput",
     "asks_of",
     "figure_of",
     "find_handler",
@@ -121,10 +123,16 @@ FORMATS: Mapping[str, FileFormat] = MappingProxyType(
 )
 """Every file format."""
 
-SOLVER_INPUTS: Mapping[str, str] = MappingProxyType(
-    {name: module for extension in EXTENSIONS for name, module in extension.solver_inputs.items()}
+SOLVER_INPUTS: Mapping[str, SolverInput] = MappingProxyType(
+    {
+        row.name: row
+        for row in sorted(
+            (row for extension in EXTENSIONS for row in extension.solver_inputs),
+            key=lambda row: row.order,
+        )
+    }
 )
-"""Every solver, and the module that writes its input."""
+"""Every solver whose input is written, in the order in which they are listed."""
 
 FIT_FILES = "dashpot.workflow.fit_bench_tests:fit_files"
 RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.place in {"response", "base"})

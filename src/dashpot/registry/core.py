@@ -1,6 +1,6 @@
 """The rows of the core: the paper's own tests, commands, formats and solver inputs."""
 
-from dashpot.registry.row import Command, Extension, FileFormat, FitRow, KindOfTest
+from dashpot.registry.row import Command, Extension, FileFormat, FitRow, KindOfTest, SolverInput
 
 _PAIR = (
     "say of which test (--pair, or the column 'hammer' of --manifest), or fit both with dashpot fit"
@@ -85,12 +85,12 @@ EXTENSION = Extension(
         FileFormat("text", "dashpot.reading.formats.text"),
         FileFormat("plugin_format", "dashpot.reading.formats.plugin_format", sandboxed=True),
     ),
-    solver_inputs={
-        "nastran": "dashpot.export.decks.nastran",
-        "abaqus": "dashpot.export.decks.abaqus",
-        "statespace": "dashpot.export.decks.statespace",
-        "csv": "dashpot.export.decks.csv",
-    },
+    solver_inputs=(
+        SolverInput("nastran", "dashpot.export.decks.nastran", order=0),
+        SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
+        SolverInput("statespace", "dashpot.export.decks.statespace", order=8),
+        SolverInput("csv", "dashpot.export.decks.csv", order=9),
+    ),
     fits=(
         FitRow(
             "bench", "dashpot.api.fit:fit_bench_tests",

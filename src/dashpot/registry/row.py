@@ -195,6 +195,23 @@ class FileFormat:
 
 
 @dataclass(frozen=True)
+class SolverInput:
+    """The input of a solver.
+
+    Attributes
+    ----------
+    name, module : str
+        Its name, and the module that holds the function of this name, ``FORMS`` and ``SUFFIX``.
+    order : int
+        Where it stands among all.
+    """
+
+    name: str
+    module: str
+    order: int = 0
+
+
+@dataclass(frozen=True)
 class FitRow:
     """A fit that records may mean, together and with what was said of them.
 
@@ -258,8 +275,7 @@ class Extension:
         Fits that records may mean.
     commands : tuple of Command
     formats : tuple of FileFormat
-    solver_inputs : mapping of str to str
-        A solver, and the module that holds the function of this name, ``FORMS`` and ``SUFFIX``.
+    solver_inputs : tuple of SolverInput
     """
 
     name: str
@@ -268,4 +284,4 @@ class Extension:
     fits: tuple[FitRow, ...] = ()
     commands: tuple[Command, ...] = ()
     formats: tuple[FileFormat, ...] = ()
-    solver_inputs: Mapping[str, str] = field(default_factory=dict)
+    solver_inputs: tuple[SolverInput, ...] = ()

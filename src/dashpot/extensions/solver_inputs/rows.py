@@ -1,15 +1,15 @@
 """The rows of further solver inputs."""
 
-from dashpot.registry.row import Extension
+from dashpot.registry.row import Extension, SolverInput
 
 EXTENSION = Extension(
     "solver_inputs",
-    solver_inputs={
-        "ansys": "dashpot.extensions.solver_inputs.ansys",
-        "lsdyna": "dashpot.extensions.solver_inputs.lsdyna",
-        "radioss": "dashpot.extensions.solver_inputs.radioss",
-        "calculix": "dashpot.extensions.solver_inputs.calculix",
-        "opensees": "dashpot.extensions.solver_inputs.opensees",
-        "adams": "dashpot.extensions.solver_inputs.adams",
-    },
+    solver_inputs=(
+        SolverInput("ansys", "dashpot.extensions.solver_inputs.ansys", order=2),
+        SolverInput("lsdyna", "dashpot.extensions.solver_inputs.lsdyna", order=3),
+        SolverInput("radioss", "dashpot.extensions.solver_inputs.radioss", order=4),
+        SolverInput("calculix", "dashpot.extensions.solver_inputs.calculix", order=5),
+        SolverInput("opensees", "dashpot.extensions.solver_inputs.opensees", order=6),
+        SolverInput("adams", "dashpot.extensions.solver_inputs.adams", order=7),
+    ),
 )  # fmt: skip
