@@ -21,14 +21,20 @@ from dashpot import workflow
 from dashpot.base.units import find_unit, parse_column_title
 from dashpot.extensions.amplitude import page as level
 from dashpot.extensions.amplitude import text as amplitude_text
+from dashpot.extensions.amplitude.fit_files import level_files
 from dashpot.extensions.app import view_models
 from dashpot.extensions.batch import page
 from dashpot.extensions.batch import table_row as row
 from dashpot.extensions.batch.limits import read_limits
 from dashpot.extensions.batch.summary import summary
+from dashpot.extensions.door.analyse_file import door_file
+from dashpot.extensions.materials.cld.fit_files import cld_files
+from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 from dashpot.extensions.materials.indentation import text as indentation_text
+from dashpot.extensions.materials.indentation.fit_files import indent_file
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.lot_row import build_lot_row as indentation_row
+from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.extensions.modes.page import list_mode_facts
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import Piece
@@ -303,7 +309,7 @@ def test_compliances_and_shifts_are_told_as_they_are(fits):
 
 def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
-    ball = workflow.indent_file(bench / "hit.csv", indenter=indenter)
+    ball = indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.document
     held(ball.found, table(indentation_text.indentation(ball).lines))
     piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
@@ -321,7 +327,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
 
 
 def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
-    found = workflow.hyperelastic_files(
+    found = hyperelastic_files(
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
     held(found.found, table(facts(found.found)))
@@ -345,7 +351,7 @@ SHAKEN = {"levels": (0.02, 0.5), "mass": 0.1148, "seals": 2.0, "at": (0.1,)}
     ],
 )
 def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
-    found = workflow.level_files([str(bench / one) for one in files], **asked)
+    found = level_files([str(bench / one) for one in files], **asked)
     told = level.numbers(found)
     assert told
     (shown,) = kind_page(found).groups
@@ -356,7 +362,7 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
 
 
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
-    found = workflow.level_files([str(bench / "hammer.csv")], at=(0.05,))
+    found = level_files([str(bench / "hammer.csv")], at=(0.05,))
     told = {one.name: one for one in level.numbers(found)}
     rows = table(amplitude_text.levels(found).lines)
     for (peak, motion), one in zip((each.facts for each in found.at), found.at, strict=True):
@@ -369,7 +375,7 @@ def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
 def test_modes_say_the_same_in_text_and_app(bench):
     made = ran("fit", bench / "hammer.csv", "-o", bench / "frf.csv")
     line = next(one for one in made.output.splitlines() if one.startswith("  mode "))
-    found, _ = workflow.modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
+    found, _ = modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
     assert found.modes
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
     facts = list_mode_facts([("1", found.modes[0].mode)])
@@ -429,29 +435,29 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
 #: result -> how it is found, and a number of it: where the frame has it, and where the document
 FRAMED = {
     "rubber": (
-        lambda at: workflow.hyperelastic_files({"uniaxial": [at("tension.csv")]}),
+        lambda at: hyperelastic_files({"uniaxial": [at("tension.csv")]}),
         lambda rows: rows["value"][rows["parameter"].index("shear_modulus")],
         lambda told: next(one["value"] for one in told["found"] if one["name"] == "shear_modulus"),
     ),
     "door": (
-        lambda at: workflow.door_file(at("door.toml")),
+        lambda at: door_file(at("door.toml")),
         lambda rows: rows["frequency"][0],
         lambda told: told["modes"][0]["frequency_hz"],
     ),
     "loops": (
-        lambda at: workflow.level_files([at("loops.csv")]),
+        lambda at: level_files([at("loops.csv")]),
         lambda rows: rows["value"][rows["parameter"].index("lost")],
         lambda told: told["lost"],
     ),
     "levels": (
-        lambda at: workflow.level_files(
+        lambda at: level_files(
             [at("shaker_20mN.csv"), at("shaker_500mN.csv")], levels=[0.02, 0.5], mass=0.1148
         ),
         lambda rows: rows["k"][rows["element"].index("k_inf")],
         lambda told: told["model"]["k_inf"],
     ),
     "pieces": (
-        lambda at: workflow.cld_files([at("cld_1.csv"), at("cld_2.csv")]),
+        lambda at: cld_files([at("cld_1.csv"), at("cld_2.csv")]),
         lambda rows: rows["loading"][1],
         lambda told: told["pieces"][1]["nominal"]["loading"],
     ),

@@ -33,6 +33,8 @@ from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Keyed, Scoped
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.amplitude import fit_handler as level_handler
+from dashpot.extensions.amplitude.fit_files import level_files
 from dashpot.extensions.app.page_form import fill_form, get_job_defaults
 from dashpot.extensions.app.request_parsing import (
     build_from_request,
@@ -47,6 +49,9 @@ from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.materials.hyperelastic.options import Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod.datamodel import RodErrors
+from dashpot.extensions.modes import fit_handler as modes_handler
+from dashpot.extensions.modes.mass_series_files import modes_by_mass
+from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
 from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.reading.readers import detect_kind
@@ -146,8 +151,8 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
 @pytest.mark.parametrize(
     ("noun", "function"),
     [
-        (Job, BenchFitOptions), (LevelJob, workflow.level_files),
-        (ModesJob, workflow.modes_files), (ModesJob, workflow.modes_by_mass),
+        (Job, BenchFitOptions), (LevelJob, level_files),
+        (ModesJob, modes_files), (ModesJob, modes_by_mass),
         (BatchOptions, batch), (Job, characterise),
     ],
 )  # fmt: skip
@@ -397,17 +402,17 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
         job = replace(job, options=replace(job.options, window_decay=None))
     said = job if amplitude else LevelJob(job.files, law=job.law, options=job.options)
     typed = line("fit", said)
-    told = heard(workflow, "level_files", typed, "frf" if amplitude else "strain-sweep")
+    told = heard(level_handler, "level_files", typed, "frf" if amplitude else "strain-sweep")
     assert LevelJob(*told.heard, **told.named) == said
 
 
 @given(nouns(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
 def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[float]) -> None:
     bare = replace(job, files=job.files or ("frf.csv",), seals=1.0)  # seals are of masses
-    told = heard(workflow, "modes_files", line("fit", bare), "frf")
+    told = heard(modes_handler, "modes_files", line("fit", bare), "frf")
     assert ModesJob(*told.heard, **told.named) == bare
     weighed = replace(job, files=tuple(f"{n}.csv" for n in range(len(masses))), masses=(*masses,))
-    told = heard(workflow, "modes_by_mass", line("fit", weighed), "frf")
+    told = heard(modes_handler, "modes_by_mass", line("fit", weighed), "frf")
     files, under = told.heard
     assert ModesJob(files, masses=under, **told.named) == weighed
 

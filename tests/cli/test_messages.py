@@ -84,6 +84,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/materials/rod/": ("fit",),
     "extensions/amplitude/": ("fit", "predict"),
     "extensions/door/": ("predict",),
+    "extensions/door/export_handler.py": ("export",),
     "extensions/materials/hyperelastic/material_cards.py": ("export",),
     "workflow/response/frf_prediction.py": ("predict",),
     "workflow/prepare_tests.py": ("predict", "compare"),

@@ -19,7 +19,7 @@ from dashpot.cli._command_io import CommandResult, write
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.datamodel.specimen import Specimen
-from dashpot.registry import SOLVER_INPUTS
+from dashpot.registry import SOLVER_INPUTS, find_handler
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
@@ -176,29 +176,6 @@ _ASKED = "temperature"
 """Of the specimen: what a deck is asked for, not what is added to the fit."""
 
 
-def _line_of_door(
-    path: str, pitch: float | None, normal: str | None, temperature: float | None
-) -> tuple[Stations, Shear]:
-    """Return the stations of a door's seal, with its own compression, joints and normals."""
-    door = workflow.read_door(path)
-    if door.line is None or door.seal is None or normal is not None:
-        raise ExportError(
-            f"{path}: --normal is for a file of points; the [seal] of a door says its own"
-            if normal is not None
-            else f"{path}: no [seal] is in it; add one with fit, points and normal"
-        )
-    wanted = pitch or door.seal.pitch
-    if wanted is None:
-        raise ExportError(f"{path}: [seal] says no pitch; add --pitch, e.g. 25mm")
-    if door.seal.friction is not None:
-        raise ExportError(
-            f"{path}: no deck of a line holds friction; leave [seal.friction] out of a copy of the "
-            "file, and add its ratios to those of [seal.shear] for a seal that sticks"
-        )
-    kelvin = door.seal.temperature if temperature is None else temperature
-    return door.line.stations(wanted), workflow.shear_of(door.seal, kelvin)
-
-
 def _normal(text: str) -> tuple[float, float, float]:
     try:
         x, y, z = map(float, text.split(","))
@@ -219,7 +196,10 @@ def _seal_line(
 
     systems = workflow.UNIT_SYSTEMS
     if Path(path).suffix.lower() == ".toml":
-        return _line_of_door(path, pitch, normal, temperature)
+        stations: tuple[Stations, Shear | None] = find_handler("stations", "door")(
+            path, pitch, normal, temperature
+        )
+        return stations
     if pitch is None or units is None or units not in systems:
         raise ExportError("--line needs --pitch, e.g. 25mm, and --unit-system")
     try:

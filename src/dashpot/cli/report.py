@@ -23,6 +23,7 @@ from dashpot.cli._detected_kinds import (
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
 from dashpot.cli._param_types import Folder, Output
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
+from dashpot.registry import KINDS, find_handler, load_object
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def command(
     kinds = kinds_of(detections, options)
     print_detected_kinds(detections)
     if set(kinds.values()) <= _LOOPS:
-        return _amplitude(files, output, options)
+        return _amplitude(files, kinds[files[0]], output, options)
     tests = tuple(path for path in files if kinds[path] == "relaxation")
     impact = tuple(path for path in files if kinds[path] in _VIBRATION)
     _refuse_others(kinds, tests, impact)
@@ -133,8 +134,7 @@ def command(
     written: list[str] = []
     history = None
     if project:
-        home = workflow.create(project)
-        study, place = workflow.record(home, job, page=workflow.html)
+        study, place, home = find_handler("keep", "project")(project, job, page=workflow.html)
         note_written(place)
         history = home.head
         written.append(str(place))
@@ -158,7 +158,6 @@ def command(
 def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
     """Refuse what no page of a seal is about."""
     from dashpot.reading.readers.detect_kind import get_kind_command
-    from dashpot.registry import KINDS
 
     for path, kind in kinds.items():
         if path not in (*tests, *impact):
@@ -212,9 +211,11 @@ def _simplify_options(read_options: ReadOptions, files: Sequence[str]) -> ReadOp
     return options.pop() if len(options) == 1 else read_options
 
 
-def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions) -> CommandResult:
+def _amplitude(
+    files: tuple[str, ...], kind: str, output: str | None, reading: ReadOptions
+) -> CommandResult:
     """Write the page of loops or an amplitude sweep."""
-    levels = workflow.level_files(files, options=reading)
+    levels = load_object(KINDS[kind].fit)(files, options=reading)
     output = output or "report.html"
     claim([output])
     write(output, workflow.html(levels))

@@ -260,7 +260,8 @@ class Extension:
         ``"predict with option"``, ``"predict with sweep"``, ``"read sweep"``, ``"predict at
         levels"``: from a fit. ``"compare"``: two of a type. ``"fit records"``: tests of a bench of
         which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
-        the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals.
+        the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals;
+        ``"stations"``: of the seal in a file. ``"keep"``: a job and its report, in a folder.
         Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, and ``"options"``, those
         that it has besides. ``"fit complex modulus"``: from frequencies and moduli to a solid, as a
         kind is fitted; ``"lot columns"``: what the row of a lot lists of a record; ``"process

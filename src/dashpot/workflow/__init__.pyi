@@ -1,35 +1,5 @@
 from dashpot.export import UNIT_SYSTEMS as UNIT_SYSTEMS
 from dashpot.export import deck_for as deck_for
-from dashpot.extensions.amplitude.fit_files import Levels as Levels
-from dashpot.extensions.amplitude.fit_files import level_files as level_files
-from dashpot.extensions.door.analyse_file import DoorResult as DoorResult
-from dashpot.extensions.door.analyse_file import door_file as door_file
-from dashpot.extensions.door.analyse_file import shear_of as shear_of
-from dashpot.extensions.door.closing_from_file import ClosingResult as ClosingResult
-from dashpot.extensions.door.read import read_door as read_door
-from dashpot.extensions.materials.cld.datamodel import CLD as CLD
-from dashpot.extensions.materials.cld.datamodel import RateLaw as RateLaw
-from dashpot.extensions.materials.cld.datamodel import RelaxedLaw as RelaxedLaw
-from dashpot.extensions.materials.cld.fit_files import Pieces as Pieces
-from dashpot.extensions.materials.cld.fit_files import cld_files as cld_files
-from dashpot.extensions.materials.hyperelastic.fit_files import (
-    hyperelastic_files as hyperelastic_files,
-)
-from dashpot.extensions.materials.indentation.fit_files import indent_file as indent_file
-from dashpot.extensions.materials.rod.fit_files import Rod as Rod
-from dashpot.extensions.materials.rod.fit_files import rod_files as rod_files
-from dashpot.extensions.materials.slam.fit_files import slam_files as slam_files
-from dashpot.extensions.modes.mass_series_files import ModesByMass as ModesByMass
-from dashpot.extensions.modes.mass_series_files import modes_by_mass as modes_by_mass
-from dashpot.extensions.modes.measured_modes import MeasuredModes as MeasuredModes
-from dashpot.extensions.modes.measured_modes import modes_files as modes_files
-from dashpot.extensions.projects.project import create as create
-from dashpot.extensions.projects.project import open_project as open_project
-from dashpot.extensions.projects.project import record as record
-from dashpot.extensions.projects.verification import (
-    check_half_written_files as check_half_written_files,
-)
-from dashpot.extensions.projects.verification import verify as verify
 from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from dashpot.planning.assumed_seal import SupposedSeal as SupposedSeal
 from dashpot.planning.plan import plan as plan

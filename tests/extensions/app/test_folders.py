@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import dashpot as dp
-from dashpot import workflow
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.app import recent, wire_format
@@ -17,6 +16,7 @@ from dashpot.extensions.app.request_parsing import job_of, page_of
 from dashpot.extensions.app.upload_store import Store, path_in
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.projects.history import append
+from dashpot.extensions.projects.project import create, record
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -58,8 +58,8 @@ def project(tmp_path, text):
         str(tmp_path / "seal.csv"), arms=2, cuts=Cuts(hold_end=11.0), mass=0.1148, seals=2.0,
         specimen=Specimen(length=0.05, name="A", temperature=296.15),
     )  # fmt: skip
-    home = workflow.create(tmp_path / "door")
-    workflow.record(home, job, page=lambda _: "")
+    home = create(tmp_path / "door")
+    record(home, job, page=lambda _: "")
     return job, home.folder
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dashpot import workflow
 from dashpot.base.choices import AmplitudeLawAsked
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.amplitude.fit_files import level_files
 
 
 def run(request: FitRequest) -> CommandResult:
     """Find how far stiffness and damping depend on how far the seal is moved."""
     request.refuse_polarity()
     request.check_output_suffix(".json", what="a fit over amplitude")
-    levels = workflow.level_files(
+    levels = level_files(
         request.files,
         levels=request["levels"],
         mass=request.mass,

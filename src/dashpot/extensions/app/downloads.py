@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dashpot import plot, workflow
+from dashpot import plot
 from dashpot.base.errors import DataError
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
@@ -17,6 +17,7 @@ from dashpot.extensions.app import recent, result_cache, wire_format
 from dashpot.extensions.app.request_parsing import deck_choices, job_of, part
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.write import write_frf
+from dashpot.registry import find_handler
 from dashpot.report import html as report_html
 from dashpot.report.figures import stamp
 from dashpot.workflow.job import Job
@@ -122,8 +123,8 @@ def project(request: Mapping[str, Any], folder: Path) -> bytes:
     place = request.get("folder")
     if not isinstance(place, str) or not place.strip():
         raise DataError("no folder is named: type where the project is to be kept")
-    home = workflow.create(Path(place).expanduser())
-    _, page = workflow.record(home, job, page=report_html)
+    keep = find_handler("keep", "project")
+    _, page, home = keep(Path(place).expanduser(), job, page=report_html)
     recent.remember(home.folder)
     return wire_format.encode_message(
         {"folder": str(home.folder), "report": str(page), "head": home.head}

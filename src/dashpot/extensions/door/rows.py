@@ -9,6 +9,7 @@ EXTENSION = Extension(
             KindOfTest("free-modes", "dashpot.extensions.door.read_modes:read_modes", place="part", order=20),
     ),
     handlers={
+        "stations": {"door": "dashpot.extensions.door.export_handler:find_line_stations"},
         "option groups": {"predict": "dashpot.extensions.door.command_options:list_groups"},
         "predict file": {
             "door": "dashpot.extensions.door.predict_handler:run",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isnan
 
-from dashpot import workflow
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.door.mounts import SEAL
+from dashpot.extensions.door.result import DoorResult
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded, hertz
 
@@ -17,7 +17,7 @@ _ROUNDING = 1e-9
 """Of a damping, %."""
 
 
-def door(result: workflow.DoorResult, *, every: bool = False) -> Text:
+def door(result: DoorResult, *, every: bool = False) -> Text:
     """The seal line, the modes with what shares them, and what a shaken base does.
 
     Of many modes those of which the seal has most; `every` tells what each part has of them.
@@ -42,9 +42,7 @@ def door(result: workflow.DoorResult, *, every: bool = False) -> Text:
     return Text(lines, details)
 
 
-def _rows(
-    result: workflow.DoorResult, numbers: Sequence[int], parts: Sequence[str]
-) -> list[list[str]]:
+def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> list[list[str]]:
     """Frequency, damping and shares of some modes: of the seal, or of each of the `parts`."""
     named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "times outside"]
     rows = [["mode", "Hz", *(("damping, %", *parts) if parts else named)]]
@@ -73,13 +71,13 @@ def _format_damping(value: float) -> str:
     return format_rounded(value, digits=3) if value > _ROUNDING else "0"
 
 
-def _format_extrapolation_factor(result: workflow.DoorResult, frequency: float) -> str:
+def _format_extrapolation_factor(result: DoorResult, frequency: float) -> str:
     """By what factor a frequency lies outside what the test of the seal informs."""
     factor = result.beyond(frequency)
     return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
 
 
-def _shares(result: workflow.DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
+def _shares(result: DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
     rows = []
     for number, mode in enumerate(result.modes, start=1):
         entries = {share.name: share.loss if loss else share.energy for share in mode.shares}
@@ -90,7 +88,7 @@ def _shares(result: workflow.DoorResult, parts: list[str], *, loss: bool) -> lis
     return rows
 
 
-def _line(result: workflow.DoorResult) -> list[str]:
+def _line(result: DoorResult) -> list[str]:
     seal = result.seal
     if seal is None:
         return ["  no seal"]
@@ -125,7 +123,7 @@ def _line(result: workflow.DoorResult) -> list[str]:
     return sentences
 
 
-def _shaken(result: workflow.DoorResult) -> list[str]:
+def _shaken(result: DoorResult) -> list[str]:
     if not result.shaken:
         return []
     rows = [["base shakes: rms", "m/s^2", "mm to the body", "without seal, m/s^2", "mm"]]

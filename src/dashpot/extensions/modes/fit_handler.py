@@ -5,16 +5,17 @@ from __future__ import annotations
 import click
 
 import dashpot as dp
-from dashpot import workflow
 from dashpot.base.number_format import format_count
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.modes.mass_series_files import modes_by_mass
+from dashpot.extensions.modes.measured_modes import modes_files
 
 
 def run(request: FitRequest) -> CommandResult:
     """Find the modes that the FRFs share."""
     request.check_output_suffix(".json", what="the modes of FRFs")
-    modes, chart = workflow.modes_files(
+    modes, chart = modes_files(
         request.files,
         options=request.reading,
         band=request["band"],
@@ -41,9 +42,7 @@ def under_masses(request: FitRequest) -> CommandResult:
     request.refuse_polarity()
     request.check_output_suffix(".json", what="the modes under several masses")
     seals = request["seals"]
-    modes = workflow.modes_by_mass(
-        files, masses, seals=seals, options=request.reading, band=request["band"]
-    )
+    modes = modes_by_mass(files, masses, seals=seals, options=request.reading, band=request["band"])
     under = [test.frf for test in modes.tests]
     stamp = dp.plot.stamp([source for frf in under for source in frf.source], seals=seals)
     return request.told(

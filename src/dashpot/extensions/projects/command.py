@@ -60,19 +60,22 @@ Half-written files of killed runs are listed, in any folder of results.
 )
 def command(*, project: str, expect: str | None) -> CommandResult:
     """Recompute every result; leave with 1 if anything differs."""
+    from dashpot.extensions.projects.project import open_project  # a page of help does without
+    from dashpot.extensions.projects.verification import verify
+
     paths = find_partial_files(project)
     if click.get_current_context().obj.replace:
         for path in paths:
             path.unlink(missing_ok=True)
     try:
-        place = workflow.open_project(project)
+        place = open_project(project)
     except ReadError:
         if not paths or expect is not None:
             raise
         return _make_cleanup_result(
             project, [path.relative_to(project).as_posix() for path in paths]
         )
-    checks = workflow.verify(place, page=workflow.html, expect=expect)
+    checks = verify(place, page=workflow.html, expect=expect)
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
     ]
@@ -87,7 +90,9 @@ def command(*, project: str, expect: str | None) -> CommandResult:
 
 def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
     """What is said of a folder that is no project."""
-    check = workflow.check_half_written_files(Path(folder))
+    from dashpot.extensions.projects.verification import check_half_written_files
+
+    check = check_half_written_files(Path(folder))
     verification = Verification(folder, "", (check,))
     did = "left" if check.failed else "cleared"
     gone = f"{format_count(len(remaining), 'half-written file')} {did}"

@@ -291,3 +291,12 @@ def _keep(project: Project, path: str) -> str:
             "and run 'dashpot verify'"
         )
     return f"raw/{place.name}"
+
+
+def keep_report(
+    folder: str | Path, job: Job, *, page: Callable[[Study], str]
+) -> tuple[Study, Path, Project]:
+    """Run a job in the project of a folder; return its study, its report and the project."""
+    project = create(folder)
+    study, place = record(project, job, page=page)
+    return study, place, project

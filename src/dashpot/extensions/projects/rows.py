@@ -5,6 +5,7 @@ from dashpot.registry.row import Command, Extension
 EXTENSION = Extension(
     "projects",
     handlers={
+        "keep": {"project": "dashpot.extensions.projects.project:keep_report"},
         "open folder": {"project": "dashpot.extensions.projects.project:open_last_job"},
     },
     commands=(

@@ -12,6 +12,8 @@ from kit import cold
 
 import dashpot as dp
 from dashpot.base.errors import FitError
+from dashpot.extensions.projects.project import create, record
+from dashpot.extensions.projects.verification import verify
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
@@ -19,7 +21,7 @@ from dashpot.reading.write import write_relaxation
 from dashpot.report import html
 from dashpot.simulation.impact import simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.workflow import EXAMPLES, create, fit_files, predict_files, record, verify
+from dashpot.workflow import EXAMPLES, fit_files, predict_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.shift_options import ShiftChoices

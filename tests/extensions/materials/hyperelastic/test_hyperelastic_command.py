@@ -11,7 +11,7 @@ from kit.rubber import FOAM, MEMORY, RUBBER, at_rate
 from kit.shell import did
 
 import dashpot as dp
-from dashpot import workflow
+from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.workflow.example_files import EXAMPLES
 from dashpot.workflow.json_archive import from_json, to_json
@@ -135,4 +135,4 @@ def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):
 def test_no_file_is_asked_for():
     assert "FILE..." in did("fit", code=2).output
     with pytest.raises(dp.DashpotError, match="no file"):
-        workflow.hyperelastic_files({})
+        hyperelastic_files({})

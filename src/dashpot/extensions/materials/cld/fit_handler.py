@@ -5,12 +5,13 @@ from __future__ import annotations
 from dashpot import workflow
 from dashpot.cli._command_io import CommandResult, format_command
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.materials.cld.fit_files import cld_files
 
 
 def run(request: FitRequest) -> CommandResult:
     """Find force, slope, hysteresis, energy and set of pieces, or the memory of several speeds."""
     request.check_output_suffix(".json", what="load deflection")
-    pieces = workflow.cld_files(
+    pieces = cld_files(
         request.files,
         at=request["compression"],
         between=request["between"],

@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dashpot import workflow
 from dashpot.base.number_format import ascii_only
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
-from dashpot.extensions.materials.cld.datamodel import ProcessCapability, format_hysteresis
+from dashpot.extensions.materials.cld.datamodel import (
+    CLD,
+    ProcessCapability,
+    RateLaw,
+    RelaxedLaw,
+    format_hysteresis,
+)
+from dashpot.extensions.materials.cld.fit_files import Pieces
 from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import cell, format_rounded, with_error
@@ -17,7 +23,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.cld.fit_files import PieceStatistics
 
 
-def cld(pieces: workflow.Pieces) -> Text:
+def cld(pieces: Pieces) -> Text:
     """The figures of each piece, then of all; the cycles for who asks."""
     lines, details = [], []
     for piece in pieces.pieces:
@@ -65,7 +71,7 @@ def _capability(capability: ProcessCapability | None) -> list[str]:
     return [f"  {capability.says}, {capability.outside} of {capability.count} outside"]
 
 
-def _choice(rate: workflow.RateLaw) -> str:
+def _choice(rate: RateLaw) -> str:
     better = "better" if rate.bic < 0 else "worse"
     return (
         f"  A spring and a dashpot that depend on compression explain the speeds {better} than one "
@@ -73,7 +79,7 @@ def _choice(rate: workflow.RateLaw) -> str:
     )
 
 
-def _rate(rate: workflow.RateLaw) -> list[str]:
+def _rate(rate: RateLaw) -> list[str]:
     rows = [["F_e + c(x) v, mm", "force, N", "tangent, N/mm", "c, N s/m"]]
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)
@@ -94,7 +100,7 @@ def _rate(rate: workflow.RateLaw) -> list[str]:
     return [*table(rows), f"  arms beside it: {arms or 'none'}"]
 
 
-def _format_relaxed_law(curve: workflow.RelaxedLaw, result: workflow.CLD) -> list[str]:
+def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
     law = curve.law
     rows = [["relaxed, mm", "force, N", "secant, N/mm", "tangent, N/mm"]]
     for mark in (at.compression for at in result.marked):
@@ -119,7 +125,7 @@ _BLOCKS = 2
 """Pieces that are shown one by one."""
 
 
-def _overview(pieces: workflow.Pieces) -> list[str]:
+def _overview(pieces: Pieces) -> list[str]:
     rows = [["", "mm/s", f"{pieces.unit} at nominal", "hysteresis, %", "set, mm"]]
     for piece in pieces.pieces:
         lost = piece.cycle.hysteresis
@@ -135,7 +141,7 @@ def _overview(pieces: workflow.Pieces) -> list[str]:
     return table(rows)
 
 
-def _piece(result: workflow.CLD) -> list[str]:
+def _piece(result: CLD) -> list[str]:
     per, of = result.per, result.unit.removeprefix("N")
     rows = [["compression, mm", f"loading, {result.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip
@@ -170,7 +176,7 @@ def _piece(result: workflow.CLD) -> list[str]:
     return [*table(rows), f"  {'; '.join(sentences)}"] if sentences else table(rows)
 
 
-def _cycles(result: workflow.CLD) -> list[str]:
+def _cycles(result: CLD) -> list[str]:
     rows = [["cycle", "depth, mm", "peak, N", "in, mJ", "back, mJ", "hysteresis, %", "met, mm"]]
     for cycle in result.cycles:
         lost, back = cycle.hysteresis, cycle.returned

@@ -8,6 +8,7 @@ from dashpot import workflow
 from dashpot.base.choices import ElasticKindAsked
 from dashpot.cli._command_io import CommandResult, format_command
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 
 
 def run(request: FitRequest) -> CommandResult:
@@ -16,7 +17,7 @@ def run(request: FitRequest) -> CommandResult:
     memory = request["memory"]
     if len(memory) > 1:
         raise click.UsageError("--memory takes one fit. Give it once.")
-    hyperelastic_fit = workflow.hyperelastic_files(
+    hyperelastic_fit = hyperelastic_files(
         _group_files_by_mode(request),
         memory=workflow.read_fit(memory[0]) if memory else None,
         law=request.model(ElasticKindAsked),

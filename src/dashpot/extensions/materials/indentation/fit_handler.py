@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import click
 
-from dashpot import workflow
 from dashpot.base.choices import ImpactLawAsked
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.materials.indentation.fit_files import indent_file
 
 
 def run(value: FitRequest) -> CommandResult:
@@ -20,7 +20,7 @@ def run(value: FitRequest) -> CommandResult:
             f"one hit of an indenter is fitted at a time, and there are {len(value.files)} files. "
             "For a table of all: dashpot batch"
         )
-    indentation_fit = workflow.indent_file(
+    indentation_fit = indent_file(
         value.files[0],
         indenter=replace(value["indenter"], mass=value.mass),
         law=value.model(ImpactLawAsked),

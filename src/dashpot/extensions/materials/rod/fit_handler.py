@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import click
 
-from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import ReadError
 from dashpot.cli._command_io import CommandResult, format_command, grams
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 
 
 def run(request: FitRequest) -> CommandResult:
@@ -26,7 +26,7 @@ def run(request: FitRequest) -> CommandResult:
             f"{' '.join(missing)}"
         )
     assert request.mass is not None  # noqa: S101
-    rod = workflow.rod_files(
+    rod = rod_files(
         request.files,
         mass=request.mass,
         family=request.model(FamilyAsked, "maxwell"),
@@ -40,7 +40,7 @@ def run(request: FitRequest) -> CommandResult:
     return request.told(rod, follow=_follow(rod, request))
 
 
-def _follow(rod: workflow.Rod, request: FitRequest) -> str:
+def _follow(rod: Rod, request: FitRequest) -> str:
     if rod.fit is None or not request.result_path:
         return ""
     part = ("--shape", "disc:20mm,10mm", "--mass", grams(rod.mass), "--base")

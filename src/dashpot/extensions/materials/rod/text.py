@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dashpot import workflow
 from dashpot.base.units import format_quantity
+from dashpot.extensions.materials.rod.fit_files import Rod
 from dashpot.text_output import results as text_of
 from dashpot.text_output.frequency_table import sensitive
 from dashpot.text_output.layout import Text
@@ -15,7 +15,7 @@ _ERRORS = ("phase", "gain")
 """Of the test, what small ones do to every line."""
 
 
-def rod(rod: workflow.Rod) -> Text:
+def rod(rod: Rod) -> Text:
     """Return the modulus of a rod over its usable band, what errors do to it, and the solid."""
     of, factor = rod.modulus, rod.part.factor(bonded=rod.bonded)
     stiffer = factor * rod.part.height / rod.part.area
@@ -42,5 +42,5 @@ def rod(rod: workflow.Rod) -> Text:
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 
 
-def _lines(rod: workflow.Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
+def _lines(rod: Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
     return sensitive(rod.modulus, errors=errors, unit="Pa", shown=shown)

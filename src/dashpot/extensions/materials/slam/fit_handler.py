@@ -5,12 +5,13 @@ from __future__ import annotations
 from dashpot import workflow
 from dashpot.cli._command_io import CommandResult, format_command, grams
 from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.extensions.materials.slam.fit_files import slam_files
 
 
 def run(request: FitRequest) -> CommandResult:
     """Find loss factor and arms from slams, with a fit of the piece where one is given."""
     request.check_output_suffix(".json", what="this fit")
-    slam_fit = workflow.slam_files(
+    slam_fit = slam_files(
         request.files,
         mass=request.mass,
         slam=request["slam"],
