@@ -20,9 +20,9 @@ from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.design_matrix import FitSetup
 from dashpot.fitting.fit_data import FitData, data_of
-from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.linearity import HoldBlocks, LinearityResult, assess_linearity
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.signals.noise import evenly_sampled
 
 

@@ -14,7 +14,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.design_matrix import NUISANCE, FitSetup, compress_tests, eq5_obstacle, solid_of
 from dashpot.fitting.fit_data import data_of
-from dashpot.fitting.pipeline import select_order
+from dashpot.fitting.pipeline import FitOptions, select_order
 from dashpot.numerics.exponential_fit.variable_projection import solve
 from dashpot.preprocessing.filters import Filter, filter_of, filter_record
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -54,7 +54,7 @@ def filter_bias(test: RampHold) -> Check:
 
 def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
     """Return the solid with as many arms as the record supports."""
-    return select_order(data_of([record], FitSetup("full")), "auto").model
+    return select_order(data_of([record], FitSetup("full")), FitOptions()).model
 
 
 def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
 
 from dashpot.base.choices import (
-    FamilyAsked,
     Method,
     RampLawAsked,
     ShiftLaw,
@@ -19,38 +16,7 @@ from dashpot.base.units import Quantity
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.design_matrix import NUISANCE, FitSetup, eq5_obstacle
 from dashpot.fitting.fractional_model.family_selection import checked_family
-
-
-@dataclass(frozen=True)
-class FitOptions:
-    """What a fit is asked for, its design apart.
-
-    Attributes
-    ----------
-    arms : int or "auto"
-    max_arms : int
-        The most that ``"auto"`` tries.
-    law : "auto", "linear" or "nonlinear"
-    family : "maxwell", "fractional" or "auto"
-    intervals, thorough : bool
-    """
-
-    arms: int | Literal["auto"]
-    max_arms: int
-    law: RampLawAsked = "auto"
-    family: FamilyAsked = "maxwell"
-    intervals: bool = True
-    thorough: bool = False
-
-    @property
-    def count(self) -> int | None:
-        """The number of arms asked for; None if it is left to the data."""
-        return None if self.arms == "auto" else self.arms
-
-    @property
-    def point(self) -> int | None:
-        """The arms of an optimum that is wanted alone; None where more is."""
-        return None if self.intervals or self.family != "maxwell" else self.count
+from dashpot.fitting.pipeline import FitOptions
 
 
 def checked_design(

@@ -20,10 +20,10 @@ from dashpot.fitting.design_matrix import (
     solid_of,
 )
 from dashpot.fitting.fit_data import FitData, InitialFit, max_determinable_arms, weighed
-from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.fractional_model.family_selection import FractionalFit, element
 from dashpot.fitting.nonlinear_ramp.downsampling import ramp_obstacle
 from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality, linear_soundness
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.fitting.uncertainty.solution_covariance import residual_of
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import solve

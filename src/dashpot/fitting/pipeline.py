@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, RampLawAsked
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
@@ -53,6 +54,38 @@ _MISFIT = 0.5
 FURTHER = 2
 #: no more of a sum of squares can be gained
 ALL = 1 - 1e-12
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """What is asked of a fit, its design apart.
+
+    Attributes
+    ----------
+    arms : int or "auto"
+    max_arms : int
+        The most that ``"auto"`` tries.
+    law : "auto", "linear" or "nonlinear"
+    family : "maxwell", "fractional" or "auto"
+    intervals, thorough : bool
+    """
+
+    arms: int | Literal["auto"] = "auto"
+    max_arms: int = 6
+    law: RampLawAsked = "auto"
+    family: FamilyAsked = "maxwell"
+    intervals: bool = True
+    thorough: bool = False
+
+    @property
+    def count(self) -> int | None:
+        """The number of arms asked for; None if it is left to the data."""
+        return None if self.arms == "auto" else self.arms
+
+    @property
+    def point(self) -> int | None:
+        """The arms of an optimum that is wanted alone; None where more is."""
+        return None if self.intervals or self.family != "maxwell" else self.count
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +207,7 @@ class SelectedModel:
         gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
         if gain < 2 * float(np.log(solution.samples)):
             return None
-        more = select_order(self.data, "auto", max_arms=solution.order + FURTHER)
+        more = select_order(self.data, FitOptions(max_arms=solution.order + FURTHER))
         supported = more.solution.order
         if supported <= solution.order:
             return None
@@ -265,31 +298,22 @@ def validate_arm_count(arms: object, max_arms: object) -> int:
 
 
 def select_order(
-    data: FitData,
-    arms: int | Literal["auto"],
-    *,
-    max_arms: int = 6,
-    thorough: bool = False,
-    first: InitialFit | None = None,
+    data: FitData, options: FitOptions, *, first: InitialFit | None = None
 ) -> SelectedModel:
     """Fit every number of arms; take the number that the data support, or that was asked for.
 
     Parameters
     ----------
     data : FitData
-    arms : int or "auto"
-        ``"auto"`` chooses by BIC and significance; of a number the data may bear fewer.
-    max_arms : int
-        The most that ``"auto"`` tries.
-    thorough : bool
-        Add quasi-random starts.
+    options : FitOptions
+        ``"auto"`` arms chooses by BIC and significance; of a number the data may bear fewer.
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """
-    auto, most = arms == "auto", validate_arm_count(arms, max_arms)
+    auto, most = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
     if auto:
         most = min(most, max_determinable_arms(data.blocks))
-    first = first or weighed(data, most, auto=auto, thorough=thorough)
+    first = first or weighed(data, most, auto=auto, thorough=options.thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: most + 1], data, noises)
@@ -314,7 +338,7 @@ def select_order(
 
         largest = solve_whole_order(len(scores) - 1)
         anew = score_in_noise_metric(
-            scores, samples, largest, peak=peak, thorough=thorough, priors=data.priors
+            scores, samples, largest, peak=peak, thorough=options.thorough, priors=data.priors
         )
         if anew is not None:
             scores = anew

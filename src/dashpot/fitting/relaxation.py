@@ -37,7 +37,7 @@ from dashpot.fitting.fit_construction import (
     provenance_of,
 )
 from dashpot.fitting.fit_data import InitialFit, data_of, weighed
-from dashpot.fitting.fit_options import FitOptions, checked_design, refuse_shifts
+from dashpot.fitting.fit_options import checked_design, refuse_shifts
 from dashpot.fitting.fractional_model.family_selection import (
     FamilySelection,
     FractionalFit,
@@ -49,7 +49,7 @@ from dashpot.fitting.fractional_model.family_selection import (
 from dashpot.fitting.linearity import HoldBlocks, LinearityResult
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
-from dashpot.fitting.pipeline import SelectedModel, select_order, validate_arm_count
+from dashpot.fitting.pipeline import FitOptions, SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
 from dashpot.fitting.replicates import refuse_copies
@@ -270,13 +270,7 @@ def _fit_one_temperature(records: Sequence[RampHold], design: FitSetup, options:
     if options.point is not None:
         first = first or weighed(late.data, options.point, only=True)
         return _point(late, first, design, options.point)
-    chosen = select_order(
-        late.data,
-        options.arms,
-        max_arms=options.max_arms,
-        thorough=options.thorough,
-        first=first,
-    )
+    chosen = select_order(late.data, options, first=first)
     both = chosen_family(chosen, options.family, fractional_fit)
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]

@@ -61,7 +61,7 @@ from dashpot.fitting.nuisance_priors import (
     delay_prior,
     estimate_channel_zero,
 )
-from dashpot.fitting.pipeline import SelectedModel, select_order, validate_arm_count
+from dashpot.fitting.pipeline import FitOptions, SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
@@ -140,21 +140,20 @@ def fit_creep(
         If no force is held, the compliance falls, or an option makes no sense.
     """
     validate_arm_count(arms, max_arms)
+    options = FitOptions(arms, max_arms, thorough=thorough)
     if isinstance(test, CreepCompliance) and test.temperature is not None:
         test = superpose(test)
     if isinstance(test, Superposition):
-        return _fit_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
+        return _fit_master_curve(test, options)
     if isinstance(test, CreepCompliance):
         origin = UnshiftedCurve(sources_of([test]))
-        return _fit_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
+        return _fit_curve(test, origin, options)
     record = load_hold(test) if isinstance(test, CreepTest) else test
-    record, retardation = _align_load(record, arms, max_arms=max_arms, thorough=thorough)
+    record, retardation = _align_load(record, options)
     return _fit_of_test(record, retardation, arms)
 
 
-def _align_load(
-    record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
-) -> tuple[LoadHold, Retarded]:
+def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retarded]:
     r"""The record with its load as early as the displacement answers it, and what is found there.
 
     A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
@@ -162,7 +161,7 @@ def _align_load(
     was found, until hardly any delay is left, by Gauss-Newton.
     """
     most = _FARTHEST * delay_prior(record).sd
-    retardation = _fit_recorded_load(record, arms, max_arms=max_arms, thorough=thorough)
+    retardation = _fit_recorded_load(record, options)
     for _ in range(_MOVES):
         delay = retardation.solution.coefficient("delay")
         if abs(delay) <= _IN_STEP * record.step or abs(record.lead + delay) > most:
@@ -171,26 +170,24 @@ def _align_load(
         if earlier is record:
             break
         record = earlier
-        retardation = _fit_recorded_load(record, arms, max_arms=max_arms, thorough=thorough)
+        retardation = _fit_recorded_load(record, options)
     return record, retardation
 
 
-def _fit_recorded_load(
-    record: LoadHold, arms: int | Literal["auto"], *, max_arms: int, thorough: bool
-) -> Retarded:
+def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
     """The kind of part, and its retardations, with the load where the record has it."""
     selections = [
-        select_order(_data(record, flows=flows), item, max_arms=max_arms, thorough=thorough)
-        for flows, item in _candidates(arms)
+        select_order(_data(record, flows=flows), item) for flows, item in _candidates(options)
     ]
     return _better([_add_load_errors(record, selection) for selection in selections])
 
 
-def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["auto"]]]:
+def _candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
     """Without and with flow, and as many retardations as make that many arms."""
-    if arms == "auto":
-        return [(False, arms), (True, arms)]
-    return [(False, arms), (True, arms - 1)] if arms > 0 else [(False, arms)]
+    arms = options.arms
+    if arms == 0:
+        return [(False, options)]
+    return [(False, options), (True, replace(options, arms=arms if arms == "auto" else arms - 1))]
 
 
 # -- a test ---------------------------------------------------------------------------------------
@@ -575,10 +572,7 @@ def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
 def _fit_curve(
     curve: CreepCompliance,
     origin: Superposition | UnshiftedCurve,
-    arms: int | Literal["auto"],
-    *,
-    thorough: bool,
-    max_arms: int,
+    options: FitOptions,
 ) -> Fit:
     """Return the fit of a compliance after a unit step, relative to what is expected of it."""
     later = curve.time > 0
@@ -593,7 +587,7 @@ def _fit_curve(
             f"the compliance at {t[i]:g} s is {values[i]:g}; expected values > 0: leave out what "
             "came before the load was there"
         )
-    most = validate_arm_count(arms, max_arms)
+    most = validate_arm_count(options.arms, options.max_arms)
     window = ((float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1]))
     if not window[0] > 0:
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
@@ -603,10 +597,10 @@ def _fit_curve(
     # the size of noisy data is a biased weight: low values would count most
     weight = 1 / np.maximum(expected, DOUBTED * values)
     selections = []
-    for flows, count in _candidates(arms):
+    for flows, item in _candidates(options):
         block = _curve_block(t, values, weight, window, flows=flows)
         data = FitData([block], [block])
-        selections.append(select_order(data, count, max_arms=max_arms, thorough=thorough))
+        selections.append(select_order(data, item))
     best = _better(selections)
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
@@ -631,7 +625,7 @@ def _fit_curve(
         checks.compliance_followed(best.estimate.rms, best.model.arms),
         loss_factor_known(error),
     )
-    step = _step(best, f"{len(t)} values of a creep compliance", arms)
+    step = _step(best, f"{len(t)} values of a creep compliance", options.arms)
     return build_fit(
         best.outcome(replace(best.residual, unit="1")),
         Evidence(
@@ -649,17 +643,15 @@ def _fit_curve(
     )
 
 
-def _fit_master_curve(
-    superposition: Superposition, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
-) -> Fit:
+def _fit_master_curve(superposition: Superposition, options: FitOptions) -> Fit:
     """Return the fit of a compliance that was shifted together from several temperatures."""
     curve = superposition.curve
     if not isinstance(curve, CreepCompliance):
         raise FitError(
             "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
         )
-    few = _fit_curve(curve, superposition, arms, thorough=thorough, max_arms=max_arms)
-    if arms != "auto" or few.creep is None:
+    few = _fit_curve(curve, superposition, options)
+    if options.arms != "auto" or few.creep is None:
         return few
     error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1
     fit = shared_spectrum_if_needed(few, error, superposition, superposition.checks)

@@ -59,7 +59,7 @@ from dashpot.fitting.fractional_model.family_selection import (
     describe_fit,
     require_maxwell_family,
 )
-from dashpot.fitting.pipeline import SelectedModel, select_order, validate_arm_count
+from dashpot.fitting.pipeline import FitOptions, SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.replicates import refuse_copies
 from dashpot.fitting.uncertainty.band_limits import band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
@@ -154,7 +154,7 @@ def fit_dynamic(
     weights = weights or _USUAL[shifted]
     most = validate_arm_count(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
-    selection = select_order(_stack_parts(sets), arms, max_arms=max_arms, thorough=thorough)
+    selection = select_order(_stack_parts(sets), FitOptions(arms, max_arms, thorough=thorough))
     both = chosen_family(selection, family)
     selection = both.best
     band, met = _band(data, records, sets[1:], selection.model.k_0)

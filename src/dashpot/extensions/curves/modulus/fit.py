@@ -32,7 +32,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
-from dashpot.fitting.pipeline import select_order, validate_arm_count
+from dashpot.fitting.pipeline import FitOptions, select_order, validate_arm_count
 from dashpot.fitting.uncertainty.band_limits import BeforeCurve, band_of_curve
 from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
@@ -115,7 +115,9 @@ def fit_modulus(
     most = validate_arm_count(arms, max_arms)
     window = _window(t)
     block = _weight_curve(t, values, weights, window, most)
-    selection = select_order(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
+    selection = select_order(
+        FitData([block], [block]), FitOptions(arms, max_arms, thorough=thorough)
+    )
     model = selection.model
     positive = t[t > 0]
     band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))

@@ -50,9 +50,8 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.design_matrix import FitSetup, block_of, bound
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.fit_data import FitData, data_of, weighed
-from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.linearity import HoldBlocks, assess_linearity
-from dashpot.fitting.pipeline import FURTHER, compute_certificate
+from dashpot.fitting.pipeline import FURTHER, FitOptions, compute_certificate
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.replicates import end_stiffnesses
 from dashpot.fitting.uncertainty.band_limits import band_of_hold
@@ -93,16 +92,8 @@ def fit_records(
     reference: int,
 ) -> Fit:
     """Fit one solid that moves with temperature to ramps and holds, as :func:`fit_thermal`."""
-    return fit_thermal(
-        [_fit_single_test(record, asked.law, thorough=asked.thorough) for record in records],
-        arms=asked.count,
-        max_arms=asked.max_arms,
-        vertical=vertical,
-        shift_law=shift_law,
-        reference=reference,
-        intervals=asked.intervals,
-        thorough=asked.thorough,
-    )
+    tests = [_fit_single_test(record, asked.law, thorough=asked.thorough) for record in records]
+    return fit_thermal(tests, asked, vertical=vertical, shift_law=shift_law, reference=reference)
 
 
 def _fit_single_test(
@@ -138,14 +129,11 @@ def _fit_single_test(
 
 def fit_thermal(
     tests: Sequence[SingleTemperatureTest],
+    options: FitOptions,
     *,
-    arms: int | None,
-    max_arms: int,
-    vertical: Vertical = "free",
-    shift_law: ShiftLaw = "auto",
-    reference: int = 0,
-    intervals: bool = True,
-    thorough: bool = False,
+    vertical: Vertical,
+    shift_law: ShiftLaw,
+    reference: int,
 ) -> Fit:
     r"""Fit one solid to tests at several temperatures.
 
@@ -158,24 +146,19 @@ def fit_thermal(
     Parameters
     ----------
     tests : sequence of Own
-    arms : int or None
-        None to choose.
-    max_arms : int
+    options : FitOptions
+        Without intervals, and with a number of arms, the optimum alone is returned, without errors,
+        checks or bounds.
     vertical : "free", "T/T_r" or "1"
         What b_T may be.
     shift_law : str
         As in :func:`~dashpot.extensions.curves.shift_law_fit.fit_shift_law`.
     reference : int
         Which of the temperatures the solid is that of.
-    intervals : bool
-        False, with a number of arms, returns the optimum alone, without errors, checks or bounds.
-    thorough : bool
-        Add quasi-random starts.
     """
-    best = optimum(
-        tests, reference, arms=arms, max_arms=max_arms, vertical=vertical, thorough=thorough
-    )
-    if not intervals and arms is not None:
+    arms = options.count
+    best = optimum(tests, options, reference, vertical)
+    if not options.intervals and arms is not None:
         return build_point_fit(best, vertical, shift_law, requested=arms)
     fit = MultiTemperatureFit(best, compute_joint_covariance(best.joint, best.tests, best.point))
     made = _build_fit(fit, vertical, shift_law, requested=arms)
@@ -183,10 +166,8 @@ def fit_thermal(
     band, error = _find_loss_factor_band(fit, made)
     checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
     if arms is not None:
-        more = optimum(
-            tests, reference, arms=None, max_arms=arms + FURTHER, vertical=vertical,
-            thorough=thorough,
-        )  # fmt: skip
+        further = replace(options, arms="auto", max_arms=arms + FURTHER)
+        more = optimum(tests, further, reference, vertical)
         checks += (_arms_enough(best, more),)
     evidence = replace(made.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
     return replace(made, evidence=evidence)

@@ -18,6 +18,7 @@ from dashpot.extensions.curves.temperatures.starting_points import (
     first_shifts,
     refine_candidates,
 )
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.fitting.tests_at_temperatures import temperatures_of
 from dashpot.numerics.inference.model_order import DECISIVE, OrderChoice, select_model_order
 
@@ -52,12 +53,9 @@ class ThermalOptimum(NamedTuple):
 
 def optimum(
     tests: Sequence[SingleTemperatureTest],
+    options: FitOptions,
     reference: int,
-    *,
-    arms: int | None,
-    max_arms: int,
     vertical: Vertical,
-    thorough: bool,
 ) -> ThermalOptimum:
     """Return the optimum over all tests, the number of arms chosen if none is asked for.
 
@@ -74,8 +72,11 @@ def optimum(
 
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
-    most = max_arms if arms is None else arms
-    tried = candidates(joint, first_shifts(joint), most, effective=effective, thorough=thorough)
+    arms = options.count
+    most = options.max_arms if arms is None else arms
+    tried = candidates(
+        joint, first_shifts(joint), most, effective=effective, thorough=options.thorough
+    )
     choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     # the columns of a warming seal are those of the solid found without them, then with them
     for _ in range(2):
@@ -89,7 +90,7 @@ def optimum(
         choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     best = _ascending(_select_candidate(tried, choice, arms).point)
     return ThermalOptimum(
-        tuple(tests), joint, tried, choice if arms is None else None, best, thorough
+        tuple(tests), joint, tried, choice if arms is None else None, best, options.thorough
     )
 
 
