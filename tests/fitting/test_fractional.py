@@ -52,6 +52,7 @@ from dashpot.report.figures import lead
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.response.static_equilibrium import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study
@@ -286,7 +287,7 @@ def test_two_solids_part_where_stiffness_or_loss_does() -> None:
 
 def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
     found, held = fitted(TRUTHS[0]), pressed(Seal.fractional(*TRUTHS[0]))
-    rests = find_static_equilibrium(found, mass=0.114, seals=2)
+    rests = find_static_equilibrium(found, MassOnSeals(0.114, 2))
     study = Study(
         test=relaxation_test(record(Seal.fractional(*TRUTHS[0]), seed=1)), prepared=held,
         fit=found, alternatives=(), hold_fit=None, seals=2, mass=0.114, mass_inferred=False,
@@ -301,7 +302,7 @@ def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
     drawn = lead(study).panels[0]
     tags = [mark.text for mark in drawn.marks if isinstance(mark, Tag)]
     assert any(f"other family {other.frequency:.2f} Hz" in text for text in tags)
-    (asked,) = family_checks(found, rests.point, mass=0.114, seals=2)
+    (asked,) = family_checks(found, rests.point, MassOnSeals(0.114, 2))
     assert asked.failed
     for mode in modes:
         assert f"{mode.frequency:.4g} Hz with" in asked.says

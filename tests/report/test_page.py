@@ -38,6 +38,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.text_output import results as text_of
 from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation
@@ -386,7 +387,7 @@ def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
 def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01,) * 3)
     hard = replace(S.fit, elastic_law=law)
-    rests = find_static_equilibrium(hard, mass=S.mass, seals=2.0)
+    rests = find_static_equilibrium(hard, MassOnSeals(S.mass, 2.0))
     page = html(replace(S, fit=hard, at_rest=rests, measured=None, comparison=None, joint=None,
                         joint_comparison=None, impact=None, direct=None))  # fmt: skip
     k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.bdf"])[1])
@@ -736,7 +737,7 @@ def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
 def test_the_page_tells_secant_and_tangent_where_they_differ():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01, 0.01, 0.01))
     hard = replace(S.fit, elastic_law=law)
-    rests = find_static_equilibrium(hard, mass=S.mass, seals=2.0)
+    rests = find_static_equilibrium(hard, MassOnSeals(S.mass, 2.0))
     text = Page(html(replace(S, fit=hard, at_rest=rests))).text
     assert "The mass rests at 3.4" in text
     assert "It vibrates on the tangent stiffness" in text

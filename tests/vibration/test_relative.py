@@ -21,6 +21,7 @@ from dashpot.reading.write import write_frf
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.impact.base_excitation import estimate_transmissibility
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
+from dashpot.vibration.systems.operating_point import MassOnSeals
 
 pytestmark = pytest.mark.once
 
@@ -164,8 +165,10 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
 def test_its_limits_are_those_of_the_accelerance_times_the_mass(coupled):
     w = 2 * np.pi * np.array([5.0, 12.0, 20.0])
     K = PAPER.complex_stiffness(omega=w)
-    one = PredictedFRF(PAPER_MASS, 2.0, Kind(RELATIVE), coupled).magnitude(K, w)
-    other = PredictedFRF(PAPER_MASS, 2.0, Kind.ACCELERANCE).magnitude(K, w)
+    one = PredictedFRF(MassOnSeals(PAPER_MASS, 2.0, coupled=coupled), Kind(RELATIVE)).magnitude(
+        K, w
+    )
+    other = PredictedFRF(MassOnSeals(PAPER_MASS, 2.0), Kind.ACCELERANCE).magnitude(K, w)
     assert one == pytest.approx((PAPER_MASS + coupled) * other, rel=1e-12)
 
 

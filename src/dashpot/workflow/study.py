@@ -36,7 +36,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import REACH, highest_peak, predict_frf
-from dashpot.vibration.systems.operating_point import OperatingPoint
+from dashpot.vibration.systems.operating_point import MassOnSeals, OperatingPoint
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.fit_bench_tests import fit_fixed_order
 from dashpot.workflow.job import Cuts, Job
@@ -290,11 +290,13 @@ def characterise(
     test, prepared = (test, *tests)[first], every[first]
     value = mass
     if measured is not None:
-        mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
+        mass = weighed(
+            chosen, measured, mass=mass, seals=seals, band=band, compression=compression
+        ).mass
     response, mended = _MassResponse(), _JointResults()
     if mass is not None:
-        on = _MassSetup(mass, seals, band, compression)
-        response = _predict_mass_response(chosen, every, measured, on)
+        on = MassOnSeals(mass, seals, compression)
+        response = _predict_mass_response(chosen, every, measured, on, band)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual = BenchFit(method, law)
@@ -304,8 +306,8 @@ def characterise(
                 compression=response.compression if value is None else compression,
                 family=family, rig=HammerRig().on(machine), bench=usual,
             )  # fmt: skip
-            on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
-            mended = _JointResults(both, *_predict_and_compare(both, measured, on))
+            on = replace(on, mass=both.mass_found or mass, seals=seals * both.under_hammer)
+            mended = _JointResults(both, *_predict_and_compare(both, measured, on, band))
     send_progress("bounding what the tests leave open")
     hold_fit, checks = _fit_paper_equation(every, chosen)
     return Study(
@@ -359,15 +361,6 @@ def _before_hammer(
     return local_fit, arms if arms >= local_fit.model.arms else "auto"
 
 
-class _MassSetup(NamedTuple):
-    """A mass, kg, on so many seals; the lines to compare, Hz, and the compression asked for, m."""
-
-    mass: float
-    seals: float
-    band: tuple[float, float] | None
-    compression: float | None
-
-
 class _MassResponse(NamedTuple):
     """What a fit says of the mass on the seals, beside what was measured of it; else nothing."""
 
@@ -393,23 +386,23 @@ class _JointResults(NamedTuple):
 
 
 def _predict_mass_response(
-    chosen: Fit, tests: Sequence[RampHold], measured: FRF | None, on: _MassSetup
+    chosen: Fit,
+    tests: Sequence[RampHold],
+    measured: FRF | None,
+    on: MassOnSeals,
+    band: tuple[float, float] | None,
 ) -> _MassResponse:
-    prediction, comparison = _predict_and_compare(chosen, measured, on)
-    rests = find_static_equilibrium(
-        chosen, mass=on.mass, seals=on.seals, compression=on.compression
-    )
+    prediction, comparison = _predict_and_compare(chosen, measured, on, band)
+    rests = find_static_equilibrium(chosen, on)
     return _MassResponse(
         prediction,
         comparison,
         rests,
-        _prediction_bounds(chosen, tests, measured, rests.point, mass=on.mass, seals=on.seals),
+        _prediction_bounds(chosen, tests, measured, rests.point, on),
         None
         if measured is None
-        else dynamic_stiffness(measured, on.mass, seals=on.seals, band=on.band),
-        ()
-        if measured is not None
-        else _check_untested_prediction(prediction, chosen, rests, mass=on.mass, seals=on.seals),
+        else dynamic_stiffness(measured, on.mass, seals=on.seals, band=band),
+        () if measured is not None else _check_untested_prediction(prediction, chosen, rests, on),
     )
 
 
@@ -484,23 +477,23 @@ def _format_file_names(files: Sequence[str]) -> str:
 
 
 def _predict_and_compare(
-    fit: Fit, measured: FRF | None, on: _MassSetup
+    fit: Fit, measured: FRF | None, on: MassOnSeals, band: tuple[float, float] | None
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
         return predict_frf(fit, mass=on.mass, seals=on.seals, compression=on.compression), None
-    return compare_with_measured(fit, measured, **on._asdict())
+    return compare_with_measured(fit, measured, on, band=band)
 
 
 def _check_untested_prediction(
-    prediction: FRF, chosen: Fit, rests: StaticEquilibrium, *, mass: float, seals: float
+    prediction: FRF, chosen: Fit, rests: StaticEquilibrium, on: MassOnSeals
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
     informed = prediction_informed(find_peak(prediction).frequency, chosen.band)
     return (
-        *rest_checks(rests.point, mass),
+        *rest_checks(rests.point, on.mass),
         informed,
-        *family_checks(chosen, rests.point, mass=mass, seals=seals),
+        *family_checks(chosen, rests.point, on),
     )
 
 
@@ -509,18 +502,16 @@ def _prediction_bounds(
     prepared: Sequence[RampHold],
     measured: FRF | None,
     point: OperatingPoint,
-    *,
-    mass: float,
-    seals: float,
+    on: MassOnSeals,
 ) -> FRFBounds:
     """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
-    top = highest_peak(seals * point.solid(chosen).k_0, mass)
+    top = highest_peak(on.seals * point.solid(chosen).k_0, on.mass)
     low, high = top / REACH, top * REACH
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
     near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
     lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
-    return frf_limits(chosen, prepared, point, mass=mass, frequency=lines, seals=seals)
+    return frf_limits(chosen, prepared, point, on, frequency=lines)
 
 
 def _fit_paper_equation(

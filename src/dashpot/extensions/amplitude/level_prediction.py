@@ -22,7 +22,7 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.workflow.job import LevelChoices, PartChoices
-from dashpot.workflow.response.frf_prediction import MassOnSeals, Prediction
+from dashpot.workflow.response.frf_prediction import MountedMass, Prediction
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,28 +113,26 @@ class LevelEffect:
 
     def respond(
         self,
-        rig: MassOnSeals,
+        rig: MountedMass,
         part: PartChoices | None,
         *,
         scale: float,
         about: float,
         frequency: FloatArray,
-        compression: float | None,
     ) -> LevelResonances:
         """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
         levels = [level_of(word, rig.kind) for word in self.choices.levels]
         if self.swept is not None:
             resonances = self.swept.at(
-                rig.solid, levels, scale=scale, mass=rig.mass, kind=rig.kind, about=about,
-                frequency=frequency, coupled=rig.coupled, anchor=anchor,
+                rig.solid, levels, scale=scale, mass=rig.load.mass, kind=rig.kind, about=about,
+                frequency=frequency, coupled=rig.load.coupled, anchor=anchor,
             )  # fmt: skip
             checks = (*self.swept.check_level_coverage(resonances), *self.swept.checks)
             return LevelResonances(resonances, self.swept, (), checks)
         bent = preloaded_levels(
-            rig.fit, levels, mass=rig.mass, seals=rig.seals, kind=rig.kind, about=about,
-            frequency=frequency, compression=compression, coupled=rig.coupled,
-        )  # fmt: skip
+            rig.fit, levels, rig.load, kind=rig.kind, about=about, frequency=frequency
+        )
         depth = rig.rests.point.depth
         pressed = tuple(compression_tested(level.deepest, depth) for level in bent)
         return LevelResonances((), None, bent, pressed)

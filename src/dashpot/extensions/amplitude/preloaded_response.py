@@ -27,6 +27,7 @@ from dashpot.fitting.parameters import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mount_mass import on_heavy_mounts
+from dashpot.vibration.systems.operating_point import MassOnSeals
 
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
@@ -184,14 +185,11 @@ class PreloadedLevel(Serialisable):
 def preloaded_levels(
     fit: Fit,
     levels: Sequence[float],
+    load: MassOnSeals,
     *,
-    mass: float,
-    seals: float,
     kind: Kind,
     about: float,
     frequency: FloatArray,
-    compression: float | None = None,
-    coupled: float = 0.0,
 ) -> tuple[PreloadedLevel, ...]:
     """The resonance of a mass on seals at each level.
 
@@ -201,16 +199,12 @@ def preloaded_levels(
         Of one seal, with a law that bends.
     levels : sequence of float
         N, or m/s^2 of a base.
-    mass, coupled : float
-        What moves, and what couples it to a base, kg.
-    seals : float
+    load : MassOnSeals
     kind : Kind
     about : float
         The linear resonance, Hz.
     frequency : array, shape (n,)
         Of the FRF, Hz; at most 121 lines of it are taken.
-    compression : float, optional
-        At rest, m; by default that of the weight.
 
     Raises
     ------
@@ -225,10 +219,8 @@ def preloaded_levels(
         )
 
     def build_preloaded_mass(law: ElasticLaw, solid: Solid) -> PreloadedMass:
-        on = seals * law
-        return PreloadedMass(
-            mass, on, solid, None if compression is None else float(on.force(compression))
-        )
+        on, at = load.seals * law, load.compression
+        return PreloadedMass(load.mass, on, solid, None if at is None else float(on.force(at)))
 
     here = build_preloaded_mass(fit.elastic_law, fit.solid)
     if here.rest < _SHALLOW * fit.elastic_law.depth:
@@ -241,7 +233,7 @@ def preloaded_levels(
         )
     others = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
-    rig = _AtLevels(here, others, mass, kind, coupled)
+    rig = _AtLevels(here, others, load, kind)
     return tuple(rig.at(level, band, about) for level in levels)
 
 
@@ -266,13 +258,12 @@ class _AtLevels:
 
     here: PreloadedMass
     others: Sequence[PreloadedMass]
-    mass: float
+    load: MassOnSeals
     kind: Kind
-    coupled: float
 
     def at(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
         """The resonance at a level, N or m/s^2."""
-        force = self.mass * level if self.kind.over_base else level
+        force = self.load.mass * level if self.kind.over_base else level
         if force >= self.here.pressed:
             raise DataError(
                 f"a level of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: its "
@@ -336,10 +327,12 @@ class _AtLevels:
         H = np.asarray(shaken / force, dtype=complex)
         if not self.kind.over_base:
             return FRF.of_receptance(f, H, kind=self.kind)
-        T: ComplexArray = np.asarray(1 + self.mass * (2 * np.pi * f) ** 2 * H)
+        T: ComplexArray = np.asarray(1 + self.load.mass * (2 * np.pi * f) ** 2 * H)
         answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
-        coupled = self.coupled
-        return on_heavy_mounts(answer, mass=self.mass, coupled=coupled) if coupled > 0 else answer
+        coupled = self.load.coupled
+        return (
+            on_heavy_mounts(answer, mass=self.load.mass, coupled=coupled) if coupled > 0 else answer
+        )
 
     def size(self, orbit: Orbit) -> float:
         """Magnitude of the response."""

@@ -33,6 +33,7 @@ from dashpot.report import first_screen
 from dashpot.report.page_frame import COLOURS
 from dashpot.report.summary import find_simulated_files
 from dashpot.vibration.systems.frf_prediction import highest_peak, predict_frf
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
@@ -163,10 +164,8 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
         panels["frf"] = view_models.response_panel(
             response, sizes, view_models.format_response_title(job, _kind(request))
         )
-        rests = find_static_equilibrium(
-            fit, mass=job.mass, seals=job.seals, compression=job.compression
-        )
-        checks += family_checks(fit, rests.point, mass=job.mass, seals=job.seals)
+        on = MassOnSeals(job.mass, job.seals, job.compression)
+        checks += family_checks(fit, find_static_equilibrium(fit, on).point, on)
     return wire_format.encode_message(
         {
             "verdict": view_models.verdict(fit.verdict, view_models.make_fit_lights(fit)),
@@ -203,7 +202,7 @@ def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str
     depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
         return {"value": "", "says": depth}
-    rests = find_static_equilibrium(fit, mass=job.mass, seals=job.seals)
+    rests = find_static_equilibrium(fit, MassOnSeals(job.mass, job.seals))
     return {"value": format_cell(rests.point.compression, "mm"), "says": f"by its weight; {depth}"}
 
 

@@ -15,6 +15,7 @@ from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
 from dashpot.workflow.vibration.impact_tests import compare_with_measured
@@ -49,16 +50,17 @@ def compare_with_hammer(
             fit.at(entry.hammer_temperature)
         except DataError as error:
             return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
-    _, held = compare_with_measured(fit, frf, mass=mass, seals=choices.seals)
+    on = MassOnSeals(mass, choices.seals)
+    _, held = compare_with_measured(fit, frf, on)
     numbers = _peaks(held) | origin
     if choices.joint and isinstance(record, RampHold):
-        at = find_static_equilibrium(fit, mass=mass, seals=choices.seals).point.compression
+        at = find_static_equilibrium(fit, on).point.compression
         from dashpot.fitting.identification.identify import identify
 
         fit = identify(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
-        _, held = compare_with_measured(fit, frf, mass=mass, seals=choices.seals)
+        _, held = compare_with_measured(fit, frf, on)
     agreed = verdict((*frf.checks, *held.checks), headline=held.says)
     numbers |= {
         "agreement": agreed.use,

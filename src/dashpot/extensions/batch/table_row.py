@@ -36,6 +36,7 @@ from dashpot.registry import (
     load_object,
     row_of,
 )
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.fit_bench_tests import fit_files
 from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
 
@@ -278,7 +279,7 @@ def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
     """The mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
     if mass is None or fit.unit != "N/m":
         return {}
-    rests = find_static_equilibrium(fit, mass=mass, seals=seals).tangent
+    rests = find_static_equilibrium(fit, MassOnSeals(mass, seals)).tangent
     return {"frequency_Hz": rests.frequency, "damping_ratio": rests.damping_ratio}
 
 

@@ -23,6 +23,7 @@ from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, de
 from dashpot.fitting.uncertainty.stiffness_region import distances, ratios
 from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.fractional import FractionalZener
+from dashpot.vibration.systems.operating_point import MassOnSeals
 
 DRAWS = 400
 SEED = 20061
@@ -156,7 +157,7 @@ def frf_band(
             "relative or not"
         )
     f = _frequencies(frequency)
-    predicted = PredictedFRF(mass, seals, kind, coupled)
+    predicted = PredictedFRF(MassOnSeals(mass, seals, coupled=coupled), kind)
     values, formal = _formal(fit, 2 * np.pi * f, predicted, level=level)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
     fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
@@ -190,13 +191,7 @@ def frf_band(
 
 
 def formal_frf_band(
-    fit: Fit,
-    *,
-    mass: float,
-    frequency: npt.ArrayLike,
-    seals: float,
-    kind: Kind,
-    coupled: float,
+    fit: Fit, on: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
 ) -> FloatArray:
     """Lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
 
@@ -204,42 +199,42 @@ def formal_frf_band(
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, PredictedFRF(mass, seals, kind, coupled), level=0.95)[1]
+    return _formal(fit, omega, PredictedFRF(on, kind), level=0.95)[1]
 
 
 @dataclass(frozen=True)
 class PredictedFRF:
-    """What is predicted of a mass, kg, on seals: see :func:`frf_band`."""
+    """What is predicted of a mass on seals: see :func:`frf_band`."""
 
-    mass: float
-    seals: float
+    on: MassOnSeals
     kind: Kind
-    coupled: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.mass) and self.mass > 0):
-            raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
+        if not (np.isfinite(self.on.mass) and self.on.mass > 0):
+            raise DataError(f"mass = {self.on.mass!r} kg; expected a number > 0")
 
     @property
     def _excited_mass(self) -> float:
         """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
         over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
-        return self.mass + self.coupled if over_base else 1.0
+        return self.on.mass + self.on.coupled if over_base else 1.0
 
     def magnitude(self, stiffness: ComplexArray, omega: FloatArray) -> FloatArray:
         """Magnitude of the response on seals of one such stiffness each, shape (..., n)."""
-        away = np.abs(self.seals * stiffness - self.mass * omega**2)
+        away = np.abs(self.on.seals * stiffness - self.on.mass * omega**2)
         with np.errstate(divide="ignore"):
             if self.kind is Kind.TRANSMISSIBILITY:
-                return np.asarray(np.abs(self.seals * stiffness + self.coupled * omega**2) / away)
+                return np.asarray(
+                    np.abs(self.on.seals * stiffness + self.on.coupled * omega**2) / away
+                )
             return np.asarray(self._excited_mass * omega**2 / away)
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Lowest and highest magnitude over all spectra that the tests do not reject."""
-        ratio = omega**2 / self.seals
+        ratio = omega**2 / self.on.seals
         if self.kind is Kind.TRANSMISSIBILITY:
-            return ratios(spectra, omega, self.mass * ratio, self.coupled * ratio)
-        near, far = distances(spectra, omega, self.mass * ratio)
+            return ratios(spectra, omega, self.on.mass * ratio, self.on.coupled * ratio)
+        near, far = distances(spectra, omega, self.on.mass * ratio)
         ratio = ratio * self._excited_mass
         # where a spectrum without loss may resonate, nothing limits the response
         return ratio / far, ratio / near if near > 0 else np.inf

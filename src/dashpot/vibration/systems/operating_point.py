@@ -7,7 +7,7 @@ k its secant stiffness at the depth tested (Fung: all arms answer :math:`F_e(x(t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,33 @@ from dashpot.base.validators import require_positive
 from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.maxwell import Solid
+
+
+@dataclass(frozen=True)
+class MassOnSeals:
+    """A mass on so many equal seals.
+
+    Attributes
+    ----------
+    mass : float
+        With what moves of the seals, kg.
+    seals : float
+        How many carry it.
+    compression : float or None
+        Of the seals, m; by default where :math:`n F_e(x) = m g`.
+    coupled : float
+        Of seals that weigh something, the mass that couples both ends, kg
+        (:mod:`dashpot.vibration.systems.mount_mass`).
+    """
+
+    mass: float
+    seals: float = 1.0
+    compression: float | None = None
+    coupled: float = 0.0
+
+    def scaled_down(self, scale: float) -> MassOnSeals:
+        """Return masses so many times as small on the same seals."""
+        return replace(self, mass=self.mass / scale, coupled=self.coupled / scale)
 
 
 @dataclass(frozen=True)

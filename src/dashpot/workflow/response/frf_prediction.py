@@ -36,6 +36,7 @@ from dashpot.vibration.systems.frf_prediction import (
     predict_frf,
 )
 from dashpot.vibration.systems.mount_mass import compute_coupled_mass, on_heavy_mounts
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.vibration.systems.random_base import (
     RandomLimits,
     RandomResponse,
@@ -258,13 +259,12 @@ class LevelPredictor(Protocol):
 
     def respond(
         self,
-        rig: MassOnSeals,
+        rig: MountedMass,
         part: PartChoices | None,
         *,
         scale: float,
         about: float,
         frequency: FloatArray,
-        compression: float | None,
     ) -> PredictedLevels:
         """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
 
@@ -380,10 +380,11 @@ def prediction(
         stiffer = float(
             abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
         )
-    rests = find_static_equilibrium(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = compute_coupled_mass(seal_mass, seals) if frf_kind.over_base else 0.0
-    on = MassOnSeals(here, rests, moving, seals, coupled, frf_kind)
+    load = MassOnSeals(moving, seals, compression, coupled)
+    rests = find_static_equilibrium(here, load)
+    on = MountedMass(here, rests, load, frf_kind)
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, fit, tests, temperature=temperature)
     limited = on.limited(frf, bounded)
@@ -393,7 +394,7 @@ def prediction(
     if predictor is not None:
         levels = predictor.respond(
             on, part, scale=seals * stiffer, about=about,
-            frequency=frf.frequency[frf.frequency > 0], compression=compression,
+            frequency=frf.frequency[frf.frequency > 0],
         )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
@@ -402,7 +403,7 @@ def prediction(
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
         noted,
-        *family_checks(here, rests.point, mass=moving, seals=seals),
+        *family_checks(here, rests.point, load),
     )
     plain = Prediction(
         here,
@@ -464,38 +465,36 @@ def _refuse_records(tests: Sequence[RampHold]) -> None:
 
 
 @dataclass(frozen=True)
-class MassOnSeals:
-    """A mass on seals: the fit of one, where they rest, and what of them moves along."""
+class MountedMass:
+    """A mass on seals that were fitted: the fit of one, and where they rest."""
 
     fit: Fit
     rests: StaticEquilibrium
-    mass: float
-    seals: float
-    coupled: float
+    load: MassOnSeals
     kind: Kind
 
     @property
     def solid(self) -> Solid:
         """All the seals, as small vibration feels them."""
-        return self.seals * self.rests.point.solid(self.fit)
+        return self.load.seals * self.rests.point.solid(self.fit)
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
         """Those of the mass on them."""
-        return model_modes(self.solid, self.mass)
+        return model_modes(self.solid, self.load.mass)
 
     @property
     def isolation(self) -> float | None:
         """Above it the mass moves less than its base, Hz."""
         if self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        return isolation_frequency(self.solid, self.mass - self.coupled)
+        return isolation_frequency(self.solid, self.load.mass - self.load.coupled)
 
     def frf(self, frequency: FloatArray) -> FRF:
         """Return the FRF at some frequencies, Hz."""
-        frf = predict_frf(self.solid, mass=self.mass, frequency=frequency, kind=self.kind)
-        if self.coupled > 0:
-            frf = on_heavy_mounts(frf, mass=self.mass, coupled=self.coupled)
+        frf = predict_frf(self.solid, mass=self.load.mass, frequency=frequency, kind=self.kind)
+        if self.load.coupled > 0:
+            frf = on_heavy_mounts(frf, mass=self.load.mass, coupled=self.load.coupled)
         return frf
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
@@ -513,8 +512,7 @@ class MassOnSeals:
         other = self.fit.alternative
         if other is None or not other.explains:
             return None
-        how = {"mass": self.mass, "seals": self.seals}
-        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, **how))
+        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
 
     def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
         """The limits of the response, over fewer lines."""
@@ -525,15 +523,7 @@ class MassOnSeals:
             few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
             bounds = bounded(frequency=few, kind=kind)
             few = bounds.frequency
-        formal = formal_limits(
-            self.fit,
-            self.rests.point,
-            mass=self.mass,
-            frequency=few,
-            seals=self.seals,
-            kind=kind,
-            coupled=self.coupled,
-        )
+        formal = formal_limits(self.fit, self.rests.point, self.load, frequency=few, kind=kind)
         return ResponseLimits(kind, few, formal, bounds)
 
     def shaken(
@@ -543,7 +533,7 @@ class MassOnSeals:
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
         base = read_psd(base_psd)
-        f, mass, coupled = base.frequency, self.mass, self.coupled
+        f, mass, coupled = base.frequency, self.load.mass, self.load.coupled
         how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
         response, limits = random_base(self.solid, mass=mass, **how), None
         if bounded is not None:
@@ -559,7 +549,7 @@ class MassOnSeals:
 
 
 def _bounds(
-    on: MassOnSeals,
+    on: MountedMass,
     fit: Fit,
     tests: Sequence[RampHold],
     *,
@@ -574,15 +564,13 @@ def _bounds(
         fit,
         fill_missing_temperatures(tests, fit),
         on.rests.point,
-        mass=on.mass,
-        seals=on.seals,
+        on.load,
         temperature=temperature,
-        coupled=on.coupled,
     )
 
 
 def _led_by(
-    on: MassOnSeals, *, mass: float, band: tuple[float, float], response: float
+    on: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """A mass in a wrong unit first; then a solid that is not known at the peak."""
     informed = [prediction_informed(response, on.fit.band)]

@@ -21,7 +21,7 @@ from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_f
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested, mass_of_a_block
 from dashpot.vibration.systems.frf_prediction import model_modes
-from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.vibration.systems.operating_point import MassOnSeals, OperatingPoint, operating_point
 from dashpot.workflow.checks import families_predict_alike
 
 # lines of the limits over a band
@@ -109,15 +109,13 @@ class StaticEquilibrium:
         return "\n".join(lines)
 
 
-def find_static_equilibrium(
-    fit: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
-) -> StaticEquilibrium:
-    """Return where a mass, kg, rests on seals, with the secant and the tangent solid."""
-    point = operating_point(fit, mass=mass, seals=seals, compression=compression)
+def find_static_equilibrium(fit: Fit, on: MassOnSeals) -> StaticEquilibrium:
+    """Return where a mass rests on seals, with the secant and the tangent solid."""
+    point = operating_point(fit, mass=on.mass, seals=on.seals, compression=on.compression)
     k = fit.solid.k_inf
 
     def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:
-        mode = next(iter(model_modes(seals * solid, mass)), None)
+        mode = next(iter(model_modes(on.seals * solid, on.mass)), None)
         items = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
         return StiffnessAt(solid.k_inf, error, *items)
 
@@ -137,13 +135,11 @@ def frf_limits(
     fit: Fit,
     tests: RampHold | Sequence[RampHold],
     point: OperatingPoint,
+    on: MassOnSeals,
     *,
-    mass: float,
     frequency: npt.ArrayLike,
-    seals: float = 1.0,
     temperature: float | None = None,
     kind: Kind = Kind.ACCELERANCE,
-    coupled: float = 0.0,
 ) -> FRFBounds:
     r"""Limits of the response by both kinds of ignorance, where the mass rests.
 
@@ -160,17 +156,13 @@ def frf_limits(
         What it was fitted to.
     point : OperatingPoint
         At `temperature`.
-    mass : float
-        kg.
+    on : MassOnSeals
     frequency : array_like, shape (n,)
         Hz, > 0.
-    seals : float
     temperature : float, optional
         K; by default that of the fit's solid.
     kind : Kind
         Accelerance or transmissibility.
-    coupled : float
-        As in :func:`~dashpot.fitting.uncertainty.prediction_bounds.frf_band`, kg.
     """
     forced = kind is Kind.ACCELERANCE
     shifts, f = fit.temperatures, np.asarray(frequency, dtype=float)
@@ -185,29 +177,17 @@ def frf_limits(
     for a in ends:
         scale = a**2 * s
         of = frf_band(
-            fit,
-            tests,
-            mass=mass / scale,
-            frequency=a * f,
-            seals=seals,
-            kind=kind,
-            coupled=coupled / scale,
-        )
+            fit, tests, mass=on.mass / scale, frequency=a * f, seals=on.seals, kind=kind,
+            coupled=on.coupled / scale,
+        )  # fmt: skip
         bounds.append(_scale_bounds(of, 1 / a, 1 / scale if forced else 1.0))
     if here is fit:
         joined = bounds[0]
     else:
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega=omega)
-        values = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
-        formal = formal_frf_band(
-            here,
-            mass=mass / point.factor,
-            frequency=f,
-            seals=seals,
-            kind=kind,
-            coupled=coupled / point.factor,
-        )
+        values = PredictedFRF(on, kind).magnitude(K, omega)
+        formal = formal_frf_band(here, on.scaled_down(point.factor), frequency=f, kind=kind)
         joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
     doubt = "; with the doubt of the tangent at the compression of the mass"
     slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
@@ -263,38 +243,32 @@ def rival_of(fit: Fit) -> Fit | None:
     return None if other is None or not other.explains else replace(fit, solid=other.solid)
 
 
-def rival_modes(fit: Fit, point: OperatingPoint, *, mass: float, seals: float) -> tuple[Mode, ...]:
+def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
     rival = rival_of(fit)
-    return () if rival is None else model_modes(seals * point.solid(rival), mass)
+    return () if rival is None else model_modes(on.seals * point.solid(rival), on.mass)
 
 
-def family_checks(
-    fit: Fit, point: OperatingPoint, *, mass: float, seals: float
-) -> tuple[Check, ...]:
+def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Check, ...]:
     """Whether another family of solids, where one was fitted, foretells the same resonance."""
     if fit.alternative is None:
         return ()
-    modes = model_modes(seals * point.solid(fit), mass)
-    rival = rival_modes(fit, point, mass=mass, seals=seals)
+    modes = model_modes(on.seals * point.solid(fit), on.mass)
+    rival = rival_modes(fit, point, on)
     return (families_predict_alike(next(iter(modes), None), next(iter(rival), None)),)
 
 
 def formal_limits(
     fit: Fit,
     point: OperatingPoint,
+    on: MassOnSeals,
     *,
-    mass: float,
     frequency: FloatArray,
-    seals: float = 1.0,
     kind: Kind = Kind.ACCELERANCE,
-    coupled: float = 0.0,
 ) -> FloatArray:
     """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
-    limits = formal_frf_band(
-        fit, mass=mass / s, frequency=frequency, seals=seals, kind=kind, coupled=coupled / s
-    )
+    limits = formal_frf_band(fit, on.scaled_down(s), frequency=frequency, kind=kind)
     limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)
 

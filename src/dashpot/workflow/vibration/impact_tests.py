@@ -39,7 +39,7 @@ from dashpot.vibration.modal.dynamic_stiffness import (
     dynamic_stiffness,
 )
 from dashpot.vibration.systems.frf_prediction import predict_frf
-from dashpot.vibration.systems.operating_point import operating_point
+from dashpot.vibration.systems.operating_point import MassOnSeals, operating_point
 from dashpot.workflow.checks import fit_is_tested, seals_counted
 from dashpot.workflow.job import Cuts, HammerChoices, require_test_for_machine
 from dashpot.workflow.prepare_tests import prepared_files, refuse_others
@@ -185,20 +185,20 @@ def weighed(
     seals: float,
     band: tuple[float, float] | None = None,
     compression: float | None = None,
-) -> float:
+) -> MassOnSeals:
     """Return the mass given, else the one that the peak of the FRF in `band`, Hz, implies.
 
     The seals are as stiff as under that mass, or at the compression given, m.
     """
     if mass is not None:
-        return mass
+        return MassOnSeals(mass, seals, compression)
     near = frf if band is None else frf.band(*band)
     mass = infer_mass(seals * fit.model, near)[0]
     for _ in range(WEIGHINGS):
         point = operating_point(fit, mass=mass, seals=seals, compression=compression)
         last, mass = mass, infer_mass(seals * point.solid(fit), near)[0]
         if abs(mass - last) <= 1e-9 * mass:
-            return mass
+            return MassOnSeals(mass, seals, compression)
     raise DataError(
         "no mass rests where its peak is: the stiffness of the seals changes too fast with the "
         "compression; give --mass"
@@ -206,27 +206,14 @@ def weighed(
 
 
 def compare_with_measured(
-    fit: Fit,
-    measured: FRF,
-    *,
-    mass: float,
-    seals: float,
-    band: tuple[float, float] | None = None,
-    compression: float | None = None,
+    fit: Fit, measured: FRF, on: MassOnSeals, *, band: tuple[float, float] | None = None
 ) -> tuple[FRF, Comparison]:
     """Return what a fit predicts on the measured lines, and how well that agrees."""
+    how: dict[str, Any] = {"mass": on.mass, "seals": on.seals, "compression": on.compression}
     predicted = predict_frf(
-        fit,
-        mass=mass,
-        frequency=measured.frequency,
-        kind=measured.quantity,
-        shift=measured.shift,
-        seals=seals,
-        compression=compression,
+        fit, frequency=measured.frequency, kind=measured.quantity, shift=measured.shift, **how
     )
-    return predicted, compare(
-        predicted, measured, fit=fit, mass=mass, seals=seals, band=band, compression=compression
-    )
+    return predicted, compare(predicted, measured, fit=fit, band=band, **how)
 
 
 @dataclass(frozen=True)
@@ -423,22 +410,20 @@ def agreement(
     """
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = remove_seal_mass(frf, total, seal_mass, seals)
-    value = weighed(fit, frf, mass=total, seals=seals, band=band, compression=compression)
-    _, comparison = compare_with_measured(
-        fit, frf, mass=value, seals=seals, band=band, compression=compression
-    )
-    rests = find_static_equilibrium(fit, mass=value, seals=seals, compression=compression)
+    on = weighed(fit, frf, mass=total, seals=seals, band=band, compression=compression)
+    _, comparison = compare_with_measured(fit, frf, on, band=band)
+    rests = find_static_equilibrium(fit, on)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
-    formal = formal_limits(fit, rests.point, mass=value, frequency=lines, seals=seals)
+    formal = formal_limits(fit, rests.point, on, frequency=lines)
     limits = None
     circular = find_fitted_files(fit, frf)
     if tests and not circular:  # the unseen arms of a joint fit have no bound
         refuse_others(tests, fit)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
-        limits = frf_limits(fit, tests, rests.point, mass=value, frequency=about, seals=seals)
+        limits = frf_limits(fit, tests, rests.point, on, frequency=about)
     noted = (*frf.checks, *noted, fit_is_tested(len(circular)))
     return Agreement(
-        comparison, value, mass is None, noted, rests, (lines, formal), limits, seals,
+        comparison, on.mass, mass is None, noted, rests, (lines, formal), limits, seals,
         in_sample=bool(circular),
     )  # fmt: skip
 
@@ -701,7 +686,7 @@ def identify_solid(
     evidence = replace(fit.evidence, checks=(*useless, *fit.checks))
     others = tuple(check for check in frf.checks if check not in useless)
     fit = replace(fit, evidence=evidence)
-    rests = find_static_equilibrium(fit, mass=mass, seals=seals, compression=compression)
+    rests = find_static_equilibrium(fit, MassOnSeals(mass, seals, compression))
     return Identified(fit, DirectStiffness(straight), (*others, *noted), rests, vibration)
 
 
