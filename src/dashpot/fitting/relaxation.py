@@ -275,7 +275,7 @@ def _fit_one_temperature(records: Sequence[RampHold], design: FitSetup, options:
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
         both = replace(both, best=both.best.with_depth_doubt(doubts))
-    return _build_linear_fit(late, both, design, gate, thorough=options.thorough)
+    return _build_linear_fit(late, both, design, gate, options)
 
 
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
@@ -313,8 +313,7 @@ def _build_linear_fit(
     both: FamilySelection,
     design: FitSetup,
     gate: LinearityResult | None,
-    *,
-    thorough: bool,
+    options: FitOptions,
 ) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
     records, selection = late.holds.records, both.best
@@ -364,9 +363,7 @@ def _build_linear_fit(
             alternative=other,
             band_error=error,
         ),
-        provenance_of(
-            design.method, records, *steps, _step(records, selection, design, thorough=thorough)
-        ),
+        provenance_of(design.method, records, *steps, _step(records, selection, design, options)),
         elastic_law=ElasticLaw.linear(
             selection.model.k_inf, max(record.depth for record in records)
         ),
@@ -522,19 +519,18 @@ def _step(
     records: Sequence[RampHold],
     selection: SelectedModel,
     design: FitSetup,
-    *,
-    thorough: bool,
+    options: FitOptions,
 ) -> Step:
     requested = selection.asked
-    options = (
+    parameters = (
         ("arms", "auto" if requested is None else str(requested)),
         ("method", design.method),
-        ("thorough", str(thorough).lower()),
+        ("thorough", str(options.thorough).lower()),
         ("nuisance", ", ".join(design.nuisance) or "none"),
     )
     plural = f"{len(records)} tests" if len(records) > 1 else "one test"
     says = f"fitted {describe_fit(selection)} to {plural} by method {design.method!r}"
-    return Step("fit", options, says)
+    return Step("fit", parameters, says)
 
 
 def _motion_steps(records: Sequence[RampHold], design: FitSetup) -> tuple[Step, ...]:

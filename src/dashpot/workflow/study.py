@@ -481,7 +481,7 @@ def _predict_and_compare(
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
-        return predict_frf(fit, mass=on.mass, seals=on.seals, compression=on.compression), None
+        return predict_frf(fit, **on.keywords), None
     return compare_with_measured(fit, measured, on, band=band)
 
 

@@ -12,6 +12,7 @@ import dashpot as dp
 from dashpot.extensions.modes import leave_one_out as module
 from dashpot.plot.frf_figure import curves_of
 from dashpot.reading.readers.impact import read_impact
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.example_files import EXAMPLES
 from dashpot.workflow.job import HammerChoices
 
@@ -87,7 +88,7 @@ def test_each_hit_is_held_against_the_others_alone(files, monkeypatch):
     monkeypatch.setattr(module, "average", average)
     monkeypatch.setattr(module, "identify", lambda *_, **__: fit)
     found = module.cross_validate_hits(
-        impact, (), fit, mass=0.1148, seals=2, choices=HammerChoices()
+        impact, (), fit, MassOnSeals(0.1148, 2), choices=HammerChoices()
     )
     whole, *pairs = seen
     assert found is not None

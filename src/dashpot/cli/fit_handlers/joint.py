@@ -14,6 +14,7 @@ from dashpot.cli._command_io import CommandResult, format_command, is_json, writ
 from dashpot.cli.fit_handlers import hits
 from dashpot.cli.fit_handlers._request import FitRequest
 from dashpot.cli.fit_handlers.bench_tests import shift_table
+from dashpot.workflow.fit_bench_tests import BenchFitOptions
 
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
 VIBRATION = ("impact", "frf", "transmissibility")
@@ -45,10 +46,13 @@ def run(request: FitRequest) -> CommandResult:
         mass=request.mass,
         family=request.model(FamilyAsked, "maxwell"),
         seals_assumed="--seals" not in request.get_option_words(),
-        law=request["elastic"],
-        **request.some("method", "cuts", "filter", "thorough", "shifting"),
+        bench=BenchFitOptions(
+            law=request["elastic"],
+            **request.some("method", "cuts", "filter", "thorough", "shifting", "machine",
+                         "specimen"),
+        ),
         **request.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
-                     "known", "band", "machine", "temperatures", "specimen", "hammer"),
+                     "known", "band", "temperatures", "hammer"),
     )  # fmt: skip
     request.draw(lambda: dp.plot.stiffness(result.fit))
     if request["save_shifts"]:

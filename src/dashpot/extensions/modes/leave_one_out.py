@@ -21,6 +21,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.identification.identify import identify
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.systems.operating_point import MassOnSeals
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.vibration.impact_tests import LeaveOneOut
 from dashpot.workflow.vibration.measured_frf import average
@@ -35,11 +36,9 @@ def cross_validate_hits(
     impact: ImpactTest,
     tests: Sequence[RampHold],
     fit: Fit,
+    on: MassOnSeals,
     *,
-    mass: float,
-    seals: float,
     choices: HammerChoices,
-    compression: float | None = None,
     band: tuple[float, float] | None = None,
 ) -> LeaveOneOut | None:
     """Leave each accepted hit out in turn; None of fewer than three.
@@ -51,12 +50,8 @@ def cross_validate_hits(
         The relaxation tests that the hits were fitted together with.
     fit : Fit
         The joint fit: how many arms it has.
-    mass : float
-        kg.
-    seals : float
+    on : MassOnSeals
     choices : HammerChoices
-    compression : float, optional
-        m.
     band : (float, float), optional
         Lines compared, Hz; by default a factor of 2.3 about the resonance.
     """
@@ -72,14 +67,10 @@ def cross_validate_hits(
         others = tuple(text for text in names if text != name)
         frf = average(impact, choices=replace(choices, reject=(*choices.reject, *others)))
         item = _as_signed(frf.band(low, high), whole)
-        new_fit = identify(
-            _as_signed(rest, whole), tests=tests, mass=mass, seals=seals, compression=compression,
-            arms=fit.model.arms,
-        )  # fmt: skip
+        new_fit = identify(_as_signed(rest, whole), tests=tests, arms=fit.model.arms, **on.keywords)
         predicted = predict_frf(
-            new_fit, mass=mass, frequency=item.frequency, kind=item.quantity, shift=item.shift,
-            seals=seals, compression=compression,
-        )  # fmt: skip
+            new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **on.keywords
+        )
         off = np.linalg.norm(predicted.value - item.value) / np.linalg.norm(item.value)
         errors.append(float(off))
         there, here = find_peak(item), find_peak(predicted)

@@ -8,6 +8,7 @@ k its secant stiffness at the depth tested (Fung: all arms answer :math:`F_e(x(t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -40,6 +41,11 @@ class MassOnSeals:
     seals: float = 1.0
     compression: float | None = None
     coupled: float = 0.0
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        """The mass, seals and compression as arguments of what predicts or identifies them."""
+        return {"mass": self.mass, "seals": self.seals, "compression": self.compression}
 
     def scaled_down(self, scale: float) -> MassOnSeals:
         """Return masses so many times as small on the same seals."""

@@ -11,7 +11,6 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import Method, RampLawAsked
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series
@@ -23,7 +22,6 @@ from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.impact import ImpactTest
-from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig
@@ -41,6 +39,7 @@ from dashpot.vibration.modal.dynamic_stiffness import (
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.vibration.systems.operating_point import MassOnSeals, operating_point
 from dashpot.workflow.checks import fit_is_tested, seals_counted
+from dashpot.workflow.fit_bench_tests import BenchFitOptions
 from dashpot.workflow.job import Cuts, HammerChoices, require_test_for_machine
 from dashpot.workflow.prepare_tests import prepared_files, refuse_others
 from dashpot.workflow.response.static_equilibrium import (
@@ -50,7 +49,7 @@ from dashpot.workflow.response.static_equilibrium import (
     formal_limits,
     frf_limits,
 )
-from dashpot.workflow.shift_options import ShiftChoices, shifted_ramps
+from dashpot.workflow.shift_options import shifted_ramps
 from dashpot.workflow.vibration.measured_frf import (
     average,
     estimate_base_transmissibility,
@@ -209,11 +208,14 @@ def compare_with_measured(
     fit: Fit, measured: FRF, on: MassOnSeals, *, band: tuple[float, float] | None = None
 ) -> tuple[FRF, Comparison]:
     """Return what a fit predicts on the measured lines, and how well that agrees."""
-    how: dict[str, Any] = {"mass": on.mass, "seals": on.seals, "compression": on.compression}
     predicted = predict_frf(
-        fit, frequency=measured.frequency, kind=measured.quantity, shift=measured.shift, **how
+        fit,
+        frequency=measured.frequency,
+        kind=measured.quantity,
+        shift=measured.shift,
+        **on.keywords,
     )
-    return predicted, compare(predicted, measured, fit=fit, band=band, **how)
+    return predicted, compare(predicted, measured, fit=fit, band=band, **on.keywords)
 
 
 @dataclass(frozen=True)
@@ -373,9 +375,13 @@ def compare_files(
     if leave_out is None:
         return held
     unmeasured = leave_out(
-        impact, tests, fit, mass=held.mass, seals=held.seals, choices=hammer, band=band,
-        compression=asked.get("compression"),
-    )  # fmt: skip
+        impact,
+        tests,
+        fit,
+        MassOnSeals(held.mass, held.seals, asked.get("compression")),
+        choices=hammer,
+        band=band,
+    )
     return replace(held, unseen=unmeasured)
 
 
@@ -534,14 +540,7 @@ def identify_files(
     mass: float,
     band: tuple[float, float] | None = None,
     tests: Sequence[str | Path] = (),
-    machine: Machine | None = None,
-    filter: str | None = None,
-    cuts: Cuts | None = None,
-    method: Method = "full",
-    law: RampLawAsked = "auto",
-    thorough: bool = False,
-    shifting: ShiftChoices | None = None,
-    specimen: Specimen | None = None,
+    bench: BenchFitOptions | None = None,
     temperatures: Sequence[float] = (),
     impact_temperature: float | None = None,
     options_with: ReadOptions | None = None,
@@ -553,11 +552,8 @@ def identify_files(
     ----------
     measured, tests : sequence of path
         The hammer's files, and relaxation tests to fit together with them.
-    machine : Machine, optional
-        What is known of the machine of the tests.
-    filter, cuts, method, law, thorough, shifting
-        How the tests are prepared and fitted, as in
-        :class:`~dashpot.workflow.fit_bench_tests.BenchFitOptions`.
+    bench : BenchFitOptions, optional
+        How the tests are prepared and fitted.
     temperatures : sequence of float
         Of the tests, K: one for all of them, or one for each, in their order; without tests, of
         the seals.
@@ -565,9 +561,11 @@ def identify_files(
         Of the seals under the hammer, K, where tests at several temperatures are fitted too.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
-    hammer, mass, band, specimen, asked
+    hammer, mass, band, asked
         As of :func:`identify_solid`.
     """
+    bench = bench or BenchFitOptions()
+    machine, specimen = bench.machine, bench.specimen
     on_bench = machine and machine.on_bench
     require_test_for_machine(on_bench, tests=len(tests), add="a relaxation test")
     _refuse_both(asked.get("fits", ()), tests)
@@ -582,35 +580,25 @@ def identify_files(
             "of the seals under the hammer"
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    shifts = shifted_ramps(shifting or ShiftChoices())
-    bench = BenchFit(method=method, law=law, thorough=thorough, **shifts)
-    _refuse_without_tests(len(tests), bench, cuts or Cuts(), filter)
+    shifts = shifted_ramps(bench.shifting)
+    apart = BenchFit(method=bench.method, law=bench.law, thorough=bench.thorough, **shifts)
+    if not tests and (apart.choices or bench.cuts != Cuts() or bench.filter):
+        raise DataError(
+            "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
+            "tests are prepared and fitted, and there are none here. Give the tests in place of "
+            "their fit, or leave those options out."
+        )
     prepared = prepared_files(
-        tests, machine=on_bench, options=options_with, temperatures=temperatures, filter=filter,
-        cuts=cuts,
+        tests, machine=on_bench, options=options_with, temperatures=temperatures,
+        filter=bench.filter, cuts=bench.cuts,
     )  # fmt: skip
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
     return identify_solid(
         frf, tests=prepared, mass=mass, band=band,
-        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=bench, **asked,
+        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=apart, **asked,
     )  # fmt: skip
-
-
-def _refuse_without_tests(tests: int, bench: BenchFit, cuts: Cuts, filter: str | None) -> None:
-    """Refuse what is said of relaxation tests where there are none.
-
-    Raises
-    ------
-    DataError
-    """
-    if not tests and (bench.choices or cuts != Cuts() or filter):
-        raise DataError(
-            "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
-            "tests are prepared and fitted, and there are none here. Give the tests in place of "
-            "their fit, or leave those options out."
-        )
 
 
 def identify_solid(
