@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from dashpot.base.choices import (
     Method,
     RampLawAsked,
-    ShiftLaw,
-    Vertical,
     require_choice,
 )
 from dashpot.base.errors import FitError
-from dashpot.base.units import Quantity
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.design_matrix import NUISANCE, FitSetup, eq5_obstacle
 from dashpot.fitting.fractional_model.family_selection import checked_family
@@ -22,9 +19,7 @@ from dashpot.fitting.pipeline import FitOptions
 def checked_design(
     records: Sequence[RampHold],
     options: FitOptions,
-    *,
-    method: Method,
-    nuisance: Sequence[str],
+    nuisance: Sequence[str] = NUISANCE,
 ) -> FitSetup:
     """Return how the tests are set out, if that and all else that is asked go together.
 
@@ -33,25 +28,23 @@ def checked_design(
     FitError
         If an option is none, contradicts another, or does not apply to the records.
     """
-    _refuse_method(records, method)
-    _refuse_law(options, method)
+    _refuse_method(records, options.method)
+    _refuse_law(options)
     _refuse_family(options)
     unknown = [name for name in nuisance if name not in NUISANCE]
     if isinstance(nuisance, str) or unknown:
         raise FitError(
             f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
         )
-    return FitSetup(method, tuple(name for name in NUISANCE if name in nuisance))
+    return FitSetup(options.method, tuple(name for name in NUISANCE if name in nuisance))
 
 
-def refuse_shifts(
-    what: str, vertical: Vertical, shift_law: ShiftLaw, reference: Quantity | None
-) -> None:
+def refuse_shifts(what: str, asked: FitOptions) -> None:
     """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
     options = {
-        "--reference": reference is not None,
-        "--shift": shift_law != "auto",
-        "--vertical": vertical != "free",
+        "--reference": asked.reference is not None,
+        "--shift": asked.shift_law != "auto",
+        "--vertical": asked.vertical != "free",
     }
     named = [flag for flag, option in options.items() if option]
     if named:
@@ -73,10 +66,10 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
             raise FitError(which + obstacle)
 
 
-def _refuse_law(options: FitOptions, method: str) -> None:
+def _refuse_law(options: FitOptions) -> None:
     law = options.law
     require_choice("law", law, RampLawAsked, FitError)
-    if law == "nonlinear" and method == "hold":
+    if law == "nonlinear" and options.method == "hold":
         raise FitError(
             "a nonlinear law is found from the ramp, and the method hold leaves the ramp out. "
             "Leave out --method hold, or --elastic nonlinear"

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked, RampLawAsked
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
+from dashpot.base.units import Quantity
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
 from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
@@ -58,24 +59,40 @@ ALL = 1 - 1e-12
 
 @dataclass(frozen=True)
 class FitOptions:
-    """What is asked of a fit, its design apart.
+    """What is asked of a fit: arguments of :func:`~dashpot.fitting.relaxation.fit`.
 
     Attributes
     ----------
     arms : int or "auto"
     max_arms : int
         The most that ``"auto"`` tries.
+    method : "full" or "hold"
     law : "auto", "linear" or "nonlinear"
     family : "maxwell", "fractional" or "auto"
     intervals, thorough : bool
+    shift_law, vertical : str
+        Of tests at several temperatures.
+    reference : float, optional
+        The temperature that they are shifted to, K.
     """
 
     arms: int | Literal["auto"] = "auto"
     max_arms: int = 6
+    method: Method = "full"
     law: RampLawAsked = "auto"
     family: FamilyAsked = "maxwell"
     intervals: bool = True
     thorough: bool = False
+    shift_law: ShiftLaw = "auto"
+    vertical: Vertical = "free"
+    reference: Quantity | None = None
+
+    @property
+    def choices(self) -> dict[str, Any]:
+        """What differs from the usual, by the names of those arguments."""
+        return {
+            name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
+        }
 
     @property
     def count(self) -> int | None:

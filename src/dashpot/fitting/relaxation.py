@@ -172,21 +172,19 @@ def fit(
     refuse_copies(records)
     most = validate_arm_count(arms, max_arms)
     options = FitOptions(
-        "auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough
-    )
-    design = checked_design(records, options, method=method, nuisance=nuisance)
+        "auto" if arms == "auto" else most, max_arms, method, law, family, intervals, thorough,
+        shift_law, vertical, reference,
+    )  # fmt: skip
+    design = checked_design(records, options, nuisance)
     temperatures = checked_temperatures(records, shared=method == "full")
     reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
         at = find_reference_index(temperatures, reference)
         require_maxwell_family(family)
         fit_shifted = find_handler("fit at several temperatures", records[0])
-        shifted = fit_shifted(
-            records, options, vertical=vertical, shift_law=shift_law, reference=at
-        )
-        return _with_law(shifted, law)
+        return _with_law(fit_shifted(records, options, at), law)
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
-    refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
+    refuse_shifts("the tests are", replace(options, reference=None) if here else options)
     if law == "nonlinear":
         _refuse_history(records)
         shifted = _fit_hold_then_ramp(records, _law_of(records, law, options.count), options.count)
@@ -240,7 +238,7 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     near = np.log(fit.model.tau)
     arms = len(near)
     method: Method = "hold" if fit.method == "hold" else "full"
-    design = checked_design([test], FitOptions(arms, arms), method=method, nuisance=NUISANCE)
+    design = checked_design([test], FitOptions(arms, arms, method))
     as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], design, near), (0.0,))
     first = weighed(as_recorded.data, arms, only=True, near=near)
     return _point(as_recorded, first, design, arms)

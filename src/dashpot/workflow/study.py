@@ -26,7 +26,8 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen, make_file_specimens
 from dashpot.fitting.identification.identify import identify
-from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig
+from dashpot.fitting.identification.prior_knowledge import HammerRig
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.reading.logo import read_logo
@@ -299,7 +300,7 @@ def characterise(
         response = _predict_mass_response(chosen, every, measured, on, band)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
-            usual = BenchFit(method, law)
+            usual = FitOptions(method=method, law=law)
             before, number = _before_hammer(chosen, every, arms, usual, impact_temperature)
             both = identify(
                 measured, tests=every, fit=before, mass=value, seals=seals, band=band, arms=number,
@@ -345,7 +346,7 @@ def _before_hammer(
     chosen: Fit,
     tests: Sequence[RampHold],
     arms: int | Literal["auto"],
-    bench: BenchFit,
+    bench: FitOptions,
     temperature: Quantity | None,
 ) -> tuple[Fit, int | Literal["auto"]]:
     """Return the fit of the tests that the hammer joins, and how many arms both are to have.

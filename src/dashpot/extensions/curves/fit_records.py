@@ -11,6 +11,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import refuse_shifts
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.registry import row_of
 from dashpot.workflow.fit_bench_tests import Bench, BenchFitOptions, Record, prepare_ramps
@@ -120,7 +121,7 @@ def _fit_creep(
                 "it out"
             )
         if not isinstance(record, Superposition) and options.shifting.at is None:
-            refuse_shifts("a creep test is", **shifted_ramps(options.shifting))
+            refuse_shifts("a creep test is", FitOptions(**shifted_ramps(options.shifting)))
         return fit_creep(record, arms=options.arms, thorough=options.thorough), (record,)
 
 

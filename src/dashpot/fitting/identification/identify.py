@@ -42,7 +42,7 @@ from dashpot.fitting.identification.parametrisation import (
     FractionalElement,
     with_dashpot,
 )
-from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.fitting.identification.problem_inputs import (
     PriorTests,
     before_hammer,
@@ -52,7 +52,7 @@ from dashpot.fitting.identification.problem_inputs import (
     priors_of,
     seals_of,
 )
-from dashpot.fitting.pipeline import FURTHER
+from dashpot.fitting.pipeline import FURTHER, FitOptions
 from dashpot.fitting.replicates import refuse_copies
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit.variable_projection import solve_orders
@@ -89,7 +89,7 @@ def identify(
     family: FamilyAsked = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
     known: KnownSolid = KnownSolid(),  # noqa: B008
-    bench: BenchFit = BenchFit(),  # noqa: B008
+    bench: FitOptions = FitOptions(),  # noqa: B008
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -131,7 +131,7 @@ def identify(
         How well mass and channels are known.
     known : KnownSolid
         What the solid must also obey, and whether it has a dashpot beside its arms.
-    bench : BenchFit
+    bench : FitOptions
         How the tests are fitted that no earlier fit is of.
 
     Returns
@@ -202,7 +202,7 @@ def identify(
     return _with_choices(solid, bench)
 
 
-def _with_choices(fit: Fit, bench: BenchFit) -> Fit:
+def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
     """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
     if not bench.choices:
         return fit

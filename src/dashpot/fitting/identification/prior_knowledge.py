@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Any, Literal
+from typing import Literal
 
-from dashpot.base.choices import Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.units import Dimension, Quantity, si_fields, si_range
@@ -17,32 +16,6 @@ _DIMENSIONS: dict[str, Dimension] = {
     "natural_frequency": "frequency",
     "damping_ratio": "strain",
 }
-
-
-@dataclass(frozen=True)
-class BenchFit:
-    """How the relaxation tests are fitted that a hammer then joins.
-
-    The fields are arguments of :func:`~dashpot.fitting.relaxation.fit`.
-    """
-
-    method: Method = "full"
-    law: RampLawAsked = "auto"
-    thorough: bool = False
-    shift_law: ShiftLaw = "auto"
-    vertical: Vertical = "free"
-    reference: float | None = None
-
-    @property
-    def choices(self) -> dict[str, Any]:
-        """What differs from the usual, by the names of those arguments."""
-        every = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: every[name] for name in every if every[name] != getattr(BenchFit, name)}
-
-    @property
-    def single_test_options(self) -> BenchFit:
-        """The same of a test by itself, which has one temperature."""
-        return BenchFit(self.method, self.law, self.thorough)
 
 
 @dataclass(frozen=True)

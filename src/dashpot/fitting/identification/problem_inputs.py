@@ -17,8 +17,9 @@ from dashpot.fitting.identification.likelihood import (
     Constraints,
     NuisancePriors,
 )
-from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.fitting.nuisance_priors import Prior
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import relaxation_data
@@ -59,7 +60,7 @@ def before_hammer(
     fit: Fit | None,
     temperature: float | None,
     family: str,
-    bench: BenchFit,
+    bench: FitOptions,
 ) -> PriorTests:
     """The earlier fits, at the temperature of the hammer, and the tests that they are of.
 
@@ -79,8 +80,9 @@ def before_hammer(
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in get_choice_values(Method)
-    choices = bench.single_test_options.choices
-    fits = [before] if same else [fit_tests(record, **choices) for record in records]
+    # a test by itself has one temperature
+    alone = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
+    fits = [before] if same else [fit_tests(record, **alone) for record in records]
     relaxation_datasets, doubtful = (
         tuple(
             relaxation_data(record, before, single_fit=fit, claimed=claimed)

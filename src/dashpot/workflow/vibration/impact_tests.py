@@ -24,7 +24,8 @@ from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.fitting.identification.prior_knowledge import BenchFit, HammerRig
+from dashpot.fitting.identification.prior_knowledge import HammerRig
+from dashpot.fitting.pipeline import FitOptions
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.base_excitation import read_shaken
 from dashpot.reading.readers.impact import read_impact
@@ -581,7 +582,7 @@ def identify_files(
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     shifts = shifted_ramps(bench.shifting)
-    apart = BenchFit(method=bench.method, law=bench.law, thorough=bench.thorough, **shifts)
+    apart = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough, **shifts)
     if not tests and (apart.choices or bench.cuts != Cuts() or bench.filter):
         raise DataError(
             "method, elastic law, cuts, filter, starting points and shifts say how relaxation "

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.choices import RampLawAsked, ShiftLaw, Vertical
+from dashpot.base.choices import RampLawAsked
 from dashpot.datamodel.band_error import BandError
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -83,17 +83,10 @@ class MultiTemperatureFit(NamedTuple):
 _OWN_ARMS = 6
 
 
-def fit_records(
-    records: Sequence[RampHold],
-    asked: FitOptions,
-    *,
-    vertical: Vertical,
-    shift_law: ShiftLaw,
-    reference: int,
-) -> Fit:
+def fit_records(records: Sequence[RampHold], asked: FitOptions, reference: int) -> Fit:
     """Fit one solid that moves with temperature to ramps and holds, as :func:`fit_thermal`."""
     tests = [_fit_single_test(record, asked.law, thorough=asked.thorough) for record in records]
-    return fit_thermal(tests, asked, vertical=vertical, shift_law=shift_law, reference=reference)
+    return fit_thermal(tests, asked, reference)
 
 
 def _fit_single_test(
@@ -130,9 +123,6 @@ def _fit_single_test(
 def fit_thermal(
     tests: Sequence[SingleTemperatureTest],
     options: FitOptions,
-    *,
-    vertical: Vertical,
-    shift_law: ShiftLaw,
     reference: int,
 ) -> Fit:
     r"""Fit one solid to tests at several temperatures.
@@ -149,25 +139,21 @@ def fit_thermal(
     options : FitOptions
         Without intervals, and with a number of arms, the optimum alone is returned, without errors,
         checks or bounds.
-    vertical : "free", "T/T_r" or "1"
-        What b_T may be.
-    shift_law : str
-        As in :func:`~dashpot.extensions.curves.shift_law_fit.fit_shift_law`.
     reference : int
         Which of the temperatures the solid is that of.
     """
     arms = options.count
-    best = optimum(tests, options, reference, vertical)
+    best = optimum(tests, options, reference)
     if not options.intervals and arms is not None:
-        return build_point_fit(best, vertical, shift_law, requested=arms)
+        return build_point_fit(best, options.vertical, options.shift_law, requested=arms)
     fit = MultiTemperatureFit(best, compute_joint_covariance(best.joint, best.tests, best.point))
-    made = _build_fit(fit, vertical, shift_law, requested=arms)
+    made = _build_fit(fit, options)
     end = _end_of_hold(fit, made)
     band, error = _find_loss_factor_band(fit, made)
     checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
     if arms is not None:
         further = replace(options, arms="auto", max_arms=arms + FURTHER)
-        more = optimum(tests, further, reference, vertical)
+        more = optimum(tests, further, reference)
         checks += (_arms_enough(best, more),)
     evidence = replace(made.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
     return replace(made, evidence=evidence)
@@ -221,14 +207,12 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
 # -- the fit --------------------------------------------------------------------------------------
 
 
-def _build_fit(
-    fit: MultiTemperatureFit, vertical: Vertical, shift_law: ShiftLaw, *, requested: int | None
-) -> Fit:
+def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
     best, knowledge = fit
     tests, point = best.tests, best.point
     errors = knowledge.shift_covariance
-    law_fit = law_of(best, errors, shift_law)
-    shifts = shifts_of(best, vertical, law_fit, errors, knowledge.cross)
+    law_fit = law_of(best, errors, options.shift_law)
+    shifts = shifts_of(best, options.vertical, law_fit, errors, knowledge.cross)
     records = [test.record for test in tests]
     model = point.solid
     solution = _solution(fit)
@@ -243,7 +227,7 @@ def _build_fit(
         knowledge.residual,
         nuisance=knowledge.nuisances,
     ).with_rig(knowledge.solid_rig_sensitivity)
-    fewer = requested is not None and model.arms < requested
+    fewer = options.count is not None and model.arms < options.count
     noticed = [check for record in records for check in record.checks]
     return build_fit(
         SolidEstimate(model, estimate, fewer, bool(solution.at_bound.any())),

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import Vertical
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
 from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
 from dashpot.extensions.curves.temperatures.starting_points import (
@@ -55,7 +54,6 @@ def optimum(
     tests: Sequence[SingleTemperatureTest],
     options: FitOptions,
     reference: int,
-    vertical: Vertical,
 ) -> ThermalOptimum:
     """Return the optimum over all tests, the number of arms chosen if none is asked for.
 
@@ -68,7 +66,7 @@ def optimum(
 
     def joint_of(every: Sequence[SingleTemperatureTest]) -> JointTests:
         blocks = [test.marginal for test in every]
-        return JointTests(blocks, at, temperatures, reference, vertical, slope)
+        return JointTests(blocks, at, temperatures, reference, options.vertical, slope)
 
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
