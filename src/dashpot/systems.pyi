@@ -12,6 +12,8 @@ from dashpot.extensions.door.closing_analysis import close_door as close_door
 from dashpot.extensions.door.closing_setup import ClosingSetup as ClosingSetup
 from dashpot.extensions.door.energy_shares import energy_shares as energy_shares
 from dashpot.extensions.modes.stabilisation import stabilisation as stabilisation
+from dashpot.extensions.random_vibration.base_response import random_base as random_base
+from dashpot.extensions.random_vibration.base_response import random_response as random_response
 from dashpot.solids.part_geometry import Block as Block
 from dashpot.solids.part_geometry import Bulb as Bulb
 from dashpot.solids.part_geometry import Bush as Bush
@@ -24,6 +26,4 @@ from dashpot.vibration.systems.bodies import planar_body as planar_body
 from dashpot.vibration.systems.bodies import point_mass as point_mass
 from dashpot.vibration.systems.frf_prediction import isolation_frequency as isolation_frequency
 from dashpot.vibration.systems.frf_prediction import predict_frf as predict_frf
-from dashpot.vibration.systems.random_base import random_base as random_base
-from dashpot.vibration.systems.random_base import random_response as random_response
 from dashpot.vibration.systems.system import System as System

@@ -318,8 +318,6 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "vibration/test_rocking.py::test_weights_null_the_rocking_of_the_real_block": 0,  # test_the_real_hits_are_doubtful_but_not_thrown_away
     "vibration/test_shaken.py::test_the_two_channels_taken_for_each_other_are_told_first": 0,
     "vibration/test_systems.py::test_two_ways_to_the_same_modes": 0,
-    "vibration/test_transmissibility.py::TestRandomBase::test_limits_of_white_noise_say_which_part_they_count": 0,
-    "vibration/test_transmissibility.py::TestRandomBase::test_the_limits_hold_what_the_test_cannot_see": 0,
     "vibration/test_transmissibility.py::test_a_file_of_another_lab_is_compared_and_identified": 0,
     "vibration/test_transmissibility.py::test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay": 0,  # test_two_transmissibilities_are_compared_by_their_mass
     "vibration/test_transmissibility.py::test_bench_and_shaker_together_tell_one_solid": 0,
@@ -362,6 +360,8 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "extensions/projects/test_project.py::test_the_history_of_another_project_is_missed": 0,
     "extensions/projects/test_project.py::test_what_was_said_of_reading_is_kept_as_a_profile": 0,
     "extensions/projects/test_project.py::test_who_notes_the_head_misses_even_a_forged_end": 0,
+    "extensions/random_vibration/test_random_base.py::TestRandomBase::test_limits_of_white_noise_say_which_part_they_count": 0,
+    "extensions/random_vibration/test_random_base.py::TestRandomBase::test_the_limits_hold_what_the_test_cannot_see": 0,
     "workflow/test_study.py::test_a_mass_that_is_not_given_is_inferred_and_labelled": 0,
     "workflow/test_study.py::test_the_story_says_that_damping_was_not_tested": 0,
     "workflow/test_study.py::test_the_story_without_a_hammer_ends_at_the_prediction": 0,

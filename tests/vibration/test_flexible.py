@@ -15,9 +15,8 @@ from dashpot.extensions.door.energy_shares import energy_shares
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
+from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.systems.random_base import random_response
 from dashpot.vibration.systems.system import System
 
 
@@ -181,40 +180,3 @@ def test_a_modal_spring_loses_what_its_damping_ratio_says():
 
 
 # -- a base that shakes ----------------------------------------------------------------------------
-
-
-def rocking(*, free: tuple[str, ...] = ("x", "y", "rz")) -> System:
-    body = Body("block", 5.0, (0.0, 0.0, 0.02), free=free)
-    return System(
-        (body, point_mass("rider", 0.5)),
-        (
-            Mount(100 * BROAD, ("block", "ground"), (-0.1, 0.0, 0.0), (0.0, 1.0, 0.0)),
-            Mount(60 * BROAD, ("block", "ground"), (0.1, 0.0, 0.0), (0.0, 1.0, 0.0)),
-            Mount(net.kelvin_voigt(3e4, 20.0), ("block", "ground"), (0, 0.02, 0), (1.0, 0.0, 0.0)),
-            Mount(net.spring(1e3), ("rider", "ground")),
-        ),
-    )
-
-
-@pytest.mark.parametrize("along", [(0.0, 1.0, 0.0), (1.0, 1.0, 0.0)])
-def test_white_noise_and_a_wide_table_agree(along):
-    """The Lyapunov equation and the integral over lines, which know nothing of each other."""
-    place = Point("block", (0.1, 0.0, 0.0), (0.0, 1.0, 0.0))
-    white = random_response(rocking(), response=place, psd=0.5, along=along)
-    wide = random_response(
-        rocking(), response=place, psd=[0.5, 0.5], frequency=[1e-4, 1e6], along=along
-    )
-    assert white.acceleration == pytest.approx(wide.acceleration, rel=2e-4)
-    assert white.stretch == pytest.approx(wide.stretch, rel=2e-4)
-    assert white.crossings == pytest.approx(wide.crossings, rel=2e-4)
-
-
-def test_what_cannot_follow_its_base_is_refused():
-    with pytest.raises(DataError, match="held in a motion in which 'ground' shakes"):
-        random_response(
-            rocking(free=("y", "rz")), response="block.y", psd=1.0, along=(1.0, 0.0, 0.0)
-        )
-    with pytest.raises(DataError, match=r"nothing damps a motion that it shakes, at 7\.118 Hz"):
-        random_response(rocking(), response="block.y", psd=1.0)
-    with pytest.raises(DataError, match="'earth' is no ground"):
-        random_response(rocking(), response="block.y", psd=1.0, base="earth")

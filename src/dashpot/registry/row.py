@@ -272,6 +272,19 @@ class Extension:
         folder"``: the last job kept in one, and what finds its files.
         Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"``, those
         that it has besides, and ``"option groups"``, those under titles of their own.
+        levels"``: from a fit; ``"random base"``: what a base that shakes at random does to a
+        ``"mass"`` on seals, or to a ``"system"`` of bodies. ``"compare"``: two of a type. ``"fit
+        records"``: tests of a bench of which one is of the type; ``"fit at several temperatures"``:
+        prepared tests, by the type of the first; ``"leave one out"``: the hits behind a fit.
+        ``"mounts"``: of a line of seals. Of a command: ``"compare files"``, ``"predict file"``,
+        ``"demo"``, and ``"options"``, those that it has besides. ``"fit complex modulus"``: from
+        frequencies and moduli to a solid, as a kind is fitted; ``"lot columns"``: what the row of a
+        lot lists of a record; ``"process capability"``: of values between two limits. Of the app:
+        ``"fit job"``: a job to its result and its `JobPage`; ``"figure cards"``: of a result, in
+        place of its picture; ``"file row"``: what the list of files says of a suffix; ``"predict
+        open files"``: files of a kind that is not fitted; ``"recorder"``: a device by its driver;
+        ``"record"``: to a file; ``"open folder"``: the last job kept in one, and what finds its
+        files.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

@@ -16,6 +16,7 @@ from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.random_response import RandomResponse
 from dashpot.datamodel.seal_line import SealLine, SealSection, Shear
 from dashpot.extensions.door import checks as asked
 from dashpot.extensions.door.assembly import BODY, DOOR, Assembly, implied_mass
@@ -35,11 +36,10 @@ from dashpot.extensions.door.read import read_door
 from dashpot.extensions.door.read_modes import read_modes
 from dashpot.extensions.door.result import BaseResponse, DoorResult
 from dashpot.reading.raw_file import add_name_to_errors
-from dashpot.reading.readers.psd import read_psd
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
-from dashpot.vibration.systems.random_base import RandomResponse, random_response
 from dashpot.workflow.json_files import format_unexpected_kind, read_fit, read_json_document
 
 __all__ = ["DoorResult", "door_file", "open_door"]
@@ -244,19 +244,12 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
         raise DataError(
             "[base] shakes a body that [body] lets move by itself: leave one of both out"
         )
-    base = read_psd(door.base)
+    respond = find_handler("random base", "system")(door.base, base=BODY, along=door.base_along)
     for point in points:
         responses: list[RandomResponse | None] = []
         for sealed in (True, False):
             try:
-                response = random_response(
-                    assembly.system(sealed=sealed),
-                    response=_place(point),
-                    psd=base.density,
-                    frequency=base.frequency,
-                    base=BODY,
-                    along=door.base_along,
-                )
+                response = respond(assembly.system(sealed=sealed), _place(point))
             except DataError:
                 if sealed:
                     raise

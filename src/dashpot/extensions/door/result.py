@@ -14,12 +14,12 @@ from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.random_response import RandomResponse
 from dashpot.datamodel.seal_line import SealLine, SealSection, Stations
 from dashpot.extensions.door.assembly import Assembly
 from dashpot.extensions.door.door_model import Door, DoorPoint
 from dashpot.extensions.door.modes import DoorMode
 from dashpot.extensions.door.mounts import SEAL
-from dashpot.vibration.systems.random_base import RandomResponse
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,9 @@ from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.random_response import RandomLimits, RandomResponse
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.psd import read_psd
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.frf_prediction import (
@@ -37,12 +37,6 @@ from dashpot.vibration.systems.frf_prediction import (
 )
 from dashpot.vibration.systems.mount_mass import compute_coupled_mass, on_heavy_mounts
 from dashpot.vibration.systems.operating_point import MassOnSeals
-from dashpot.vibration.systems.random_base import (
-    RandomLimits,
-    RandomResponse,
-    random_base,
-    random_limits,
-)
 from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
 from dashpot.workflow.prepare_tests import fill_missing_temperatures, prepared_files, refuse_others
@@ -532,20 +526,8 @@ class MountedMass:
         """What a base that shakes at random does, and between which limits."""
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        base = read_psd(base_psd)
-        f, mass, coupled = base.frequency, self.load.mass, self.load.coupled
-        how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
-        response, limits = random_base(self.solid, mass=mass, **how), None
-        if bounded is not None:
-            limits = random_limits(
-                self.solid,
-                lambda at, kind: bounded(frequency=at, kind=kind).unseen,
-                mass=mass,
-                **how,
-            )
-        if f is None:
-            return ShakenMass(response, "white noise", None, limits)
-        return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
+        shaken: ShakenMass = find_handler("random base", "mass")(self, base_psd, bounded)
+        return shaken
 
 
 def _bounds(

@@ -3,7 +3,6 @@ r"""Bodies whose base shakes at random."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +11,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_lengt
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import Kind, Mode
+from dashpot.datamodel.random_response import RandomLimits, RandomResponse
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.bodies import MOTIONS, Mount, Point, Vector, point_mass, unit_vector
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes
@@ -34,44 +34,6 @@ _LIMIT_LINES = 201
 """Lines of limits over a table, and as many about each resonance."""
 _WHITE = (1e-3, 1e3)
 """Times the relaxed natural frequency: what of white noise has limits."""
-
-
-@dataclass(frozen=True)
-class RandomResponse:
-    """What a random motion of the base does to a place, as standard deviations.
-
-    Attributes
-    ----------
-    acceleration : float
-        Of the mass, or of the place, absolute, m/s^2.
-    stretch : float
-        Of the solid, or of the place against the base, m.
-    crossings : float
-        Upward crossings of zero of the stretch a second, 1/s (Rice).
-    """
-
-    acceleration: float
-    stretch: float
-    crossings: float
-
-
-@dataclass(frozen=True)
-class RandomLimits:
-    """Between which limits the standard deviations over a base lie; infinite if nothing limits.
-
-    Attributes
-    ----------
-    acceleration : (float, float)
-        Of the mass, m/s^2.
-    stretch : (float, float)
-        Of the solid, m.
-    band_hz : (float, float)
-        Of the noise that the upper limits count: all of a table, of white noise a part.
-    """
-
-    acceleration: tuple[float, float]
-    stretch: tuple[float, float]
-    band_hz: tuple[float, float]
 
 
 def random_base(

@@ -1,0 +1,43 @@
+"""What a base that shakes at random does to what stands on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class RandomResponse:
+    """What a random motion of the base does to a place, as standard deviations.
+
+    Attributes
+    ----------
+    acceleration : float
+        Of the mass, or of the place, absolute, m/s^2.
+    stretch : float
+        Of the solid, or of the place against the base, m.
+    crossings : float
+        Upward crossings of zero of the stretch a second, 1/s (Rice).
+    """
+
+    acceleration: float
+    stretch: float
+    crossings: float
+
+
+@dataclass(frozen=True)
+class RandomLimits:
+    """Between which limits the standard deviations over a base lie; infinite if nothing limits.
+
+    Attributes
+    ----------
+    acceleration : (float, float)
+        Of the mass, m/s^2.
+    stretch : (float, float)
+        Of the solid, m.
+    band_hz : (float, float)
+        Of the noise that the upper limits count: all of a table, of white noise a part.
+    """
+
+    acceleration: tuple[float, float]
+    stretch: tuple[float, float]
+    band_hz: tuple[float, float]

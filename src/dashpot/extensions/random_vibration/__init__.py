@@ -1,0 +1,1 @@
+"""Bases that shake at random: what they do to a mass on seals, and to many bodies."""
