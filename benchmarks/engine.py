@@ -31,11 +31,10 @@ import dashpot
 from dashpot.extensions.batch.arrays.batched_solver import solve_many
 from dashpot.extensions.batch.arrays.shared_sampling import hold_family, recorded_family
 from dashpot.fitting.relaxation import fit as fit_prepared
+from dashpot.numerics import log_tau_descent as first_look
 from dashpot.numerics.design_matrices import data_compression
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recorded_block
-from dashpot.numerics.exponential_fit import starting_points as first_look
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+from dashpot.numerics.design_matrices.recorded_motion import arm_columns, hold_block, recorded_block
+from dashpot.numerics.exponential_fit import Solution, solve
 
 DEPTH = 8.0  # mm, so that k is in N/mm and both see numbers of order one
 K_INF = 0.1965

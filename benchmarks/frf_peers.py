@@ -22,7 +22,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.estimators import Spectra, estimate

@@ -16,9 +16,9 @@ import time
 
 import numpy as np
 
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack, descend
-from dashpot.numerics.exponential_fit.variable_projection import solve
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import solve
+from dashpot.numerics.log_tau_descent import Stack, descend
 
 TIME = np.arange(40001) / 1000
 QUANTUM = 1 / 1280

@@ -10,12 +10,12 @@ import numpy as np
 from frf_peers import HAVE_EMA, HAVE_PYFRF, quietly, without_offset
 
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.frf_set import FRFSet, ModeShape
+from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.extensions.modes.stabilisation import stabilisation
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.impact import read_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.modal.modal_assurance import mac
+from dashpot.vibration.modal.pole_fit import mac
 
 FOUR = {  # undamped natural frequency, Hz; damping ratio; mass, kg; shape
     "two modes": ((12.7, 0.02, 0.1, (1, 0.8, 0.5, -0.2)), (31.0, 0.04, 0.15, (1, -0.5, 0.3, 0.9))),

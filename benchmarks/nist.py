@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import curve_fit
 
-from dashpot.numerics.exponential_sum import exponential_sum
+from dashpot.extensions.paper.exponential_sum import exponential_sum
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "engine"))
 from test_sums import CERTIFIED, LANCZOS_X, MGH17, MGH17_X, digits, typed

@@ -33,9 +33,9 @@ from scipy.optimize import curve_fit, least_squares
 import dashpot as dp
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.relaxation_spectrum import dynamic_master_curve, master_curve
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.variable_projection import solve
-from dashpot.numerics.exponential_sum import exponential_sum
+from dashpot.extensions.paper.exponential_sum import exponential_sum
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import solve
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.frf_prediction import model_modes

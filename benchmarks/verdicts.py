@@ -61,8 +61,8 @@ from dashpot.extensions.materials.indentation.fit import fit_indentation
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.prediction_bounds import frf_band
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.prediction_bounds import frf_band
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import dashpot
 from dashpot.base.checks import REGISTER, Criterion
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 
 PAGE = Path(__file__).with_suffix(".md")
 HEAD = """\

@@ -19,20 +19,18 @@ from kit.fits import a_fit
 
 import dashpot
 from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
+from dashpot.base.errors import Status
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.status import Status
 from dashpot.datamodel import checks as records
-from dashpot.datamodel.alternative_model import Alternative
-from dashpot.datamodel.band_error import BandError
-from dashpot.datamodel.base_excitation import ShakenTest
-from dashpot.datamodel.bounds import EndOfHold
-from dashpot.datamodel.fit_diagnostics import Explanation
+from dashpot.datamodel.bounds import BandError, EndOfHold
+from dashpot.datamodel.fit_diagnostics import Alternative, Explanation
 from dashpot.datamodel.frf import FRF, Hit, Mode
-from dashpot.datamodel.frf_set import ModeShape
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.structure import ModeShape
+from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.export import checks as export
 from dashpot.extensions.amplitude import checks as level
 from dashpot.extensions.batch import checks as lots
@@ -56,13 +54,14 @@ from dashpot.extensions.materials.rod import checks as rod
 from dashpot.extensions.materials.slam import checks as slam
 from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
+from dashpot.extensions.projects import verification_checks
 from dashpot.fitting.checks import relaxation, solid
 from dashpot.fitting.fractional_model import checks as fractional
 from dashpot.fitting.identification import checks as identification
+from dashpot.fitting.input_tests import EndStiffness
 from dashpot.fitting.nonlinear_ramp import checks as ramp
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import soundness
-from dashpot.fitting.replicates import EndStiffness
-from dashpot.numerics.inference.covariance import Noise, nearly_white, noise_of
+from dashpot.fitting.nonlinear_ramp.linearity import judge_linear_fit
+from dashpot.numerics.inference.correlated_noise import Noise, nearly_white, noise_of
 from dashpot.numerics.inference.model_order import (
     DECISIVE,
     OrderChoice,
@@ -73,8 +72,8 @@ from dashpot.planning import checks as planning
 from dashpot.planning.expected_errors import Pulse, RecordNeed
 from dashpot.preprocessing import checks as preparation
 from dashpot.preprocessing.contact import Baseline, Touch
-from dashpot.preprocessing.filters import parse_filter
 from dashpot.preprocessing.history import EarlierLoadings
+from dashpot.preprocessing.signal_conditioning import parse_filter
 from dashpot.reading.readers import size_checks as reading
 from dashpot.signals.noise import estimate_robust_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
@@ -93,8 +92,7 @@ from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal.peaks import Peak
-from dashpot.vibration.systems.frf_prediction import moving_mass, predict_frf
-from dashpot.vibration.systems.operating_point import OperatingPoint
+from dashpot.vibration.systems.frf_prediction import OperatingPoint, moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
 from dashpot.workflow.json_archive import to_json
 
@@ -816,7 +814,7 @@ RAMP = [
     Case(
         "ramp_explained",
         lambda x: ramp.ramp_explained(
-            soundness(x, 1.0, 1.0, noise=1.0, discrepancy=1.0, samples=1e6, peak=1.0)
+            judge_linear_fit(x, 1.0, 1.0, noise=1.0, discrepancy=1.0, samples=1e6, peak=1.0)
         ),
         1.199,
         1.201,
@@ -1522,30 +1520,51 @@ WORKFLOW = [
         10.101,
     ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
-    Case("history_present", workflow.history_present, 1, 0),
-    Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
+    Case("seals_counted", lambda _: workflow.seals_counted(1.0), None, 0),
+    Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
+]
+PROJECTS = [
+    Case("history_present", verification_checks.history_present, 1, 0),
+    Case("history_complete", lambda x: verification_checks.history_complete(1, torn=bool(x)), 0, 1),
     Case(
         "history_whole",
-        lambda x: workflow.history_whole(1, 1, shortened=False, headed=not x),
+        lambda x: verification_checks.history_whole(1, 1, shortened=False, headed=not x),
         0,
         1,
     ),
     Case(
         "history_expected",
-        lambda x: workflow.history_expected("0" * 64, None if x else 0, 1),
+        lambda x: verification_checks.history_expected("0" * 64, None if x else 0, 1),
         0,
         1,
     ),
-    Case("seals_counted", lambda _: workflow.seals_counted(1.0), None, 0),
-    Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
-    Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
-    Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
-    Case("nothing_half_written", lambda x: workflow.nothing_half_written(["a"] * int(x)), 0, 1),
-    Case("page_redrawn", lambda x: workflow.page_redrawn(1, same=not x, alike=True), 0, 1),
-    Case("history_unchanged", lambda x: workflow.history_unchanged(1, whole=bool(x)), 1, 0),
-    Case("file_present", lambda _: workflow.file_present("raw.csv", 1), None, 0),
-    Case("file_unchanged", lambda x: workflow.file_unchanged("raw.csv", 1, same=bool(x)), 1, 0),
-    Case("result_recomputed", lambda x: workflow.result_recomputed(x, "k", 1), 0.99e-7, 1.01e-7),
+    Case("inputs_listed", lambda _: verification_checks.inputs_listed(["raw.csv"], 1), None, 0),
+    Case("files_listed", lambda x: verification_checks.files_listed(["raw.csv"] * int(x)), 0, 1),
+    Case(
+        "nothing_half_written",
+        lambda x: verification_checks.nothing_half_written(["a"] * int(x)),
+        0,
+        1,
+    ),
+    Case(
+        "page_redrawn", lambda x: verification_checks.page_redrawn(1, same=not x, alike=True), 0, 1
+    ),
+    Case(
+        "history_unchanged", lambda x: verification_checks.history_unchanged(1, whole=bool(x)), 1, 0
+    ),
+    Case("file_present", lambda _: verification_checks.file_present("raw.csv", 1), None, 0),
+    Case(
+        "file_unchanged",
+        lambda x: verification_checks.file_unchanged("raw.csv", 1, same=bool(x)),
+        1,
+        0,
+    ),
+    Case(
+        "result_recomputed",
+        lambda x: verification_checks.result_recomputed(x, "k", 1),
+        0.99e-7,
+        1.01e-7,
+    ),
 ]
 
 READING = [
@@ -1632,6 +1651,7 @@ STAGES = {
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
     "extensions/modes": MODAL,
+    "extensions/projects": PROJECTS,
     "workflow": WORKFLOW,
 }
 #: what each value that the cases give is held against, where the criterion itself sets the limit
@@ -1808,12 +1828,14 @@ LIMITS = {
     "extensions/modes": {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
     },
-    "workflow": {
-        "result_recomputed": 1e-7, "prediction_informed": 1,
-        "base_band_informed": 1, "fit_is_tested": 0,
-        "history_present": 1,
-        "families_predict_alike": 1.1,
+    "extensions/projects": {
+        "result_recomputed": 1e-7, "history_present": 1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0, "nothing_half_written": 0,
+    },
+    "workflow": {
+        "prediction_informed": 1,
+        "base_band_informed": 1, "fit_is_tested": 0,
+        "families_predict_alike": 1.1,
     },
 }  # fmt: skip
 #: what a failure means; of every other check, that the result is to be used with care
@@ -1842,10 +1864,8 @@ GRADES = {
             "travel_of_a_seal", "force_of_a_seal", "ramp_not_slow", "stiffness_of_a_seal",
         },
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
-        "workflow": {
-            "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
-            "fit_is_tested", "nothing_half_written", "seals_counted",
-        },
+        "extensions/projects": {"history_complete", "files_listed", "nothing_half_written"},
+        "workflow": {"hold_fit_possible", "base_band_informed", "fit_is_tested", "seals_counted"},
     },
     "stop": {
         "extensions/materials/cld": {"energy_lost"},
@@ -1873,7 +1893,7 @@ GRADES = {
         "vibration/impact": {
             "resonance", "frf_dissipates", "mass_over_base", "channels_not_clipped",
         },
-        "workflow": {
+        "extensions/projects": {
             "history_present", "history_whole", "history_expected", "history_unchanged",
             "file_present", "file_unchanged", "inputs_listed", "result_recomputed",
             "page_redrawn",

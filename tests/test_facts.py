@@ -40,7 +40,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import Piece
 from dashpot.report import tables
 from dashpot.report.first_screen import rows as answer_rows
-from dashpot.report.page_content import kind_page
+from dashpot.report.result_page import kind_page
 from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import facts
 from dashpot.workflow.dataframes import frame

@@ -21,9 +21,11 @@ from hypothesis import strategies as st
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.choices import Driver, OverBase, get_choice_values
 from dashpot.base.option_fields import (
+    Driver,
+    OverBase,
     flag_of,
+    get_choice_values,
     is_path_field,
     iterate_option_fields,
     key_of,
@@ -46,6 +48,7 @@ from dashpot.extensions.app.upload_store import Store
 from dashpot.extensions.batch import batch_run
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
+from dashpot.extensions.batch.lot_options import OF_HAMMER_ALONE
 from dashpot.extensions.materials.hyperelastic.options import Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod.datamodel import RodErrors
@@ -53,11 +56,11 @@ from dashpot.extensions.modes import fit_handler as modes_handler
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
-from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.reading.readers import detect_kind
 from dashpot.reading.readers.detect_kind import Recognised
+from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.command_lines import line
-from dashpot.workflow.fit_bench_tests import BenchFitOptions
 from dashpot.workflow.job import (
     Cuts,
     HammerChoices,
@@ -67,8 +70,8 @@ from dashpot.workflow.job import (
     ModesJob,
     PartChoices,
     RodChoices,
+    ShiftChoices,
 )
-from dashpot.workflow.shift_options import ShiftChoices
 from dashpot.workflow.study import characterise
 
 RIG = ("seal_mass", "seals", "compression")

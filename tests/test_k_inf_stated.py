@@ -16,7 +16,7 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot import workflow
 from dashpot.reading.read_options import ReadOptions
-from dashpot.report.page_content import kind_page
+from dashpot.report.result_page import kind_page
 from dashpot.text_output import results as text_of
 from dashpot.workflow.json_archive import from_json, to_json
 

@@ -15,7 +15,7 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base import plugins
-from dashpot.reading import time_budget
+from dashpot.reading import raw_file
 from dashpot.testing import check_format
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "labkit"
@@ -173,7 +173,9 @@ def test_what_a_format_does_wrong_is_one_sentence(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     code, says = MISBEHAVING[body]
-    monkeypatch.setattr(time_budget, "seconds_for", lambda _: 1.0 if body == "loops" else 30.0)
+    monkeypatch.setattr(
+        raw_file, "compute_time_allowed", lambda _: 1.0 if body == "loops" else 30.0
+    )
     module = f"API = 1\nprint('read me')\ndef read(raw, *, name):\n    {code}\n"
     installed("bad", {"badly": module}, {"formats": "odd = badly"})
     file = tmp_path / "seal.odd"

@@ -21,15 +21,14 @@ from dashpot.base import checks
 from dashpot.base.checks import MOST_WORDS, Check, Finding, Verdict, criterion, verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.number_format import ascii_only, format_typographic
-from dashpot.base.sentences import count_words, sentences
+from dashpot.base.plain_text import count_words, sentences
 from dashpot.cli import main
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
-from dashpot.text_output.layout import Text
-from dashpot.text_output.terminal_layout import format_for_screen
+from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.study import characterise
 
@@ -61,14 +60,14 @@ def of_cases() -> Iterator[Check]:
     """Every registered check that a page can show, passed and failed."""
     for stage, cases in STAGES.items():
         # of a project's files and lines; and what a reader refuses, with the option that answers
-        if stage not in {"workflow", "reading/readers"}:
+        if stage not in {"workflow", "extensions/projects", "reading/readers"}:
             for case in cases:
                 yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
 
 def of_readers() -> Iterator[Check]:
     """The checks that a reader or a project makes."""
-    for stage in ("workflow", "reading/readers"):
+    for stage in ("workflow", "extensions/projects", "reading/readers"):
         for case in STAGES[stage]:
             yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
@@ -222,7 +221,7 @@ def test_the_verdict_on_every_example_is_one_line_with_a_number(
         judged.append(found)
         return format_for_screen(text, found, *rest, **how)
 
-    monkeypatch.setattr("dashpot.text_output.terminal_layout.format_for_screen", noted)
+    monkeypatch.setattr("dashpot.text_output.layout.format_for_screen", noted)
     faults = []
     for command in EXAMPLES:
         judged.clear()

@@ -16,7 +16,7 @@ from kit.verdicts import failures, judged, table
 
 import dashpot as dp
 from dashpot.base.checks import Check, Remedy, select_gravest_check, verdict
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.cli._command import verb
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import result
@@ -24,12 +24,11 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.text_output import results as text_of
-from dashpot.text_output.layout import Text
-from dashpot.text_output.terminal_layout import format_for_screen
+from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.json_archive import from_json, to_json

@@ -33,12 +33,12 @@ from .base.version import __version__ as __version__
 from .datamodel.fit import Fit as Fit
 from .datamodel.frf import FRF as FRF
 from .datamodel.frf import Mode as Mode
-from .datamodel.frf_set import FRFSet as FRFSet
-from .datamodel.impact import ImpactTest as ImpactTest
 from .datamodel.machine import Machine as Machine
 from .datamodel.relaxation import RampHold as RampHold
 from .datamodel.relaxation import RelaxationTest as RelaxationTest
 from .datamodel.specimen import Specimen as Specimen
+from .datamodel.structure import FRFSet as FRFSet
+from .datamodel.vibration_tests import ImpactTest as ImpactTest
 from .extensions.amplitude.datamodel import AmplitudeFit as AmplitudeFit
 from .extensions.amplitude.datamodel import AmplitudeSweep as AmplitudeSweep
 from .extensions.amplitude.fit_files import Levels as Levels
@@ -60,9 +60,9 @@ from .extensions.materials.slam.datamodel import SlamTest as SlamTest
 from .extensions.modes.mass_series_files import ModesByMass as ModesByMass
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .vibration.comparison.comparison import Comparison as Comparison
-from .workflow.response.frf_prediction import Prediction as Prediction
+from .workflow.frf_comparison import Agreement as Agreement
+from .workflow.frf_prediction import Prediction as Prediction
+from .workflow.measured_frf import Modes as Modes
 from .workflow.study import Study as Study
-from .workflow.vibration.impact_tests import Agreement as Agreement
-from .workflow.vibration.modes import Modes as Modes
 
 lots = _batch_package

@@ -6,13 +6,13 @@ from .api.fit import Arms, Elastic
 from .api.predict_compare import Records
 from .api.read_save import How, Place
 from .base.units import Quantity, Range
-from .datamodel.base_excitation import ShakenTest
 from .datamodel.fit import Fit
 from .datamodel.frf import FRF
-from .datamodel.frf_set import FRFSet
-from .datamodel.impact import ImpactTest
 from .datamodel.machine import Machine
 from .datamodel.relaxation import RampHold, RelaxationTest
+from .datamodel.structure import FRFSet as FRFSet
+from .datamodel.vibration_tests import ImpactTest as ImpactTest
+from .datamodel.vibration_tests import ShakenTest as ShakenTest
 from .extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from .extensions.amplitude.fit_files import Levels
 from .extensions.batch.comparison import LotComparison
@@ -36,10 +36,10 @@ from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from .solids.maxwell import Solid
 from .solids.part_geometry import Block, Disc, Geometry
 from .vibration.comparison.comparison import Comparison
+from .workflow.frf_comparison import Agreement as Agreement
+from .workflow.frf_prediction import Prediction as Prediction
 from .workflow.job import Cuts, HammerChoices
-from .workflow.response.frf_prediction import Prediction
-from .workflow.vibration.impact_tests import Agreement
-from .workflow.vibration.modes import Modes
+from .workflow.measured_frf import Modes as Modes
 
 Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
 OnBench: TypeAlias = (

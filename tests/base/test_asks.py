@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.base.form_fields import FormData, FormField
+from dashpot.base.option_fields import FormData, FormField
 
 MASS = FormField("mass", "Moving mass", "g", "--mass")
 DENSITY = FormField("density", "Density", "kg/m^3", "--density", form="bare")

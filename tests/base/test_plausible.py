@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.value_ranges import SIZES, format_quantity_short
 
 ENDS = {
     "travel": (1e-9, 0.5), "force": (1e-13, 2e5), "stiffness": (0.05, 1e9), "ramp": (1e-4, 900),

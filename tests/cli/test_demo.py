@@ -9,7 +9,7 @@ import pytest
 from kit.shell import told
 
 from dashpot.datamodel.machine import Machine
-from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
+from dashpot.fitting.prediction_bounds import unseen_arm_band
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json
 

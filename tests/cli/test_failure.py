@@ -15,11 +15,11 @@ from kit.kinds import bench, ramp_and_hold
 from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.base.escaping import escape_terminal_text, escaped_json
+from dashpot.base.plain_text import escape_terminal_text, escaped_json
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Output
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 

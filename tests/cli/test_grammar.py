@@ -14,7 +14,7 @@ from kit.kinds import bench, files, ramp_and_hold
 from kit.shell import ran, told
 
 from dashpot import workflow
-from dashpot.base.choices import ElasticKindAsked, get_choice_values
+from dashpot.base.option_fields import ElasticKindAsked, get_choice_values
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._command import LIMIT, WIDTH, CommandOption, DashpotCommand
 from dashpot.cli._param_types import Keyed, Scoped, Units, format_suggestion

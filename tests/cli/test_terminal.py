@@ -25,13 +25,13 @@ from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import result as told
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.export import TARGETS
+from dashpot.text_output import layout
 from dashpot.text_output import results as text_of
-from dashpot.text_output import terminal_layout
-from dashpot.text_output.layout import Text
-from dashpot.text_output.terminal_layout import (
+from dashpot.text_output.layout import (
     COLUMNS,
     LINES,
     ScreenSize,
+    Text,
     format_for_screen,
     wrap_line,
 )
@@ -228,10 +228,10 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 
 @pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
 def test_every_verdict_has_a_colour_of_its_own(use):
-    (line,) = terminal_layout.lead(Verdict(use, "because"))
+    (line,) = layout.lead(Verdict(use, "because"))
     assert click.unstyle(line) == f"{use.capitalize()}: because"
-    others = {terminal_layout.USES[other] for other in terminal_layout.USES if other != use}
-    assert terminal_layout.USES[use] not in others
+    others = {layout.USES[other] for other in layout.USES if other != use}
+    assert layout.USES[use] not in others
 
 
 # -- what comes last -------------------------------------------------------------------------------

@@ -13,8 +13,8 @@ import pytest
 from kit.kinds import bench, files, hammer, late, ramp_and_hold
 from kit.shell import did, told
 
-from dashpot.cli._echo import to_stdout
-from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.cli._terminal import to_stdout
+from dashpot.cli.fit_handlers import FitRequest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import load_profile
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from kit.fits import a_fit, altered
 
 from dashpot.base.errors import DataError
-from dashpot.datamodel.seal_line import Joint, SealLine, SealSection, Shear
+from dashpot.datamodel.seal_line import SealSection, Shear
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.door.seal_line import Joint, SealLine
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
 

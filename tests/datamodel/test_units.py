@@ -9,8 +9,8 @@ import pytest
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest

@@ -20,21 +20,20 @@ from kit.fractional import SEAL
 from kit.levels import a_level_fit
 
 from dashpot.base.checks import Check
-from dashpot.base.errors import ExportError
+from dashpot.base.errors import ExportError, Status
 from dashpot.base.provenance import Source
-from dashpot.base.status import Status
 from dashpot.base.version import __version__
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import Residual
-from dashpot.datamodel.seal_line import SealLine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export import FORMS, NEEDS, SUFFIXES, TARGETS, UNIT_SYSTEMS
 from dashpot.export import deck as decks
-from dashpot.export.nonlinear_elements import CARRIERS
+from dashpot.export.deck import CARRIERS
 from dashpot.export.unit_systems import format_fixed_width, text
 from dashpot.extensions import solver_inputs
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.door.seal_line import SealLine
 from dashpot.registry import SOLVER_INPUTS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

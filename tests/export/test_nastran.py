@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from kit.bulkdata import Bush, read_cards, real
 
 from dashpot.base.errors import ExportError
-from dashpot.datamodel.seal_line import SealLine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.export.decks.nastran import BushComponent, bush_property
 from dashpot.export.frequency_tables import tabulate
 from dashpot.export.unit_systems import format_fixed_width
+from dashpot.extensions.door.seal_line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.frf_prediction import predict_frf
 

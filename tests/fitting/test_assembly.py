@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import dashpot as dp
+from dashpot.base.errors import Status
 from dashpot.base.provenance import Step
-from dashpot.base.status import Status
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import RampHold
@@ -28,7 +28,7 @@ from dashpot.fitting.fit_construction import (
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.checks import force_relaxes
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 

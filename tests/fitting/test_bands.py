@@ -14,22 +14,19 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_likelihood import relaxation_data
-from dashpot.fitting.uncertainty import admissible_spectra
-from dashpot.fitting.uncertainty.admissible_spectra import (
+from dashpot.fitting import admissible_spectra
+from dashpot.fitting.admissible_spectra import (
     FAR,
     AdmissibleSpectra,
+    compute_distance_range,
+    compute_transmissibility_range,
     deviance_limit,
 )
-from dashpot.fitting.uncertainty.prediction_bounds import (
-    frf_band,
-    parameter_band,
-    unseen_arm_band,
-)
-from dashpot.fitting.uncertainty.stiffness_region import distances, ratios
+from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_arm_band
+from dashpot.fitting.relaxation import fit
+from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -230,7 +227,7 @@ def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(
     for f in (9.0, 12.7, 20.0):
         omega = 2 * np.pi * f
         inertia = BROAD_MASS / 2 * omega**2
-        near, far = distances(spectra, omega, inertia)
+        near, far = compute_distance_range(spectra, omega, inertia)
         columns = np.array(spectra.stiffness_at(omega))
         ends = np.array([spectra.reach(v) for v in columns])
         angles = np.linspace(0, 2 * np.pi, 721)
@@ -354,7 +351,7 @@ def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
     """Against the edge of the hull of the farthest points in 720 directions, within 1 %."""
     omega = 2 * np.pi * f
     inertia = BROAD_MASS / 2 * omega**2
-    low, high = ratios(spectra, omega, inertia)
+    low, high = compute_transmissibility_range(spectra, omega, inertia)
     columns = np.array(spectra.stiffness_at(omega))
     ends = np.array([spectra.reach(v) for v in columns])
     angles = np.linspace(0, 2 * np.pi, 721)

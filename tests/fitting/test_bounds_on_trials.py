@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from kit.trials import KINDS, SOUND, Bench, Kind, relaxation_test, trial
 
+from dashpot.fitting.prediction_bounds import frf_band
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.prediction_bounds import frf_band
 from dashpot.preprocessing.prepare import prepare
 
 pytestmark = pytest.mark.once

@@ -9,7 +9,7 @@ import pytest
 from kit.fits import of_noise
 
 from dashpot.base.checks import Check
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold

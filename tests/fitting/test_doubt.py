@@ -17,20 +17,20 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.admissible_spectra import compute_end_limits
 from dashpot.fitting.nonlinear_ramp.checks import TOO_LATE, TOO_LATE_TOGETHER, clocks_agree
 from dashpot.fitting.nuisance_priors import priors, terms_of
+from dashpot.fitting.prediction_bounds import frf_band
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import (
     compute_unmeasured_effects,
     relaxation_data,
     select_motion_samples,
 )
-from dashpot.fitting.uncertainty.end_of_hold_limits import compute_end_limits
-from dashpot.fitting.uncertainty.prediction_bounds import frf_band
 from dashpot.numerics.design_matrices.displacement_correlation import upper_factor
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -11,7 +11,7 @@ import pytest
 from kit import hardening
 from kit.fits import a_fit
 
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest

@@ -12,13 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from kit.fits import formal_errors, of_noise
 
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, FitError, Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Profile, profile_interval
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.linearity import HoldBlocks
+from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation import simulate_relaxation
@@ -376,7 +375,7 @@ def test_beyond_a_hill_the_interval_goes_on() -> None:
 
 
 def test_profile_and_covariance_agree_where_both_hold() -> None:
-    from dashpot.fitting.uncertainty import profile_intervals as module
+    from dashpot.fitting import parameter_errors as module
 
     seal = GeneralizedMaxwell(196.5, (50.0,), (3.0,))
     test = ideal(seal, noise=5e-3, seed=2)

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.base.errors import FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import FitError, Status
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.relaxation import fit
 

@@ -14,14 +14,14 @@ import pytest
 from kit.fits import formal_errors, of_noise
 from scipy.signal import lfilter
 
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.fitting.nuisance_priors import priors
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -23,13 +23,15 @@ from kit.trials import (
 
 import dashpot as dp
 from dashpot.base.errors import FitError
-from dashpot.base.sentences import sentences
+from dashpot.base.plain_text import sentences
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
-from dashpot.extensions.curves.dynamic.fit import fit_dynamic
-from dashpot.fitting.design_matrix import FitSetup
-from dashpot.fitting.fit_data import FitData, data_of
-from dashpot.fitting.fractional_model.family_selection import divergence_frequency, element
-from dashpot.fitting.fractional_model.fractional_solver import ArmColumns
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic, frequency_block
+from dashpot.fitting.fit_data import FitData, FitSetup, data_of
+from dashpot.fitting.fractional_model.family_selection import (
+    ArmColumns,
+    divergence_frequency,
+    element,
+)
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
@@ -41,20 +43,18 @@ from dashpot.fitting.identification.likelihood import (
 from dashpot.fitting.identification.parametrisation import FractionalElement
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
 from dashpot.fitting.nuisance_priors import Prior
+from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import relaxation_data
-from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
-from dashpot.numerics.design_matrices.block import frequency_block
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.plot.picture import Tag
 from dashpot.preprocessing.prepare import prepare
 from dashpot.report.figures import lead
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import model_modes
-from dashpot.vibration.systems.operating_point import MassOnSeals
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes
 from dashpot.workflow.json_archive import from_json, to_json
-from dashpot.workflow.response.static_equilibrium import family_checks, find_static_equilibrium
+from dashpot.workflow.static_equilibrium import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study
 
 RESONANCE = 2 * np.pi * 12.71

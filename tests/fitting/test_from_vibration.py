@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, FitError, Status
 from dashpot.datamodel.frf import FRF
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid

@@ -12,8 +12,7 @@ from kit.foreign.rigs import RIGS, read
 from kit.foreign.truths import TRUTHS, Seal
 from kit.slopes import hold_slopes
 
-from dashpot.base.errors import FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import FitError, Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
@@ -36,7 +35,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import compare

@@ -17,17 +17,20 @@ from kit.slopes import hold_slopes
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nonlinear_ramp.checks import k_inf_believable
-from dashpot.fitting.nonlinear_ramp.downsampling import downsample, ramp_obstacle
-from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
-from dashpot.fitting.nonlinear_ramp.elastic_law_selection import LADDER, select_elastic_law
+from dashpot.fitting.nonlinear_ramp.elastic_law import LADDER, RampLaw, select_elastic_law
 from dashpot.fitting.nonlinear_ramp.fit_construction import ramp_checks, ramp_fit
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import linear_soundness, soundness
-from dashpot.fitting.nonlinear_ramp.hold_then_ramp import nuisances
-from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
-from dashpot.fitting.nonlinear_ramp.weighted_least_squares import Weighted
-from dashpot.numerics.least_squares.problem import require_optimum
+from dashpot.fitting.nonlinear_ramp.hold_then_ramp import build_nuisances
+from dashpot.fitting.nonlinear_ramp.linearity import judge_linear_fit, judge_linear_residuals
+from dashpot.fitting.nonlinear_ramp.quasi_linear import (
+    QuasiLinear,
+    Weighted,
+    downsample,
+    hat_integrals,
+    ramp_obstacle,
+)
+from dashpot.numerics.least_squares import require_optimum
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
@@ -91,7 +94,7 @@ def test_columns_are_the_force_of_the_linear_solid() -> None:
 def test_the_slope_is_the_derivative(knots: int, apart: bool) -> None:
     rows = downsample([qlv(cubic, QUICK, seed=1), qlv(cubic, QUICK, depth=5e-3, seed=2)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, knots))
-    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows), separate=apart)
+    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), build_nuisances(rows), separate=apart)
     problem, shape = weighted.problem(2), np.array([0.8, 0.9, 1.0, 1.2])[:knots]
     for size in (1.0, 1.1):
         theta = solid.theta(np.log(PAPER.tau), size * shape / (solid.weights @ shape))
@@ -101,7 +104,7 @@ def test_the_slope_is_the_derivative(knots: int, apart: bool) -> None:
 def test_a_descent_leaves_less_than_noise() -> None:
     rows = downsample([qlv(ramps.foam, QUICK, seed=1)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 5))
-    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows))
+    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), build_nuisances(rows))
     found = weighted.descend(solid.theta(np.log(PAPER.tau) + 0.5, np.ones(5)))
     best = require_optimum(weighted.problem(2), [found.theta])
     assert 0 <= found.cost - best.cost < 1e-4
@@ -301,13 +304,15 @@ def test_a_k_inf_that_the_end_of_the_hold_denies_is_not_believed() -> None:
 
 def test_what_is_sound() -> None:
     usual = {"noise": 4e-3, "discrepancy": 1.4, "samples": 1000.0, "peak": 2.0}
-    assert soundness(4.7e-3, 4.3e-3, 4e-3, **usual).sound
-    assert not soundness(4.9e-3, 4.3e-3, 4e-3, **usual).sound
-    assert not soundness(4.7e-3, 4.5e-3, 4e-3, **usual).sound
-    assert not soundness(4.7e-3, 4.3e-3, 4e-3, **(usual | {"discrepancy": 1.7})).sound
+    assert judge_linear_fit(4.7e-3, 4.3e-3, 4e-3, **usual).sound
+    assert not judge_linear_fit(4.9e-3, 4.3e-3, 4e-3, **usual).sound
+    assert not judge_linear_fit(4.7e-3, 4.5e-3, 4e-3, **usual).sound
+    assert not judge_linear_fit(4.7e-3, 4.3e-3, 4e-3, **(usual | {"discrepancy": 1.7})).sound
     # of few samples chance leaves more, and of none of the peak nobody cares
-    assert soundness(6e-3, 4e-3, 4e-3, **(usual | {"samples": 10.0, "discrepancy": 2.0})).sound
-    assert soundness(1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})).sound
+    assert judge_linear_fit(
+        6e-3, 4e-3, 4e-3, **(usual | {"samples": 10.0, "discrepancy": 2.0})
+    ).sound
+    assert judge_linear_fit(1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})).sound
 
 
 def test_a_linear_fit_made_elsewhere_is_judged_alike() -> None:
@@ -316,7 +321,7 @@ def test_a_linear_fit_made_elsewhere_is_judged_alike() -> None:
         found = select_elastic_law([test], law="linear")
         whole, truth = found.residuals[0], PAPER.force(test.time + 1.0, test.displacement)
         alone = (test.force - truth)[test.hold] if law is linear else whole[-40_000:]
-        judged = linear_soundness(test, whole, alone)
+        judged = judge_linear_residuals(test, whole, alone)
         assert judged.sound == found.sound == (law is linear)
         if law is linear:
             assert judged.ramp == pytest.approx(found.soundness[0].ramp, rel=0.1)

@@ -13,9 +13,9 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, priors, terms_of
 from dashpot.fitting.relaxation import fit
 from dashpot.numerics.design_matrices.block import design_block
-from dashpot.numerics.inference.whitening import marginal
+from dashpot.numerics.inference.correlated_noise import marginal
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.json_archive import from_json, to_json

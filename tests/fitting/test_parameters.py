@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.fitting.parameters import axes, root
+from dashpot.fitting.prediction_bounds import compute_covariance_axes, compute_covariance_root
 
 RNG = np.random.default_rng(5)
 MIXED = RNG.standard_normal((4, 4)) * [1.0, 30.0, 0.1, 2.0]
@@ -16,7 +16,7 @@ COVARIANCES = [
 ]
 
 
-@pytest.mark.parametrize("of", [axes, root])
+@pytest.mark.parametrize("of", [compute_covariance_axes, compute_covariance_root])
 @pytest.mark.parametrize("covariance", COVARIANCES, ids=["even", "one is known", "mixed"])
 def test_no_library_chooses_the_sign(of, covariance, monkeypatch):
     here = of(covariance)
@@ -34,4 +34,6 @@ def test_no_library_chooses_the_sign(of, covariance, monkeypatch):
 def test_a_root_is_the_same_however_equal_axes_are_turned(monkeypatch):
     turn = np.linalg.qr(RNG.standard_normal((3, 3)))[0]
     monkeypatch.setattr(np.linalg, "eigh", lambda _: (np.full(3, 4.0), turn))
-    np.testing.assert_allclose(root(np.diag([4.0, 4.0, 4.0])), 2 * np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(
+        compute_covariance_root(np.diag([4.0, 4.0, 4.0])), 2 * np.eye(3), atol=1e-15
+    )

@@ -11,8 +11,8 @@ from kit.trials import Bench, Seal, record, relaxation_test
 import dashpot as dp
 from dashpot.base.provenance import Source
 from dashpot.fitting.checks.relaxation import same_specimen
+from dashpot.fitting.input_tests import end_stiffnesses, noise_correlation, refuse_copies
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.replicates import end_stiffnesses, noise_correlation, refuse_copies
 from dashpot.preprocessing.prepare import prepare
 
 PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))

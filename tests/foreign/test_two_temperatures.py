@@ -11,8 +11,8 @@ from kit.foreign.rigs import SOUND, Protocol, read
 from kit.foreign.truths import BROAD, FAMILIES, Seal, Solid, drawn
 
 import dashpot as dp
+from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 
 ROOM, FRIDGE, HERTZ = 296.15, 273.15, 12.71
 OMEGA = 2 * np.pi * HERTZ

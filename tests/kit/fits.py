@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import (

@@ -20,15 +20,14 @@ from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.parameter_estimate import Nuisance, Residual
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
-from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
+from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-from dashpot.vibration.systems.frf_prediction import predict_frf
-from dashpot.vibration.systems.operating_point import MassOnSeals
-from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, predict_frf
+from dashpot.workflow.static_equilibrium import find_static_equilibrium
 from dashpot.workflow.study import STIFFNESS_LINES, Study
 from kit.fits import a_fit, altered
 

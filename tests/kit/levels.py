@@ -19,8 +19,7 @@ from dashpot.solids.friction import Jenkins, Kraus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 SEAL = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.502, 0.012))
 SLIDER = Jenkins(100.0, 0.05)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.numerics.least_squares.problem import Problem
+from dashpot.numerics.least_squares import Problem
 
 
 def hold_slopes(

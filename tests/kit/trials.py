@@ -531,6 +531,6 @@ def relaxation_test(one: Trial):
 
 def impact_test(hits: Hammering):
     """The hits as `read_impact` would give them."""
-    from dashpot.datamodel.impact import ImpactTest
+    from dashpot.datamodel.vibration_tests import ImpactTest
 
     return ImpactTest(time=hits.time, force=hits.hammer, acceleration=hits.acceleration, units="SI")

@@ -91,7 +91,7 @@ def _error(fit: dp.Fit, of_k, of_ln_tau):
 
 
 def _inside(one: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
-    from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
+    from dashpot.fitting.prediction_bounds import unseen_arm_band
 
     band = unseen_arm_band(fit, record, LINES)
     true = one.stiffness_at(2 * np.pi * np.asarray(LINES), one.bench.depth)

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.numerics.design_matrices.data_compression import compression, uniform_step
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.variable_projection import solve
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import solve
 
 DEPTH, RAMP = 8e-3, 1.0
 GENERATOR = np.random.default_rng(11)

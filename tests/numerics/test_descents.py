@@ -6,14 +6,25 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-from dashpot.numerics.exponential_fit.variable_projection import solve
-from dashpot.numerics.inference.batched_descent import BatchedDescent, SolvedTrials
-from dashpot.numerics.inference.profile_likelihood import profiles
-from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget
-from dashpot.numerics.least_squares.levenberg_marquardt import Objective, _trial, descend
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, require_optimum
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import solve
+from dashpot.numerics.inference.profile_likelihood import (
+    BatchedDescent,
+    Coordinate,
+    ProfileTarget,
+    SolvedTrials,
+    profiles,
+)
+from dashpot.numerics.least_squares import (
+    Objective,
+    Parameter,
+    Problem,
+    Rows,
+    _trial,
+    descend,
+    require_optimum,
+)
+from dashpot.numerics.log_tau_descent import Stack
 
 SHARES = np.array([-0.75, -0.4, 0.0, 0.6])
 CURVATURE = np.array([[4.0, 1.0], [1.0, 3.0]])

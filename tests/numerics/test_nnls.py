@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.numerics.least_squares.nnls import nonnegative
+from dashpot.numerics.nonnegative_least_squares import nonnegative
 
 
 @given(st.integers(0, 2**31), st.integers(1, 40), st.sampled_from([0.0, 0.3, 3.0]))

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize, nnls
 
 from dashpot.base.errors import FitError
-from dashpot.numerics.least_squares.nonnegative_confidence_region import NonnegativeConfidenceRegion
+from dashpot.numerics.nonnegative_least_squares import NonnegativeConfidenceRegion
 
 
 def relaxation_columns(per_decade: int = 64) -> tuple[np.ndarray, np.ndarray]:

@@ -13,16 +13,16 @@ from scipy.optimize import least_squares, nnls
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
-from dashpot.numerics.least_squares.levenberg_marquardt import _foretold
-from dashpot.numerics.least_squares.nnls import MANY, solve_linear
-from dashpot.numerics.least_squares.problem import (
+from dashpot.numerics.least_squares import (
     Optimum,
     Parameter,
     Problem,
     Rows,
+    _foretold,
     require_optimum,
     stack_real_rows,
 )
+from dashpot.numerics.nonnegative_least_squares import MANY, solve_linear
 
 TIME = np.linspace(0.0, 10.0, 400)
 TRUTH = np.array([2.0, 1.0, 0.7])  # plateau, arm, relaxation time

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
-from dashpot.numerics.inference.profile_likelihood import profiles
-from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import Solution, solve
+from dashpot.numerics.inference.profile_likelihood import Coordinate, ProfileTarget, profiles
+from dashpot.numerics.log_tau_descent import Stack
 
 TIME = np.linspace(0.0, 10.0, 400)
 NOISE = 0.02

@@ -9,16 +9,14 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.design_matrices import displacement_correlation
-from dashpot.numerics.design_matrices.block import Evaluation
-from dashpot.numerics.design_matrices.delayed_force import DelayedForce
+from dashpot.numerics.design_matrices.block import DelayedForce, Evaluation
 from dashpot.numerics.design_matrices.displacement_correlation import (
     Force,
     correlate_displacement,
     upper_factor,
 )
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recorded_block
-from dashpot.numerics.exponential_fit.certificate import certificate
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve, solve_orders
+from dashpot.numerics.exponential_fit import Solution, certificate, solve, solve_orders
 from dashpot.solids.maxwell import arm_response
 
 TIME = np.arange(6001) / 150

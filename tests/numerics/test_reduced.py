@@ -11,9 +11,9 @@ import pytest
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
+from dashpot.fitting.prediction_bounds import unseen_arm_band
+from dashpot.numerics.design_matrices.data_compression import reduced_block
 from dashpot.numerics.design_matrices.recorded_motion import recursion_block
-from dashpot.numerics.design_matrices.relaxation_kernels import reduced_block
 from dashpot.solids.demo_seals import BROAD
 
 

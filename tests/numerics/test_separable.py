@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.numerics.design_matrices.block import DataBlock, design_block, frequency_block
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.certificate import certificate
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack, descend, point_at
-from dashpot.numerics.exponential_fit.variable_projection import full_jacobian, solve, solve_orders
-from dashpot.numerics.least_squares.nnls import nonnegative, nonnegative_columns
+from dashpot.extensions.curves.dynamic.fit import frequency_block
+from dashpot.numerics.design_matrices.block import DataBlock, design_block
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import certificate, full_jacobian, solve, solve_orders
+from dashpot.numerics.log_tau_descent import Stack, descend, point_at
+from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
 
 TIME = np.arange(4001) / 100
 

@@ -8,16 +8,16 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-from dashpot.numerics.exponential_fit.starting_points import (
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import solve
+from dashpot.numerics.log_tau_descent import (
     ColumnGrid,
     Grid,
+    Stack,
     find_best_pair,
     find_best_triple,
     single,
 )
-from dashpot.numerics.exponential_fit.variable_projection import solve
 
 TIME = np.arange(3000) / 100
 GENERATOR = np.random.default_rng(3)

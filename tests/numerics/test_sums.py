@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.numerics.exponential_sum import exponential_sum
+from dashpot.extensions.paper.exponential_sum import exponential_sum
 
 # NIST/ITL StRD, nonlinear regression: Lanczos1-3 (C. Lanczos, Applied Analysis, 1956), MGH17
 LANCZOS_X = 0.05 * np.arange(24)

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from dashpot.base.student_t import t_quantile
-from dashpot.numerics.inference.covariance import (
+from dashpot.numerics.inference.correlated_noise import (
     Noise,
     ResidualSeries,
     autocovariance,

@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.exponential_fit.variable_projection import full_jacobian, solve
-from dashpot.numerics.inference import whitening
-from dashpot.numerics.inference.covariance import Noise
-from dashpot.numerics.inference.whitening import (
+from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.exponential_fit import full_jacobian, solve
+from dashpot.numerics.inference import correlated_noise
+from dashpot.numerics.inference.correlated_noise import (
     AT_ONCE,
+    Noise,
     NoiseGain,
     compute_averaging_length,
     compute_blockwise_qr,
@@ -151,7 +150,7 @@ def test_means_over_neighbours_lose_little_of_what_is_known(
 
     as_it_is = errors()
     assert compute_averaging_length(noise) == few
-    monkeypatch.setattr(whitening, "compute_averaging_length", lambda _: 1)
+    monkeypatch.setattr(correlated_noise, "compute_averaging_length", lambda _: 1)
     assert np.all(as_it_is <= most * errors() * (1 + 1e-9))
 
 

@@ -11,8 +11,7 @@ from kit.plans import planned
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.plan import Plan
-from dashpot.planning.planned_ramp_hold import Bench, PlannedRows
-from dashpot.planning.temperature_repeats import Elsewhere, plan_repeat, rows_with
+from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, PlannedRows, plan_repeat, rows_with
 from dashpot.solids.demo_seals import BROAD, HIDDEN, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import Arrhenius

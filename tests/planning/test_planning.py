@@ -17,8 +17,8 @@ from kit.plans import planned
 from kit.trials import Bench as TrialBench
 from kit.trials import Seal, record, relaxation_test
 
-from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import Method
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nuisance_priors import priors

@@ -8,8 +8,8 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.planning.setpoints import planned_trajectory
 from dashpot.reading.write import write_trajectory
+from dashpot.simulation.robot import planned_trajectory
 
 USUAL = {"depth": "8mm", "ramp_time": "1s", "hold_time": "40s", "baseline": "1s"}
 

@@ -26,28 +26,16 @@ from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.fitting.relaxation import fit
-from dashpot.plot.dynamic_stiffness_figure import average_octave_bands, quantities
-from dashpot.plot.frf_lines import half_power, phase_axis, smooth, wrap_phase
-from dashpot.plot.impact import force_spectrum
-from dashpot.plot.picture import (
-    Area,
-    Dots,
-    Line,
-    Panel,
-    Pen,
-    Picture,
-    Rule,
-    Scale,
-    Span,
-    Tag,
-    compute_padded_limits,
-    unit_of,
-)
+from dashpot.plot.frf_figure import half_power, phase_axis, smooth, wrap_phase
+from dashpot.plot.picture import Area, Dots, Line, Panel, Pen, Picture, Rule, Scale, Span, Tag
+from dashpot.plot.plotted_data import compute_padded_limits, unit_of
+from dashpot.plot.records import force_spectrum
 from dashpot.plot.relaxation import fits_to_show, fitted_force
+from dashpot.plot.solid import average_octave_bands, build_plotted_quantities
 from dashpot.plot.svg import strip as svg_strip
 from dashpot.plot.ticks import numbers
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.hits import HitBlock
@@ -385,7 +373,7 @@ def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
 
 
 def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass():
-    storage, _, _ = quantities(S.direct)
+    storage, _, _ = build_plotted_quantities(S.direct)
     f, mean = average_octave_bands(S.direct.frequency, storage)
     assert len(f) < len(S.direct.frequency) / 3
     top = f > 20  # many lines in each bin

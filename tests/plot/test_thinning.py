@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.plot.downsampling import downsample_to_extremes, downsample_to_means
+from dashpot.plot.plotted_data import downsample_to_extremes, downsample_to_means
 
 
 def record(seed: int, size: int) -> tuple[np.ndarray, np.ndarray]:

@@ -10,9 +10,9 @@ import pytest
 
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.relaxation import fit
-from dashpot.preprocessing import decimation
-from dashpot.preprocessing.decimation import decimate
+from dashpot.preprocessing import signal_conditioning
 from dashpot.preprocessing.prepare import prepare
+from dashpot.preprocessing.signal_conditioning import decimate
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5021, 16.416))
@@ -28,8 +28,8 @@ def long_record(
     read = count * np.round(x / count) if count else x
     test = RelaxationTest(time=time, displacement=read, force=force, units="SI")
     whole = prepare(test)
-    monkeypatch.setattr(decimation, "ENOUGH", enough)
-    monkeypatch.setattr(decimation, "ON_THE_RAMP", 100)
+    monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", enough)
+    monkeypatch.setattr(signal_conditioning, "FEWEST_ON_THE_RAMP", 100)
     return whole, prepare(test)
 
 
@@ -62,13 +62,13 @@ def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float
 def test_what_is_short_uneven_or_coarse_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, _ = long_record(monkeypatch, enough=20_501)
     assert decimate(whole) is whole  # not twice as long as enough
-    monkeypatch.setattr(decimation, "ENOUGH", 20_500)
+    monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", 20_500)
     assert len(decimate(whole).time) == 41_001
-    monkeypatch.setattr(decimation, "ENOUGH", 13_667)
+    monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", 13_667)
     assert len(decimate(whole).time) == 13_667
-    monkeypatch.setattr(decimation, "ON_THE_RAMP", 700)
+    monkeypatch.setattr(signal_conditioning, "FEWEST_ON_THE_RAMP", 700)
     assert decimate(whole) is whole  # its ramp has a thousand samples
-    monkeypatch.setattr(decimation, "ON_THE_RAMP", 100)
+    monkeypatch.setattr(signal_conditioning, "FEWEST_ON_THE_RAMP", 100)
     late = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000)
     assert decimate(replace(whole, time=late)) is not whole
     later = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000) * 2

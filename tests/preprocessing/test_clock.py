@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.signals.clock import find_clock_jumps, lasting_change, ticks_evenly
+from dashpot.signals.recording_faults import find_clock_jumps, lasting_change, ticks_evenly
 
 EVEN = np.arange(0.0, 10.0, 0.01)
 

@@ -8,9 +8,9 @@ from scipy import signal
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
-from dashpot.fitting.filter_bias import filter_bias
-from dashpot.preprocessing.filters import Filter, filter_record, parse_filter
+from dashpot.fitting.relaxation import check_filter_bias
 from dashpot.preprocessing.prepare import prepare
+from dashpot.preprocessing.signal_conditioning import Filter, filter_record, parse_filter
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_a_notch_takes_out_the_hum_and_a_median_the_glitch():
     ],
 )
 def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: float, tau_1: float):
-    check = filter_bias(filter_record(ideal, parse_filter(text)))
+    check = check_filter_bias(filter_record(ideal, parse_filter(text)))
     found = dict(
         part.rsplit(" by ", 1) for part in check.says.split("hold, ")[1].split(". ")[0].split(", ")
     )
@@ -95,9 +95,9 @@ def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: flo
 
 
 def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: RampHold):
-    fast = filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz")))
-    slow = filter_bias(filter_record(ideal, parse_filter("lowpass:2Hz")))
-    late = filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz:causal")))
+    fast = check_filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz")))
+    slow = check_filter_bias(filter_record(ideal, parse_filter("lowpass:2Hz")))
+    late = check_filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz:causal")))
     assert fast.passed
     assert fast.value is not None
     assert fast.value < 0.003

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.datamodel.relaxation import quantum
-from dashpot.signals.frozen import frozen_runs
+from dashpot.signals.recording_faults import frozen_runs
 
 TIME = np.arange(8000) / 200.0
 DECAY = 1.5 + 0.1 * np.exp(-TIME / 8) + 0.2 * np.exp(-TIME / 0.5)

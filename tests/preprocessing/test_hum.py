@@ -7,9 +7,9 @@ import pytest
 
 from dashpot.datamodel.relaxation import Hum, RampHold
 from dashpot.fitting.relaxation import fit
-from dashpot.preprocessing.hum import hum_lines
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.preprocessing.signal_conditioning import hum_lines
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 

@@ -9,7 +9,7 @@ from kit.kinds import answer, ramp_and_hold
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.preprocessing.prepare import prepare
-from dashpot.signals.load_history import CREPT, SETTLES, STEADY, classify_load_history
+from dashpot.signals.segments import CREPT, SETTLES, STEADY, classify_load_history
 
 TIME = np.arange(0, 30, 0.05)
 

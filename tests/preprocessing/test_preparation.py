@@ -19,10 +19,9 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing import contact
 from dashpot.preprocessing.contact import find_contact
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.axis import Axis
-from dashpot.simulation.motion import simulate_path
-from dashpot.simulation.relaxation import SimulatedRelaxation, simulate_relaxation
+from dashpot.simulation.motion import SimulatedRelaxation, simulate_path, simulate_relaxation
 from dashpot.simulation.rig import Rig
+from dashpot.simulation.robot import Axis
 from dashpot.solids.demo_seals import BROAD, PAPER
 
 QUANTUM = 0.02e-3

@@ -12,7 +12,7 @@ from kit.look_alikes import ROWS, table, truth
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.dynamic.read import read_dynamic
-from dashpot.reading import time_budget
+from dashpot.reading import raw_file
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import inspect
 from dashpot.reading.readers.impact import read_impact
@@ -292,7 +292,7 @@ def test_temperatures_of_a_sweep_in_another_unit_are_asked_about(
 def test_rows_that_are_hardly_alike_have_their_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, refuses: bool
 ) -> None:
-    monkeypatch.setattr(time_budget, "seconds_for", lambda _: seconds)
+    monkeypatch.setattr(raw_file, "compute_time_allowed", lambda _: seconds)
     time, moved, force = truth()
     rows = (f"{t};{x};{f}\n# {t}" for t, x, f in zip(time, moved, force, strict=True))
     text = HEAD + "\n".join(rows) + "\n"
@@ -307,10 +307,10 @@ def test_rows_that_are_hardly_alike_have_their_time(
 def test_all_readings_of_a_file_share_its_time(
     monkeypatch: pytest.MonkeyPatch, most: float, refuses: bool
 ) -> None:
-    monkeypatch.setattr(time_budget, "seconds_for", lambda _: most / time_budget._OF_IT)
+    monkeypatch.setattr(raw_file, "compute_time_allowed", lambda _: most / raw_file._ROWS_SHARE)
     now = iter([0.0, 1.0, 100.0, 102.0])
-    monkeypatch.setattr(time_budget.time, "thread_time", lambda: next(now))
-    patience = time_budget.TimeBudget(1)
+    monkeypatch.setattr(raw_file.time, "thread_time", lambda: next(now))
+    patience = raw_file.TimeBudget(1)
     with patience.count_time_spent():
         pass
     now = iter([100.0, 102.0, 102.0])

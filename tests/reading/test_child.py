@@ -18,7 +18,7 @@ import pytest
 from kit import misbehaving
 
 from dashpot.base.errors import ReadError
-from dashpot.reading import time_budget
+from dashpot.reading import raw_file
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, parent_process
@@ -91,10 +91,12 @@ def test_more_numbers_than_a_test_has_are_refused_and_no_fewer() -> None:
 
 
 def test_one_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert time_budget.seconds_for(0) == time_budget.seconds_for(30_000_000) == 30
-    assert time_budget.seconds_for(40_000_000) == 40
-    assert time_budget.seconds_for(600_000_000) == time_budget.seconds_for(1 << 40) == 600
-    monkeypatch.setattr(time_budget, "seconds_for", lambda size: 0.5)
+    assert raw_file.compute_time_allowed(0) == raw_file.compute_time_allowed(30_000_000) == 30
+    assert raw_file.compute_time_allowed(40_000_000) == 40
+    assert (
+        raw_file.compute_time_allowed(600_000_000) == raw_file.compute_time_allowed(1 << 40) == 600
+    )
+    monkeypatch.setattr(raw_file, "compute_time_allowed", lambda size: 0.5)
     before = children()
     with pytest.raises(ReadError, match="took more than 0 s to read as junk: it is damaged"):
         run(misbehaving.hangs)

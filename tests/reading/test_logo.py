@@ -7,7 +7,7 @@ import base64
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.logo import read_logo
+from dashpot.workflow.study import read_logo
 
 PNG = b"\x89PNG\r\n\x1a\n"
 

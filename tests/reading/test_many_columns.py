@@ -29,9 +29,10 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.sandbox import message_protocol
 from dashpot.reading.table import Column, FileTable, make_loader
-from dashpot.reading.text import decimal_marks, dialect, header
+from dashpot.reading.text import dialect, header
+from dashpot.reading.text import rows as decimal_marks
 from dashpot.reading.text.dialect import COLUMNS, LONGEST, is_overlong
-from dashpot.text_output import terminal_layout
+from dashpot.text_output import layout
 from dashpot.text_output.layout import Text
 
 
@@ -231,7 +232,7 @@ def test_points_that_could_part_thousands_are_found_as_one_column_at_a_time_woul
 
     expected = {j for j in range(30) if open_(values[:, j])}
     assert 5 < len(expected) < 25
-    assert decimal_marks.open_columns(np.asfortranarray(values)) == expected
+    assert decimal_marks.find_undecided_columns(np.asfortranarray(values)) == expected
 
 
 @pytest.mark.parametrize("at_a_time", [1, 20, 40, 1000])
@@ -291,20 +292,20 @@ def test_of_a_table_of_thousands_no_more_is_put_into_lines_than_fits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wrapped: list[str] = []
-    inner = terminal_layout.wrap_line
+    inner = layout.wrap_line
     monkeypatch.setattr(
-        terminal_layout, "wrap_line", lambda line, **how: wrapped.append(line) or inner(line, **how)
+        layout, "wrap_line", lambda line, **how: wrapped.append(line) or inner(line, **how)
     )
     rows = [f"row {i}" for i in range(5000)]
-    assert terminal_layout.format_for_screen(Text(rows), None, ())[-1] == "  more with -v"
-    assert len(wrapped) < 2 * terminal_layout.LINES
-    assert terminal_layout.format_for_screen(Text(rows), None, (), verbose=True) == rows
+    assert layout.format_for_screen(Text(rows), None, ())[-1] == "  more with -v"
+    assert len(wrapped) < 2 * layout.LINES
+    assert layout.format_for_screen(Text(rows), None, (), verbose=True) == rows
 
 
 @pytest.mark.parametrize(("more", "cut"), [(0, False), (1, True)])
 def test_a_table_is_cut_where_the_screen_ends(more: int, *, cut: bool) -> None:
-    rows = [f"row {i}" for i in range(terminal_layout.LINES - 1 + more)]
-    shown = terminal_layout.format_for_screen(Text(rows), None, ())
+    rows = [f"row {i}" for i in range(layout.LINES - 1 + more)]
+    shown = layout.format_for_screen(Text(rows), None, ())
     assert (shown[-1] == "  more with -v") is cut
     assert (shown == rows) is not cut
 

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.parsing import parsed_toml
 from dashpot.reading.read_options import ReadOptions, dump_profile, load_profile, parse_units
+from dashpot.reading.toml import parsed_toml
 
 text = st.text(st.characters(blacklist_categories=("Cs",)), min_size=1, max_size=12)
 maybe = st.none() | text

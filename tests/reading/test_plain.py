@@ -15,12 +15,10 @@ from hypothesis import strategies as st
 from dashpot.base.errors import ReadError
 from dashpot.reading.table import Column
 from dashpot.reading.text import plain_rows
-from dashpot.reading.text.dialect import Dialect
-from dashpot.reading.text.encoding import decode_blocks
-from dashpot.reading.text.fixed_decimals import PartedLines, split_line_cells
-from dashpot.reading.text.plain_rows import PlainRows
+from dashpot.reading.text.cells import ClockColumn
+from dashpot.reading.text.dialect import Dialect, decode_blocks
+from dashpot.reading.text.plain_rows import PartedLines, PlainRows, split_line_cells
 from dashpot.reading.text.rows import Heading, load_rows
-from dashpot.reading.text.timestamps import ClockColumn
 
 assert msgspec, "imported, so that it is what reads"
 getcontext().prec = 1200  # halfway between the smallest doubles are 1075 digits

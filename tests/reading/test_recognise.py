@@ -18,7 +18,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import get_kind_label, recognise
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.signals.load_history import CREPT, STEADY
+from dashpot.signals.segments import CREPT, STEADY
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.example_files import FILES
 from dashpot.workflow.json_archive import to_json

@@ -17,7 +17,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import cleaning
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.reading.text import decimal_marks
+from dashpot.reading.text import rows as decimal_marks
 from dashpot.reading.text.dialect import Dialect
 
 
@@ -74,7 +74,7 @@ def test_a_cut_off_number_is_known_by_four_rows(rows: int, cut: bool) -> None:
 def test_only_numbers_that_thousands_marks_could_make_are_looked_at(
     values: list[float], left: bool
 ) -> None:
-    assert (decimal_marks.open_columns(np.array([values]).T) == {0}) is left
+    assert (decimal_marks.find_undecided_columns(np.array([values]).T) == {0}) is left
 
 
 def test_whole_numbers_in_a_later_block_raise_the_question(tmp_path: Path) -> None:

@@ -16,10 +16,10 @@ from dashpot.extensions.curves.modulus.read import read_modulus
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
-from dashpot.workflow.fit_bench_tests import read_test
+from dashpot.workflow.bench_tests import read_test
 
 
 def read(path: Path, *header: str, specimen: Specimen | None = None) -> RelaxationTest:

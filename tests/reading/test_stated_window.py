@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.stated_window import stated_window, window_rate
+from dashpot.reading.readers.header_metadata import stated_window, window_rate
 
 
 @pytest.mark.parametrize(

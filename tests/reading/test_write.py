@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from kit.instruments import frf
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escaping import escape_formula, format_csv_comment
+from dashpot.base.plain_text import escape_formula, format_csv_comment
 from dashpot.base.provenance import Source
 from dashpot.datamodel.frf import Kind
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact

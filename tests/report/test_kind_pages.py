@@ -16,8 +16,8 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.checks import Check
+from dashpot.base.errors import Status
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.status import Status
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.extensions.materials.cld.datamodel import CLD
 from dashpot.extensions.materials.cld.figure import cld as cld_figure
@@ -25,12 +25,18 @@ from dashpot.plot.layout import arrange_sheet
 from dashpot.plot.picture import Tag
 from dashpot.report import html
 from dashpot.report.first_screen import ORDER
-from dashpot.report.page_content import Topic, group_by_record, kind_page, lights, row
 from dashpot.report.page_frame import COLOURS
-from dashpot.report.result_page import build_page_contents
+from dashpot.report.result_page import (
+    Topic,
+    build_page_contents,
+    group_by_record,
+    kind_page,
+    lights,
+    row,
+)
 from dashpot.solids.shift_laws import WLF
+from dashpot.workflow.identification import DirectStiffness, Identified
 from dashpot.workflow.json_archive import from_json
-from dashpot.workflow.vibration.impact_tests import DirectStiffness, Identified
 
 pytestmark = pytest.mark.once
 

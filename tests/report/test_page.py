@@ -22,9 +22,9 @@ from kit.shell import ran
 from test_sentences import CODE
 
 from dashpot.base.checks import Check, Remedy
+from dashpot.base.errors import Status
 from dashpot.base.number_format import decibels, format_typographic, round_to_error, with_error
 from dashpot.base.provenance import Source, Step
-from dashpot.base.status import Status
 from dashpot.datamodel.fit_diagnostics import Explanation, ParameterChange
 from dashpot.datamodel.frf import Hit
 from dashpot.datamodel.parameter_estimate import Nuisance
@@ -32,17 +32,16 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.plot import style
 from dashpot.report import first_screen, html
 from dashpot.report.figures import RenderedFigure
-from dashpot.report.summary import MOST_WORDS
+from dashpot.report.first_screen import MOST_WORDS
 from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.text_output import results as text_of
-from dashpot.vibration.systems.frf_prediction import model_modes
-from dashpot.vibration.systems.operating_point import MassOnSeals
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
+from dashpot.workflow.static_equilibrium import find_static_equilibrium
 
 pytestmark = pytest.mark.once
 

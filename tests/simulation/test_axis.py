@@ -7,8 +7,7 @@ import pytest
 from scipy import signal
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.axis import Axis
-from dashpot.simulation.kinematics import setpoints
+from dashpot.simulation.robot import Axis, setpoints
 
 
 def ramp(axis: Axis, *, depth: float = 8e-3, duration: float = 1.0, hold: float = 4.0):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.kinematics import (
+from dashpot.simulation.robot import (
     Arm,
     Robot,
     depth_along,

@@ -12,11 +12,10 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.read import read_cld
-from dashpot.planning.setpoints import planned_trajectory
 from dashpot.reading.write import write_trajectory
-from dashpot.simulation.motion import simulate_motion, soften_motion
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_motion, simulate_relaxation, soften_motion
 from dashpot.simulation.rig import Climate, Rig
+from dashpot.simulation.robot import planned_trajectory
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import to_json

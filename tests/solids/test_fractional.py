@@ -8,8 +8,7 @@ from scipy.special import erfcx
 
 from dashpot.base.errors import DataError
 from dashpot.solids.fractional import FractionalZener, weights_at
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
-from dashpot.solids.parallel import Parallel
+from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 from dashpot.vibration.systems.frf_prediction import model_modes
 from dashpot.workflow.json_archive import from_json, to_json
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from kit.foreign.conditioning import Arms, pressed
 
-from dashpot.solids.free_face import face_under_plate
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.moving_plate import face_under_plate
 
 SEAL = Arms("three arms", 200.0, (40.0, 30.0, 50.0), (0.3, 6.0, 40.0))
 SOLID = GeneralizedMaxwell(SEAL.k_inf, SEAL.k, SEAL.tau)

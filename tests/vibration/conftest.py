@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MASS = 0.1040426  # kg: two of the paper's seals then resonate at 12.71 Hz

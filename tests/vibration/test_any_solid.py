@@ -9,16 +9,14 @@ from dashpot.datamodel.frf import FRF
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.frf_prediction import (
     accelerance,
     mass_for_peak,
     model_modes,
     predict_frf,
 )
-from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
+from dashpot.vibration.systems.state_space import complex_modes, newton_modes, respond
 
 MASS = 0.2
 LINES = np.linspace(2.0, 60.0, 233)

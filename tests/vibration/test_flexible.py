@@ -10,14 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.structure import FreeModes
 from dashpot.extensions.door.energy_shares import energy_shares
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body
-from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Body, Mount, Point, System, planar_body
+from dashpot.vibration.systems.state_space import complex_modes, newton_modes
 
 
 def beam(modes: int, solid: GeneralizedMaxwell, *, to: float = 1.0, pieces: int = 100) -> System:

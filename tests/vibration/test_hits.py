@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 

@@ -11,7 +11,7 @@ from dashpot.base.checks import Remedy
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Kind
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.amplitude_trend import trend_of_hits
 from dashpot.vibration.impact.frf_estimation import estimate_frf

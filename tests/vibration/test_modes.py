@@ -13,10 +13,9 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.modal.frf_lines import FRFLines, kernel
 from dashpot.vibration.modal.modes import Method
 from dashpot.vibration.modal.peaks import mount_band
-from dashpot.vibration.modal.pole_trial import BackgroundProjection, PoleTrial
+from dashpot.vibration.modal.pole_fit import BackgroundProjection, FRFLines, PoleTrial, pole_kernel
 from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829
@@ -173,7 +172,7 @@ def _modal(frequency, modes, record=None, shift=0.0):
     total = np.zeros(len(s), dtype=complex)
     for mode in modes:
         for p, r in ((mode.pole, mode.residue), (mode.pole.conjugate(), mode.residue.conjugate())):
-            total += r * p**2 * kernel(lines, p)
+            total += r * p**2 * pole_kernel(lines, p)
     return total
 
 
@@ -224,7 +223,7 @@ def test_the_kernel_is_the_transform_over_the_record():
     t = np.linspace(0, record, 400_001)
     lines = FRFLines(s, s[None], s[None].real, record)
     numeric = [np.trapezoid(np.exp((p - x) * t), t) for x in s]
-    np.testing.assert_allclose(kernel(lines, p), numeric, rtol=1e-6)
+    np.testing.assert_allclose(pole_kernel(lines, p), numeric, rtol=1e-6)
 
 
 def test_the_mount_band_ignores_noise_near_zero(strike):
@@ -251,7 +250,7 @@ def test_poles_on_trial_know_the_slope_of_their_sum_of_squares():
     f, rng = np.arange(5.0, 60.0, 0.5), np.random.default_rng(3)
     s, p = 2j * np.pi * f, np.array([[complex(-3.0, 80.0)], [complex(-9.0, 200.0)]])
     lines = FRFLines(s, np.empty((2, len(f)), complex), np.full((2, len(f)), 0.01), 2.0, 0.002)
-    modes = kernel(lines, p) * 0.1
+    modes = pole_kernel(lines, p) * 0.1
     scatter = 0.01 * rng.standard_normal((2, 2, len(f)))
     lines = replace(lines, value=np.array([[1.0, 0.4], [0.7, -1.0]]) @ modes + 1j * scatter[0])
     theta = np.log([4.0, 82.0, 7.0, 190.0])

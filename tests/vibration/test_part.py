@@ -19,9 +19,8 @@ from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, bonded_block, bonded_cylinder
-from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.frf_prediction import geometry_factor, mass_for_peak
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 ELEMENTS = Path(__file__).parents[1] / "solids"
 TAU = np.geomspace(1e-7, 1e3, 21)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.vibration.impact.hit_quality import flat_topped, judge, second_pulse
-from dashpot.vibration.impact.hits import HitBlock
+from dashpot.vibration.impact.hits import HitBlock, flat_topped, judge_hit, second_pulse
 
 BEFORE = 200
 
@@ -47,7 +46,7 @@ def haversine(milliseconds, rate=2048.0):
 )
 @pytest.mark.parametrize("noise", [0.0, 1e-3, 0.01])
 def test_a_clean_pulse_of_a_soft_tip_is_no_double_hit(shape, milliseconds, rate, noise):
-    verdict = judge(hit(3 * shape(milliseconds, rate), rate, noise=noise, seconds=3.5))
+    verdict = judge_hit(hit(3 * shape(milliseconds, rate), rate, noise=noise, seconds=3.5))
     assert verdict.faults == ()
 
 
@@ -56,7 +55,7 @@ def test_a_clean_pulse_of_a_soft_tip_is_no_double_hit(shape, milliseconds, rate,
 def test_a_second_pulse_is_a_double_hit(share, gap):
     first = 3 * half_sine(12)
     force = np.concatenate((first, np.zeros(2 * gap), share * first))
-    (fault,) = judge(hit(force, noise=0.005)).faults
+    (fault,) = judge_hit(hit(force, noise=0.005)).faults
     assert fault.startswith(f"double hit: a second pulse of {100 * share:.0f} %")
     assert fault.endswith("ms after it")
 
@@ -64,7 +63,7 @@ def test_a_second_pulse_is_a_double_hit(share, gap):
 def test_a_smaller_pulse_before_the_main_one_counts_too():
     first = 3 * half_sine(12)
     force = np.concatenate((0.3 * first, np.zeros(100), first))
-    (fault,) = judge(hit(force)).faults
+    (fault,) = judge_hit(hit(force)).faults
     assert fault.endswith("before it")
 
 
@@ -78,14 +77,14 @@ def test_two_humps_that_touch_are_a_double_hit():
 
 def test_ringing_of_a_filter_about_a_short_pulse_is_no_double_hit():
     ringing = np.sinc((np.arange(60) - 20.4) * 0.9)
-    assert judge(hit(ringing)).faults == ()
+    assert judge_hit(hit(ringing)).faults == ()
 
 
 @pytest.mark.parametrize("level", [0.5, 0.8, 0.93])
 @pytest.mark.parametrize("noise", [0.0, 0.002, 0.01])
 def test_an_overloaded_hammer_is_noticed_under_noise(level, noise):
     clipped = 3 * np.minimum(half_sine(15), level)
-    (fault,) = judge(hit(clipped, noise=noise)).faults
+    (fault,) = judge_hit(hit(clipped, noise=noise)).faults
     assert "hammer overload: the pulse is flat" in fault
 
 
@@ -97,7 +96,7 @@ def test_a_short_pulse_is_flat_only_where_neighbours_are_equal():
 def test_an_overloaded_accelerometer_is_noticed():
     t = np.arange(8192) / 2048
     response = np.clip(20 * np.exp(-2 * t) * np.sin(80 * t), -12, 12)
-    (fault,) = judge(hit(half_sine(12), response=response)).faults
+    (fault,) = judge_hit(hit(half_sine(12), response=response)).faults
     assert "acceleration 1 overloads: it is flat at 12" in fault
 
 
@@ -108,14 +107,14 @@ def test_a_record_that_begins_inside_the_pulse_is_useless():
         acceleration=late.acceleration[:, BEFORE + 8 :], noise=np.zeros(2), ringing=np.zeros(1),
         offset=np.zeros(2),
     )  # fmt: skip
-    verdict = judge(cut)
+    verdict = judge_hit(cut)
     assert any("begins inside the pulse" in fault for fault in verdict.faults)
     assert any("only 0 samples lie before the pulse" in doubt for doubt in verdict.doubts)
 
 
 @pytest.mark.parametrize("samples", [1, 2, 4])
 def test_an_undersampled_pulse_is_doubtful_not_wrong(samples):
-    verdict = judge(hit(np.full(samples, 2.0) - 0.01 * np.arange(samples)))
+    verdict = judge_hit(hit(np.full(samples, 2.0) - 0.01 * np.arange(samples)))
     assert verdict.faults == ()
     assert any(f"{samples} sample" in doubt for doubt in verdict.doubts)
 
@@ -124,11 +123,11 @@ def test_a_response_cut_short_is_said_with_a_limit_for_each_window():
     t = (np.arange(4096) - BEFORE) / 2048
     response = np.where(t > 0, np.exp(-0.5 * t) * np.sin(80 * t), 0)
     ringing = hit(half_sine(12), response=response, seconds=2.0)
-    (plain,) = judge(ringing).doubts
+    (plain,) = judge_hit(ringing).doubts
     assert "expected 1 % without a window" in plain
-    (windowed,) = judge(ringing, windowed=True).doubts
+    (windowed,) = judge_hit(ringing, windowed=True).doubts
     assert "expected 25 % with a window" in windowed
-    assert judge(hit(half_sine(12))).doubts == ()
+    assert judge_hit(hit(half_sine(12))).doubts == ()
 
 
 @pytest.mark.parametrize("noise", [0.0, 2e-3])
@@ -137,9 +136,9 @@ def test_a_response_that_stands_still_while_it_rings_is_a_fault(start, noise):
     t = (np.arange(8192) - BEFORE) / 2048
     ring = np.where(t > 0, np.exp(-2 * t) * np.sin(80 * t), 0)
     ring = ring + noise * np.random.default_rng(1).standard_normal(len(t))
-    assert judge(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults == ()
+    assert judge_hit(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults == ()
     ring[start:] = ring[start]
-    faults = judge(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults
+    faults = judge_hit(hit(3 * half_sine(12), response=ring, noise=1e-3)).faults
     # at its lowest value it may as well be cut off there
     words = ("acceleration 1 has one and the same value", "acceleration 1 overloads")
     assert any(fault.startswith(words) for fault in faults)
@@ -152,5 +151,5 @@ def test_a_response_that_dies_away_in_counts_is_sound(count, noise):
     ring = np.where(t > 0, np.exp(-2 * t) * np.sin(80 * t), 0)
     ring = ring + noise * np.random.default_rng(1).standard_normal(len(t))
     ring = np.round(ring / count) * count
-    made = judge(hit(3 * half_sine(12), response=ring, noise=1e-3, seconds=8.0))
+    made = judge_hit(hit(3 * half_sine(12), response=ring, noise=1e-3, seconds=8.0))
     assert not any("one and the same value" in reason for reason in made.reasons)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.rocking import _weights

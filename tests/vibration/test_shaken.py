@@ -8,13 +8,13 @@ import pytest
 from kit.shell import ran, told
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.base_excitation import read_shaken
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
-from dashpot.vibration.impact.base_excitation import estimate_transmissibility
 from dashpot.vibration.impact.checks import channels_not_clipped
-from dashpot.workflow.vibration.impact_tests import modes_of_hits
+from dashpot.vibration.impact.estimators import estimate_transmissibility
+from dashpot.workflow.measured_frf import modes_of_hits
 
 pytestmark = pytest.mark.once
 

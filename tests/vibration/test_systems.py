@@ -14,11 +14,9 @@ from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import shift_to_temperature
-from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
-from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
-from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Body, Mount, Point, System, planar_body, point_mass
+from dashpot.vibration.systems.state_space import complex_modes, newton_modes, respond
 
 number = st.floats(-1, 1).map(lambda power: 10.0**power)
 solids = st.builds(

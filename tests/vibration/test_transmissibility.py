@@ -10,8 +10,7 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.checks import verdict
-from dashpot.base.errors import DataError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, Status
 from dashpot.datamodel.machine import USUAL
 from dashpot.fitting.identification.identify import identify
 from dashpot.reading.readers.inspect import inspect_file
@@ -20,7 +19,7 @@ from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.text_output import results as text
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-from dashpot.workflow.vibration.measured_frf import add_frf_checks
+from dashpot.workflow.measured_frf import add_frf_checks
 
 pytestmark = pytest.mark.once
 

@@ -13,15 +13,14 @@ from hypothesis import strategies as st
 from kit.fits import a_fit
 
 from dashpot.base.checks import Check
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import DataError, ReadError, Status
 from dashpot.base.provenance import Source, Step
-from dashpot.base.status import Status
 from dashpot.datamodel.frf import FRF, Hit
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.parameter_estimate import Nuisance, Profile, Residual
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes
 from dashpot.planning.plan import plan
@@ -35,8 +34,7 @@ from dashpot.vibration.systems.frf_prediction import predict_frf
 from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json, to_json
-from dashpot.workflow.vibration.impact_tests import ImpactResult
-from dashpot.workflow.vibration.modes import ImpactMode
+from dashpot.workflow.measured_frf import ImpactMode, ImpactResult
 
 SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)
 TIME = np.linspace(0, 1, 11)

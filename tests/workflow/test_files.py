@@ -16,20 +16,19 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
 from dashpot.reading.text import rows
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.vibration.systems.frf_prediction import predict_frf
-from dashpot.vibration.systems.operating_point import operating_point
+from dashpot.vibration.systems.frf_prediction import operating_point, predict_frf
+from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.example_files import EXAMPLES
-from dashpot.workflow.fit_bench_tests import fit_files
+from dashpot.workflow.frf_comparison import compare_files, weighed
+from dashpot.workflow.frf_prediction import predict_files
+from dashpot.workflow.identification import identify_files
 from dashpot.workflow.inspections import inspect_files
-from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.response.frf_prediction import predict_files
-from dashpot.workflow.response.static_equilibrium import _slid
-from dashpot.workflow.shift_options import ShiftChoices
-from dashpot.workflow.vibration.impact_tests import compare_files, identify_files, weighed
-from dashpot.workflow.vibration.measured_frf import total_mass
+from dashpot.workflow.job import HammerChoices, ShiftChoices
+from dashpot.workflow.measured_frf import total_mass
+from dashpot.workflow.static_equilibrium import _slid
 
 
 @pytest.fixture(scope="module")

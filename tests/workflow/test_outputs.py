@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from kit.fits import a_fit
 
 import dashpot as dp
-from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import ExportError
+from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import is_ours
 from dashpot.export import TARGETS
 from dashpot.reading.read_options import ReadOptions, dump_profile

@@ -11,7 +11,7 @@ from dashpot.base.errors import ReadError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.workflow.fit_bench_tests import read_test
+from dashpot.workflow.bench_tests import read_test
 
 
 def test_a_ramp_and_hold_is_a_relaxation_test(tmp_path: Path) -> None:

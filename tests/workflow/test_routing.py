@@ -80,7 +80,7 @@ def test_what_is_not_fitted_is_refused_in_one_sentence(
 def test_every_kind_that_is_fitted_goes_one_way() -> None:
     assert not BENCH & VIBRATION
     assert {HITS, FRF, BASE} == VIBRATION
-    assert {KINDS[kind].fit for kind in BENCH} == {"dashpot.workflow.fit_bench_tests:fit_files"}
+    assert {KINDS[kind].fit for kind in BENCH} == {"dashpot.workflow.bench_tests:fit_files"}
 
 
 @pytest.mark.parametrize("name", FILES)

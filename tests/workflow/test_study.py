@@ -11,11 +11,11 @@ from kit.fits import of_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.uncertainty.prediction_bounds import frf_band, parameter_band, unseen_arm_band
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.json_archive import from_json, to_json

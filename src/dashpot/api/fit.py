@@ -7,25 +7,22 @@ from dataclasses import fields, replace
 from inspect import signature
 from typing import Any, Literal, TypeAlias
 
-from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
-from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.frf_set import FRFSet
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.structure import FRFSet
+from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.registry import FITS, KINDS, load_object, row_of
-from dashpot.workflow.fit_bench_tests import BenchFitOptions, fit_records
+from dashpot.workflow.bench_tests import BenchFitOptions, fit_records
 from dashpot.workflow.fit_routing import BENCH, route
-from dashpot.workflow.job import Cuts, HammerChoices
-from dashpot.workflow.shift_options import ShiftChoices
-from dashpot.workflow.vibration.impact_tests import identify_solid, modes_of_hits
-from dashpot.workflow.vibration.measured_frf import measured_frf
-from dashpot.workflow.vibration.modes import Modes
+from dashpot.workflow.identification import identify_solid
+from dashpot.workflow.job import Cuts, HammerChoices, ShiftChoices
+from dashpot.workflow.measured_frf import Modes, measured_frf, modes_of_hits
 
 Arms: TypeAlias = int | Literal["auto"]
 Elastic: TypeAlias = Literal["auto", "linear", "nonlinear", "by-depth"]

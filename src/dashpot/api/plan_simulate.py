@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine

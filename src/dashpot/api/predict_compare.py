@@ -9,27 +9,28 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepare_ramp_hold, shape_words
 from dashpot.api.read_save import Place
-from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES
+from dashpot.base.option_fields import Method
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.value_ranges import SIZES
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.frf_set import FRFSet
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
+from dashpot.datamodel.structure import FRFSet
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.registry import find_handler, load_object, row_of
+from dashpot.workflow.frf_comparison import Agreement, agreement
+from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
 from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
-from dashpot.workflow.response.frf_prediction import BAND, Prediction, prediction
-from dashpot.workflow.vibration.impact_tests import Agreement, agreement
 
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import Solid
     from dashpot.solids.part_geometry import Geometry
     from dashpot.workflow.study import Study
+
 
 Records: TypeAlias = RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold]
 To: TypeAlias = Literal[
@@ -401,7 +402,7 @@ def export(
         **choices,
     )
     if path is not None:
-        from dashpot.base.atomic import write_atomic
+        from dashpot.base.file_writing import write_atomic
 
         write_atomic(Path(path), str(deck).encode())
     return str(deck)

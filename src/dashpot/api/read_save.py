@@ -116,7 +116,7 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
         return _several([Path(name) for name in path], options, how)
     detection = recognise(path, options)
     if detection.stored:
-        from dashpot.workflow.json_files import read_json_document
+        from dashpot.workflow.json_archive import read_json_document
 
         return read_json_document(path)
     if detection.kind == "profile":
@@ -259,5 +259,5 @@ def save(noun: N, path: Place) -> N:
     >>> dp.read(path) == solid
     True
     """
-    load_function("report.saving", "save")(noun, path)
+    load_function("report.result_output", "save")(noun, path)
     return noun

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field, replace
 from types import EllipsisType
 from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
+from dashpot.base.errors import Status
 from dashpot.base.number_format import expand_powers
-from dashpot.base.sentences import (
+from dashpot.base.plain_text import (
     clip_sentences,
     decapitalise_sentence,
     paragraph,
@@ -18,7 +19,6 @@ from dashpot.base.sentences import (
     sentences,
 )
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.status import Status
 
 P = ParamSpec("P")
 

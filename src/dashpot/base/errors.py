@@ -1,17 +1,22 @@
-"""What can go wrong, as types.
+"""What can go wrong, as exceptions, and the status with which a fit ends."""
 
-::
+from __future__ import annotations
 
-    DashpotError            anything dashpot refuses, in one clear sentence
-    ├── ReadError           a file is not what it should be
-    ├── DataError           numbers or units that cannot be what they claim
-    ├── FitError            a fit that cannot be asked for
-    └── ExportError         a deck that must not be written
+from enum import Enum
 
-The text of an error says where, what was found, what was expected and what to do.
-A fit that does not converge, or a parameter that the data cannot see, is no error:
-it is a :class:`~dashpot.base.status.Status` or a failed :class:`~dashpot.base.checks.Check`.
-"""
+# What can go wrong, as types.
+#
+# ::
+#
+#     DashpotError            anything dashpot refuses, in one clear sentence
+#     ├── ReadError           a file is not what it should be
+#     ├── DataError           numbers or units that cannot be what they claim
+#     ├── FitError            a fit that cannot be asked for
+#     └── ExportError         a deck that must not be written
+#
+# The text of an error says where, what was found, what was expected and what to do.
+# A fit that does not converge, or a parameter that the data cannot see, is no error:
+# it is a :class:`~dashpot.base.errors.Status` or a failed :class:`~dashpot.base.checks.Check`.
 
 
 class DashpotError(Exception):
@@ -68,3 +73,22 @@ class ExportError(DashpotError, ValueError):
         ...
     dashpot.base.errors.ExportError: ...
     """
+
+
+# How a fit can end.
+
+
+class Status(Enum):
+    """How the optimiser ended, the gravest last; the name is for programs, the value for people.
+
+    It does not say whether the result is good: `Fit.verdict` does.
+    """
+
+    CONVERGED = "the optimum was found"
+    NOT_IDENTIFIED = "the optimum was found, but the data do not determine every parameter"
+    TESTS_DISAGREE = "the optimum was found, but no single model explains every test"
+    TAU_AT_BOUND = "a relaxation time of the optimum lies at the edge of the measured window"
+    FEWER_ARMS = "the optimum has fewer arms than asked for; one more arm would have k <= 0"
+    NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
+    FORCE_RISES = "the force rises during the hold; no relaxing part does that"
+    NO_DATA = "nothing was fitted, because the record has values that are not finite"

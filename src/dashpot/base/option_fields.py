@@ -1,17 +1,76 @@
-"""A field that users are asked for: declared once, in the noun it fills.
-
-From the declaration come the option of a command, the word that is typed for a value, and what a
-page may say in its place.
-"""
+"""What users are asked for: words to choose among, options, fields of a form."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import Field, field, fields
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import Field, dataclass, field, fields
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
-from dashpot.base.choices import get_choice_values
-from dashpot.base.units import format_command_quantity
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.units import Dimension, convert_to_si, format_command_quantity, si_range
+
+# The words that users choose among, each list stated once, as a type.
+#
+# Signatures name the type; options, the app's buttons and the sentence that refuses another word
+# take
+# its words. Nothing here needs NumPy, for ``--help`` does not.
+
+
+Method: TypeAlias = Literal["full", "hold"]
+RampLawAsked: TypeAlias = Literal["auto", "linear", "nonlinear"]
+Family: TypeAlias = Literal["maxwell", "fractional"]
+FamilyAsked: TypeAlias = Literal["auto", Family]
+Estimate: TypeAlias = Literal["H1", "H2", "Hv", "Hs"]
+OverBase: TypeAlias = Literal["absolute", "relative"]
+ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
+Vertical: TypeAlias = Literal["1", "T/T_r", "free"]
+VerticalAsked: TypeAlias = Literal["auto", Vertical]
+AmplitudeLaw: TypeAlias = Literal["factor", "additive", "cubic", "factor+cubic", "additive+cubic"]
+AmplitudeLawAsked: TypeAlias = Literal["auto", AmplitudeLaw]
+ElasticKind: TypeAlias = Literal["neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
+ElasticKindAsked: TypeAlias = Literal["auto", ElasticKind]
+Measure: TypeAlias = Literal["auto", "nominal", "true"]
+ImpactLaw: TypeAlias = Literal["kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
+ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
+PartMode: TypeAlias = Literal[
+    "compression", "shear", "axial", "torsion", "radial-short", "radial-long"
+]  # fmt: skip
+FrfKind: TypeAlias = Literal["receptance", "mobility", "accelerance", "dynamic_stiffness"]
+Driver: TypeAlias = Literal["simulated", "serial", "replay"]
+Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
+
+Drawn: TypeAlias = Literal["pdf", "png", "svg"]
+FigureSize: TypeAlias = Literal["column", "slide"]
+
+
+def get_choice_values(choice: Any) -> tuple[str, ...]:
+    """Return the words of such a type, or of an enumeration.
+
+    >>> get_choice_values(FamilyAsked)
+    ('auto', 'maxwell', 'fractional')
+    """
+    return get_args(choice) or tuple(choice)
+
+
+def require_choice(
+    name: str, value: object, choice: Any, error: type[DashpotError] = DataError
+) -> None:
+    """Refuse what is none of the words of a choice.
+
+    Raises
+    ------
+    DataError
+        Or another `error`, if it is none.
+    """
+    values = get_choice_values(choice)
+    if value not in values:
+        raise error(f"{name} = {value!r}; expected one of {', '.join(values)}")
+
+
+# A field that users are asked for: declared once, in the noun it fills.
+#
+# From the declaration come the option of a command, the word that is typed for a value, and what a
+# page may say in its place.
 
 
 def option(default: Any, help: str | None = None, **how: Any) -> Any:
@@ -19,12 +78,12 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
 
     `how` holds ``metavar``, ``multiple`` and ``is_flag`` as click knows them; ``unit``, the
     dimension of a quantity, and ``ends`` where two of them make a range; ``choices``, a type of
-    :mod:`~dashpot.base.choices`; ``least``, of a whole number; ``above``, of any; ``word``, what
-    stands for no number; ``parse``, from what click passes on to what the noun takes, and
-    ``typed`` back to texts; ``flag``, the option's name where it is not the field's; ``under``, the
-    option that takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and
-    ``sign`` in place of "="; ``argument``, the place of what is typed without an option;
-    ``decides``, what a job needs it for first.
+    this module; ``least``, of a whole number; ``above``, of any; ``word``, what stands for no
+    number; ``parse``, from what click passes on to what the field takes, and ``typed`` back to
+    texts; ``flag``, the option's name where it is not the field's; ``under``, the option that
+    takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and ``sign`` in
+    place of "="; ``argument``, the place of what is typed without an option; ``decides``, what a
+    job needs it for first.
     """
     if "choices" in how:
         how["choices"] = get_choice_values(how["choices"])
@@ -126,3 +185,147 @@ def texts_of(attribute: Field[Any], value: Any) -> list[str]:
         return [format_command_quantity(item, how["unit"]) for item in several]
     return [repr(number).removesuffix(".0") if isinstance(number, float) else str(number)
             for number in several]  # fmt: skip
+
+
+# What a page asks of a test beside its files: a field each, and what was answered in it.
+
+
+Form: TypeAlias = Literal["number", "bare", "range", "sizes", "words"]
+
+
+class FormField(NamedTuple):
+    """A field: what it is called, the unit of a number typed without one, its option in a shell.
+
+    Attributes
+    ----------
+    name, label, unit, flag : str
+    choices : tuple of str
+        One of them is chosen, the first by default.
+    each : bool
+        Whether it is asked of every file.
+    form : str
+        A number with its unit, in a shell ``"bare"`` without one; a ``"range"`` 4 to 8; ``"sizes"``
+        with commas between; or ``"words"``, each an option of its own.
+    before : str
+        What stands before it in a shell.
+    """
+
+    name: str
+    label: str
+    unit: str
+    flag: str
+    choices: tuple[str, ...] = ()
+    each: bool = False
+    form: Form = "number"
+    before: str = ""
+
+    def read(self, typed: str) -> str:
+        """What was typed, with points for decimal commas."""
+        return typed.strip() if self.form == "sizes" else typed.strip().replace(",", ".")
+
+    def words(self, text: str) -> tuple[str, ...]:
+        """What was answered, as values of its option: none of an empty text."""
+        if self.form == "words":
+            return tuple(text.split())
+        if not text:
+            return ()
+        if self.form == "sizes":
+            text = ",".join(
+                f"{part.strip()}{self.unit}" for part in text.split(",") if part.strip()
+            )
+        elif self.form == "range":
+            text = f"{text.replace(' to ', ':').replace('-', ':')}{self.unit}"
+        elif self.form == "number" and text[-1].isdigit():
+            text += self.unit
+        return (f"{self.before}{text}",)
+
+
+@dataclass(frozen=True)
+class FormData:
+    """What was answered.
+
+    Attributes
+    ----------
+    asks : tuple of Ask
+    said : tuple of (str, str)
+        Name of the field, of one that is asked of every file with its number, and what was typed.
+    """
+
+    asks: tuple[FormField, ...] = ()
+    said: tuple[tuple[str, str], ...] = ()
+
+    @classmethod
+    def from_fields(cls, asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
+        """The fields as they were typed; those that are not asked, and empty ones, fall away."""
+        of = {form_field.name: form_field for form_field in asks}
+        stated = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
+                if name.split(" ")[0] in of)  # fmt: skip
+        return cls(asks, tuple(sorted((name, text) for name, text in stated if text)))
+
+    def get_text(self, name: str) -> str:
+        """What stands in a field; empty where nothing does."""
+        return dict(self.said).get(name, "")
+
+    def number(self, name: str, dimension: Dimension) -> float | None:
+        """A quantity, SI: in the field's unit, or in the one typed after it."""
+        text = self.get_option_value(name)
+        return convert_to_si(text, dimension) if text else None
+
+    def bare(self, name: str) -> float | None:
+        """A number in the field's unit alone.
+
+        Raises
+        ------
+        DataError
+            If it is none.
+        """
+        text = self.get_text(name)
+        try:
+            return float(text) if text else None
+        except ValueError:
+            item = self._ask(name)
+            raise DataError(
+                f"{item.label.lower()} is '{text}'; expected a number of {item.unit}, without it"
+            ) from None
+
+    def range(self, name: str, dimension: Dimension) -> tuple[float, float] | None:
+        """Two of them, SI, as 4 to 8."""
+        text = self.get_option_value(name)
+        return si_range(text, dimension) if text else None
+
+    def require_quantity(self, name: str, dimension: Dimension) -> float:
+        """A quantity that has to be given.
+
+        Raises
+        ------
+        DataError
+            If it is not.
+        """
+        value = self.number(name, dimension)
+        if value is None:
+            label = self._ask(name).label.lower()
+            raise DataError(f"{label} is not given: type it beside the files")
+        return value
+
+    def options(self, files: int) -> tuple[str, ...]:
+        """The words of a shell that say the same of so many files."""
+        results: list[str] = []
+        for form_field in self.asks:
+            names = (
+                [f"{form_field.name} {i}" for i in range(files)]
+                if form_field.each
+                else [form_field.name]
+            )
+            for name in names:
+                for word in form_field.words(
+                    self.get_text(name) or next(iter(form_field.choices), "")
+                ):
+                    results += [form_field.flag, word]
+        return tuple(results)
+
+    def get_option_value(self, name: str) -> str:
+        """What stands in a field, as a value of its option."""
+        return next(iter(self._ask(name).words(self.get_text(name))), "")
+
+    def _ask(self, name: str) -> FormField:
+        return next(form_field for form_field in self.asks if form_field.name == name)

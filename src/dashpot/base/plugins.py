@@ -21,7 +21,7 @@ from importlib import import_module
 from typing import Any, Literal, NoReturn, get_args
 
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.base.escaping import escape_terminal_text
+from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.serialisation import Serialisable
 
 Group = Literal["formats", "kinds", "decks"]

@@ -62,7 +62,7 @@ class Printable:
         ExportError
             If it is not written so.
         """
-        saved: Path = load_function("report.saving", "save")(self, path)
+        saved: Path = load_function("report.result_output", "save")(self, path)
         return saved
 
 
@@ -119,12 +119,12 @@ class Plottable(HasSummary):
 
     def plot(self) -> Picture:
         """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
-        drawn: Picture = load_function("report.notebook", "picture")(self)
+        drawn: Picture = load_function("report.result_output", "picture")(self)
         return drawn
 
     def _repr_html_(self) -> str:
         """Its picture and its words, for a notebook."""
-        page: str = load_function("report.notebook", "html")(self)
+        page: str = load_function("report.result_output", "html")(self)
         return page
 
 

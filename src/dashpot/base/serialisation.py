@@ -9,8 +9,8 @@ from enum import Enum
 from functools import cache, reduce, singledispatch
 from typing import Any, ClassVar, NamedTuple
 
+from dashpot.base.errors import Status
 from dashpot.base.number_format import json_number
-from dashpot.base.status import Status
 
 EDGE = "edge"
 """Of a field that no document holds: what it always is within."""

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
-from contextlib import suppress
-from pathlib import Path
 
 
 def interpreter(module: str, *flags: str) -> list[str]:
@@ -16,30 +13,6 @@ def interpreter(module: str, *flags: str) -> list[str]:
     """
     start = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
     return [sys.executable, "-P", *flags, "-c", start]
-
-
-def stop_process_group(leader: int) -> None:
-    """End a process that was started as the first of a session, and all that it started."""
-    with suppress(ProcessLookupError):
-        if sys.platform == "win32":
-            os.kill(leader, signal.SIGTERM)
-        else:
-            os.killpg(leader, signal.SIGKILL)
-
-
-def trim_memory(excess: int) -> None:
-    """Give memory that is free back to the system, if this process holds more than so many bytes.
-
-    Where the C library (of GNU) keeps it; elsewhere nothing is done.
-    """
-    if sys.platform != "linux":
-        return
-    with suppress(OSError, AttributeError):  # no /proc, or another library of C
-        resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-        if resident * os.sysconf("SC_PAGE_SIZE") > excess:
-            import ctypes  # long records alone need it
-
-            ctypes.CDLL(None).malloc_trim(0)
 
 
 def get_single_thread_env() -> dict[str, str]:

@@ -376,7 +376,7 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
     click.UsageError
         If one was typed.
     """
-    from dashpot.cli._detected_kinds import format_override_hint, get_kind_name
+    from dashpot.cli._command_io import format_override_hint, get_kind_name
 
     have = set(kinds.values())
     for option in verb.options:
@@ -391,7 +391,7 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
     """Return what each file is called, in a sentence."""
-    from dashpot.cli._detected_kinds import get_kind_name
+    from dashpot.cli._command_io import get_kind_name
 
     return "; ".join(f"{Path(path).name} is {get_kind_name(word)}" for path, word in kinds.items())
 

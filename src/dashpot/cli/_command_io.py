@@ -1,10 +1,10 @@
-"""What every command shares: its outcome, files in and out, exit codes."""
+"""What every command shares: kinds of its files, its outcome, files in and out, exit codes."""
 
 from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,17 +14,23 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ReadError
-from dashpot.base.escaping import escaped_json
+from dashpot.base.plain_text import escaped_json
 from dashpot.base.units import convert_to_unit
-from dashpot.cli._echo import to_stderr, to_stdout
 from dashpot.cli._param_types import Output
+from dashpot.cli._terminal import to_stderr, to_stdout
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
     from dashpot.base.serialisation import Serialisable
+    from dashpot.reading.read_options import ReadOptions
+    from dashpot.reading.readers.detect_kind import Recognised
     from dashpot.solids.shift_laws import TemperatureLaw
     from dashpot.workflow.outputs import Outputs
+
+
+# What every command shares: its outcome, files in and out, exit codes.
+
 
 _WRITTEN, _TAKEN = "dashpot.written", "dashpot.stdout"
 _MAKERS = ("simulate", "demo")
@@ -112,7 +118,7 @@ def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> s
     if click.get_current_context().meta.get(_TAKEN):
         return ""
     from dashpot.cli._terminal import screen
-    from dashpot.text_output.terminal_layout import format_for_screen
+    from dashpot.text_output.layout import format_for_screen
 
     parts = outcome.text, outcome.verdict, outcome.checks
     return "\n".join(format_for_screen(*parts, verbose=verbose, style=click.style, size=screen()))
@@ -223,3 +229,72 @@ def is_json(path: str) -> bool:
         return False
     with Path(path).open("rb") as file:
         return like_json(file.read(64))
+
+
+# What each record was taken for, and that the user is told so.
+
+
+def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
+    """Return what each file is."""
+    from dashpot.reading.readers.detect_kind import recognise
+
+    return {path: recognise(path, options.of(path)) for path in files}
+
+
+def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
+    """Return the word of each file's kind, as it was read with the options.
+
+    Raises
+    ------
+    click.UsageError
+        If one is no record that is known.
+    """
+    for path, item in detections.items():
+        if item.kind in {"unclear", "not-a-test"}:
+            raise click.UsageError(
+                f"{path} is no test that dashpot knows: {item.reason}. {_to_name(path, options)}"
+            )
+    return {path: detection.kind for path, detection in detections.items()}
+
+
+def _to_name(path: str, options: ReadOptions) -> str:
+    """Return how the columns of such a file are named, as it is typed; of too few, what lacks."""
+    from dashpot.reading.readers.detect_kind import as_a_ramp
+
+    see = f"To see its columns: dashpot inspect {path}"
+    named = as_a_ramp(path, options)
+    return (
+        f"If it is a test of a seal, name its columns: {named}. {see}"
+        if named
+        else (f"A test of a seal has time, displacement and force. {see}")
+    )
+
+
+def get_kind_name(kind: str) -> str:
+    """Return what a file of a kind is called, such as 'a relaxation test'."""
+    from dashpot.reading.readers import detect_kind as recognise
+
+    return recognise.get_kind_label(kind)
+
+
+def format_override_hint(kinds: Collection[str]) -> str:
+    """Return how a file is said to be of this kind after all; nothing of a choice of several."""
+    from dashpot.reading.columns.kind_detection import RECOGNISED
+
+    (word, *more) = kinds
+    return f" If it is one after all: --as {word}." if word in RECOGNISED and not more else ""
+
+
+def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
+    """Say on stderr what each file was taken for: a decision that the user did not make."""
+    grouped: dict[str, list[str]] = {}
+    for path, detection in detections.items():
+        grouped.setdefault(detection.what, []).append(Path(path).name)
+    listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in grouped.items())
+    to_stderr(f"recognised {listed}")
+
+
+# What the user said to ``dashpot fit``: the records, what each was taken for, and the options.
+
+
+PAGE_SUFFIXES = (".html", ".htm")

@@ -15,11 +15,11 @@ from pathlib import Path
 import click
 
 from dashpot.base.errors import DashpotError
-from dashpot.base.escaping import escaped_json
+from dashpot.base.plain_text import escaped_json
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.version import __version__
 from dashpot.cli import COMMANDS
-from dashpot.cli._echo import to_stderr, to_stdout
+from dashpot.cli._terminal import to_stderr, to_stdout
 
 BAD, FAULT, INTERRUPTED = 2, 3, 130
 """Exit codes: bad input or usage, a fault of dashpot's own, stopped by the user."""

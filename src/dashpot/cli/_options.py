@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from dashpot.base.choices import FigureSize, get_choice_values
+from dashpot.base.option_fields import FigureSize, get_choice_values
 from dashpot.base.units import Dimension
 from dashpot.cli._command import (
     CommandOption,

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dashpot.base.choices import Drawn, get_choice_values
 from dashpot.base.errors import DashpotError
-from dashpot.base.option_fields import is_path_field, key_of
+from dashpot.base.option_fields import Drawn, get_choice_values, is_path_field, key_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 
 if TYPE_CHECKING:

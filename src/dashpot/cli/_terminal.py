@@ -1,7 +1,9 @@
-"""Text on a terminal: coloured where it may be; and progress."""
+"""The terminal: text printed and never obeyed, its size and colour, and progress."""
 
 from __future__ import annotations
 
+import errno
+import os
 import shutil
 import sys
 import threading
@@ -9,9 +11,14 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from dashpot.base.escaping import escape_terminal_text
+import click
+
+from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.progress import set_progress_listener
-from dashpot.text_output.terminal_layout import COLUMNS, SIZE, ScreenSize
+from dashpot.text_output.layout import COLUMNS, SIZE, ScreenSize
+
+# Text on a terminal: coloured where it may be; and progress.
+
 
 PATIENCE, BEAT = 1.0, 0.25
 """Seconds until progress shows, and between its changes."""
@@ -61,3 +68,34 @@ def _watch(now: list[str], over: threading.Event, began: float) -> None:
         sys.stderr.flush()
     sys.stderr.write("\r\x1b[K")
     sys.stderr.flush()
+
+
+# The one way to the terminal: others' words are printed, never obeyed.
+
+
+def to_stdout(text: str) -> None:
+    """Print a result on stdout."""
+    _echo(text, err=False)
+
+
+def to_stderr(message: str) -> None:
+    """Print progress, remarks and errors on stderr."""
+    _echo(message, err=True)
+
+
+def _echo(text: str, *, err: bool) -> None:
+    stream = sys.stderr if err else sys.stdout
+    if stream is None and not err:
+        raise OSError(errno.EBADF, "stdout is closed, and the result with it", "stdout")
+    retained = escape_terminal_text(text.removesuffix("\n"), colours=True)
+    # an alphabet that lacks a sign prints its escape
+    alphabet = getattr(stream, "encoding", None) or "utf-8"
+    click.echo(
+        retained.encode(alphabet, "backslashreplace").decode(alphabet), err=err, color=_colour()
+    )
+
+
+def _colour() -> bool | None:
+    """Return False where no colour is wanted, None where click may ask the terminal."""
+    unwanted = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return False if unwanted else None

@@ -10,15 +10,18 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.choices import Method, get_choice_values
+from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
-from dashpot.cli._command_io import CommandResult, format_command, grams, write_figure
-from dashpot.cli._detected_kinds import (
+from dashpot.cli._command_io import (
+    CommandResult,
     detect_file_kinds,
+    format_command,
     get_kind_name,
+    grams,
     kinds_of,
     print_detected_kinds,
+    write_figure,
 )
 from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File

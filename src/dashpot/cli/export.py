@@ -11,13 +11,13 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ExportError
-from dashpot.base.sentences import paragraph
+from dashpot.base.plain_text import paragraph
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
 from dashpot.cli._command_io import CommandResult, write
-from dashpot.cli._echo import to_stderr
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
+from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
 from dashpot.registry import SOLVER_INPUTS, find_handler
 from dashpot.text_output.layout import Text
@@ -25,6 +25,7 @@ from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
     from dashpot.datamodel.seal_line import Shear, Stations
+
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""

@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-from dashpot.base.choices import Method, RampLawAsked, get_choice_values
 from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.option_fields import Method, RampLawAsked, get_choice_values
 from dashpot.cli import _options as options
 from dashpot.cli._command import (
     CommandOption,
@@ -22,15 +22,13 @@ from dashpot.cli._command import (
     refuse_others,
     verb,
 )
-from dashpot.cli._command_io import CommandResult
-from dashpot.cli._detected_kinds import detect_file_kinds, kinds_of, print_detected_kinds
+from dashpot.cli._command_io import CommandResult, detect_file_kinds, kinds_of, print_detected_kinds
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
 from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import FITS, KINDS, find_handler, find_kinds_by_option, load_object
-from dashpot.workflow.job import Job, LevelJob, RodChoices
-from dashpot.workflow.shift_options import ShiftChoices
+from dashpot.workflow.job import Job, LevelJob, RodChoices, ShiftChoices
 
 _BENCH = SOLIDS
 _ELASTIC = (*get_choice_values(RampLawAsked), "by-depth")
@@ -148,7 +146,7 @@ for _one in chain.from_iterable(_OPTIONS):
 )
 def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     """Recognise the records, and fit what they are."""
-    from dashpot.cli.fit_handlers._request import FitRequest
+    from dashpot.cli.fit_handlers import FitRequest
     from dashpot.workflow.fit_routing import route
 
     stated = (kind.name for kind in KINDS.values() if kind.said_by and said[kind.said_by])
@@ -175,7 +173,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     return run(FitRequest(files, kinds, said))
 
 
-GENERIC = "dashpot.cli.fit_handlers.generic_kind:run"
+GENERIC = "dashpot.cli.fit_handlers:run_generic_kind"
 """What fits the files of a kind whose row says all that its fit takes."""
 
 _OF_SOLID = (

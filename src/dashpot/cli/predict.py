@@ -10,15 +10,20 @@ from typing import Any
 import click
 
 from dashpot import workflow
-from dashpot.base.choices import FrfKind, get_choice_values
-from dashpot.base.option_fields import iterate_option_fields
+from dashpot.base.option_fields import FrfKind, get_choice_values, iterate_option_fields
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
-from dashpot.cli._command_io import CommandResult, format_command, format_json, write, write_figure
-from dashpot.cli._detected_kinds import detect_file_kinds
+from dashpot.cli._command_io import (
+    PAGE_SUFFIXES,
+    CommandResult,
+    detect_file_kinds,
+    format_command,
+    format_json,
+    write,
+    write_figure,
+)
 from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
-from dashpot.cli.fit_handlers._request import PAGE
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, PREDICTED, KindOfTest, find_handler, list_names, load_object
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
@@ -206,9 +211,9 @@ def _write_prediction(result: Any, stated: dict[str, Any]) -> CommandResult:
 def is_page(output: str | None) -> bool:
     """Return whether what is no FRF goes to a page; else it goes to a document."""
     suffix = Path(output or "").suffix.lower()
-    if output and output != "-" and suffix not in (".json", *PAGE):
+    if output and output != "-" and suffix not in (".json", *PAGE_SUFFIXES):
         raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
-    return suffix in PAGE
+    return suffix in PAGE_SUFFIXES
 
 
 _BY_OPTION = list_names("predict with option")
@@ -249,7 +254,7 @@ def _under_mass(
     if mass is None:
         raise click.UsageError("Give the mass of the block: --mass 104g")
     several = len(choices["at_level"].levels) > 1
-    if output and several and not output.lower().endswith((".json", *PAGE)):
+    if output and several and not output.lower().endswith((".json", *PAGE_SUFFIXES)):
         raise click.UsageError(
             "-o FRF.csv holds one level: ask one --level, or write .json or .html"
         )
@@ -267,7 +272,7 @@ def _keep(prediction: workflow.Prediction, path: str) -> None:
     from dashpot.reading.write import write_frf
 
     suffix = path.lower().rpartition(".")[2]
-    if path.lower().endswith(PAGE):
+    if path.lower().endswith(PAGE_SUFFIXES):
         write(path, workflow.html(prediction))
     elif suffix == "json":
         write(path, format_json(prediction) + "\n")

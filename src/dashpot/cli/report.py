@@ -13,12 +13,17 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, claim, format_command, grams, note_written, write
-from dashpot.cli._detected_kinds import (
+from dashpot.cli._command_io import (
+    CommandResult,
+    claim,
     detect_file_kinds,
+    format_command,
     get_kind_name,
+    grams,
     kinds_of,
+    note_written,
     print_detected_kinds,
+    write,
 )
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
 from dashpot.cli._param_types import Folder, Output
@@ -28,6 +33,7 @@ from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
     from dashpot import Study
+
 
 _PAGE = "Page"
 _LOOPS = {"strain-sweep", "cyclic"}

@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from dashpot.base.choices import Rehearsed, get_choice_values
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import Rehearsed, get_choice_values
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, mark_advanced, opt, verb

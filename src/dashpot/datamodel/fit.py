@@ -11,21 +11,19 @@ import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import Family, Method, PartMode, get_choice_values
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, Status
 from dashpot.base.number_format import format_band, format_count
+from dashpot.base.option_fields import Family, Method, PartMode, get_choice_values
+from dashpot.base.plain_text import sentence
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.result_mixins import Plottable
-from dashpot.base.sentences import sentence
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.status import Status
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
-from dashpot.base.validators import require_positive
-from dashpot.datamodel.alternative_model import Alternative, family_of
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
-from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit_diagnostics import (
+    Alternative,
     Certificate,
     DepthStiffness,
     Evidence,
@@ -33,6 +31,7 @@ from dashpot.datamodel.fit_diagnostics import (
     OrderScore,
     ParameterChange,
     Provenance,
+    family_of,
 )
 from dashpot.datamodel.parameter_estimate import (
     SHAPE,
@@ -48,7 +47,7 @@ from dashpot.datamodel.parameter_estimate import (
 from dashpot.datamodel.shift_factors import CONTRADICT, SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.inference.model_order import is_well_determined
-from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.elastic import ElasticLaw, require_plausible_compression
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
 from dashpot.solids.part_geometry import Geometry, named_shape

@@ -1,4 +1,4 @@
-"""What stands behind a fit: orders, certificate, what moved, what would explain it, and whence."""
+"""What stands behind a fit: orders, certificate, alternatives, what moved, and whence."""
 
 from __future__ import annotations
 
@@ -7,14 +7,57 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.option_fields import Family
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
-from dashpot.datamodel.alternative_model import Alternative
-from dashpot.datamodel.band_error import BandError
-from dashpot.datamodel.bounds import EndOfHold
+from dashpot.base.serialisation import Serialisable
+from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.parameter_estimate import CreepEstimate
 from dashpot.datamodel.specimen import Specimen
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+# Families of solids, and what another one than the fit's own makes of the same data.
+
+
+def family_of(solid: Solid) -> Family:
+    """Return the family of a solid: fractional, or of springs and dashpots."""
+    return "fractional" if isinstance(solid, FractionalZener) else "maxwell"
+
+
+@dataclass(frozen=True)
+class Alternative(Serialisable):
+    """The best solid of another family, fitted to the same data.
+
+    Attributes
+    ----------
+    solid : Solid
+    bic : float
+        Its Bayesian criterion less that of the fit's own solid.
+    explains : bool
+        Chance may leave as much as is between the residuals of the two.
+    parts_at : float or None
+        From which frequency on the two differ by more than data of this kind are worth, Hz;
+        None if nowhere that a part vibrates.
+    says : str
+        What the two predict there, and what would tell them apart.
+    """
+
+    keys = ("family", "*")
+
+    solid: Solid
+    bic: float
+    explains: bool
+    parts_at: float | None
+    says: str
+
+    @property
+    def family(self) -> Family:
+        """Of its solid."""
+        return family_of(self.solid)
+
+
+# What stands behind a fit: orders, certificate, what moved, what would explain it, and whence.
 
 
 @dataclass(frozen=True)

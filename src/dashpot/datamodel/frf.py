@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dashpot.base.array_units import SI, convert_field_to_si, make_units_field, words_of
 from dashpot.base.arrays import (
+    SI,
     BoolArray,
     ComplexArray,
     EqualByValue,
     FloatArray,
     complex_samples,
+    convert_field_to_si,
     increasing,
+    make_units_field,
     same_length,
     samples,
+    words_of,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -203,7 +206,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         if self.units == SI:
             return
         hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
-        ratio = load_function("reading.columns.response_units", "ratio")(of_value)
+        ratio = load_function("reading.columns.header_units", "parse_response_unit")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
                 f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
@@ -422,7 +425,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         ----------
         method : str
             ``"rational"`` fits poles and residues, by least squares weighted by `sd`, to what a
-            record of finite length shows (:mod:`dashpot.vibration.modal.rational_fraction`). The
+            record of finite length shows (:mod:`dashpot.vibration.modal.pole_fit`). The
             others look at the highest peak: ``"peak"`` (parabola), ``"half-power"`` (width at
             :math:`1/\sqrt2`), ``"circle"`` (Nyquist circle of the mobility) and ``"decrement"``
             (decay of the impulse response).

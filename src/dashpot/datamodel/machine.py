@@ -11,7 +11,7 @@ from typing import NamedTuple
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import iterate_option_fields, key_of, option
 from dashpot.base.units import si_fields
-from dashpot.base.validators import require_nonnegative, require_positive, select_fields
+from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 
 # a baseline tells the drift where it leaves less than this part of what is usual
 _TOLD = 0.7

@@ -1,4 +1,4 @@
-"""Relaxation tests, raw and prepared."""
+"""Relaxation tests, raw and prepared, and the motion of the plate."""
 
 from __future__ import annotations
 
@@ -9,25 +9,29 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.array_units import convert_arrays_to_si, make_units_field
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
+    convert_arrays_to_si,
+    frozen,
     hold_measured,
     make_cosine_sequence,
+    make_units_field,
     median,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import format_quantity
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import refuse_absurd_record, require_positive
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.data_compression import uniform_step
+
+# Relaxation tests, raw and prepared.
+
 
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
 SETTLED = 0.002
@@ -475,3 +479,42 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
         return False
     slips = ~long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
     return not slips.any()
+
+
+# A motion of the plate: recorded, or planned for a controller.
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory(EqualByValue):
+    """Where the plate is sent, or was.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, strictly increasing.
+    displacement : array, shape (n,)
+        Along the plate's normal, m; into the seal is positive.
+    position : array, shape (n, 3), or None
+        The same in space, m.
+    source : Source or None
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or time stalls.
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    position: FloatArray | None = None
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        hold_measured(self, "time", "displacement", minimum=2)
+        if self.position is not None:
+            if self.position.shape != (len(self.time), 3):
+                raise DataError(
+                    f"position has the shape {self.position.shape}; expected {len(self.time)} rows "
+                    "of x, y, z"
+                )
+            object.__setattr__(self, "position", frozen(self.position))

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen
+from dashpot.base.arrays import EqualByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.units import celsius, convert_to_unit
+from dashpot.base.units import celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -21,8 +21,6 @@ ABOVE_GLASS = 10.0
 SAME_TEMPERATURE = 0.5
 # fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
 CONTRADICT = 3
-ONE_TEMPERATURE = 2.0
-"""Samples of a sweep this far apart in temperature are not one solid, K."""
 # the relaxation time, s, that is shifted by a_T however arms shift apart
 CENTRE = 0.5
 _LN10 = float(np.log(10.0))
@@ -61,15 +59,6 @@ class Shift:
             ReportedValue("log10 a_T", self.log10_a_t, error=self.se or None),
             ReportedValue("b_T", self.b_t, error=self.b_t_se or None),
         )
-
-
-def shifts_with(
-    temperature: FloatArray, log10_a_t: FloatArray, b_t: FloatArray, covariance: FloatArray
-) -> tuple[Shift, ...]:
-    """Return shifts with their errors; `covariance` is of log10 a_T, then of ln b_T."""
-    error, b_error = np.split(np.sqrt(np.maximum(np.diag(covariance), 0.0)), 2)
-    rows = zip(temperature, log10_a_t, error, b_t, b_t * b_error, strict=True)
-    return tuple(Shift(*map(float, row)) for row in rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -377,43 +366,6 @@ class TemperatureShifts(EqualByValue, Serialisable):
         i = int(np.clip(np.searchsorted(at, temperature) - 1, 0, len(at) - 2))
         slope = (b[i + 1] - b[i]) / (at[i + 1] - at[i])
         return float(np.exp(b[i] + slope * (temperature - at[i])))
-
-
-def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray:
-    """Return which samples lie within a kelvin of a temperature, K, shape (n,).
-
-    Raises
-    ------
-    DataError
-        If there are no temperatures, or none is that near.
-    """
-    if temperature is None:
-        raise DataError(
-            f"{celsius(asked)} was asked for, but the test has no temperatures: leave --only out"
-        )
-    within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
-    if not within.any():
-        listed = ", ".join(
-            f"{value:.0f} degC"
-            for value in np.unique(np.round(convert_to_unit(temperature, "degC")))
-        )
-        raise DataError(
-            f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
-        )
-    return np.asarray(within)
-
-
-def has_several_temperatures(temperature: FloatArray | None) -> bool:
-    """Whether samples are too far apart in temperature, K, to be of one solid."""
-    values = np.zeros(0) if temperature is None else np.asarray(temperature)
-    return bool(values.size and np.ptp(values) > ONE_TEMPERATURE)
-
-
-def format_temperature_range(temperature: FloatArray | None) -> str:
-    """From which to which temperature, in words; nothing if there is but one."""
-    if temperature is None:
-        return ""
-    return f", {temperature.min():.5g} to {temperature.max():.5g} K"
 
 
 def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray:

@@ -8,9 +8,8 @@ from dataclasses import dataclass, fields, replace
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
-from dashpot.base.plausibility import SIZES
 from dashpot.base.units import convert_to_unit, format_quantity, si_fields
-from dashpot.base.validators import require_positive, select_fields
+from dashpot.base.value_ranges import SIZES, require_positive, select_fields
 
 # around all doors of a car, and across the widest profile
 _SIZES = {"length": SIZES["seal length"], "height": SIZES["seal height"]}

@@ -174,7 +174,7 @@ def find_writer(target: str) -> Callable[..., DeckText]:
     if target in TARGETS:
         return TARGETS[target]
     from dashpot.base.plugins import find_plugin, format_plugin_names
-    from dashpot.export.plugin_decks import target_of
+    from dashpot.export.deck_validation import target_of
 
     plugin = find_plugin("decks", target)
     if plugin is None:

@@ -1,24 +1,28 @@
-"""Whether a solid or a fit may be written as a deck: what must be known, and what is refused."""
+"""The targets, a plug-in's too, and whether a solid or a fit may be written for one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import update_wrapper
+from importlib import import_module
 from inspect import signature
 from types import MappingProxyType
 from typing import Any, Protocol
 
 from dashpot.base.arrays import LEAST, MOST
-from dashpot.base.errors import DataError, ExportError
-from dashpot.base.sentences import paragraph
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, ExportError, Status
+from dashpot.base.plain_text import escape_terminal_text, paragraph
+from dashpot.base.plugins import Plugin
 from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import Deck, DeckText, Exportable, NonlinearFit
 from dashpot.export.unit_systems import NO_UNITS, unit_system
 from dashpot.solids.maxwell import Solid
+
+# Whether a solid or a fit may be written as a deck: what must be known, and what is refused.
+
 
 PROBLEMS = MappingProxyType(
     {
@@ -311,3 +315,56 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
 def _dense(fit: Fit) -> bool:
     """Whether its arms are a table of a spectrum, of which none has an error of its own."""
     return any(check.name == "few_arms_suffice" and check.failed for check in fit.checks)
+
+
+# A deck that a plug-in writes: the solid goes in as plain numbers, its cards come out as text.
+
+
+FORM = "arms"
+_COMMENT = "$"
+"""The sign before a remark, where the module of the plug-in states no ``COMMENT``."""
+
+
+def target_of(plugin: Plugin) -> Target:
+    """Return what writes the decks of a plug-in.
+
+    Its function gets ``{"k_inf", "b", "k", "tau", "temperature", "length", "band", "verdict"}``,
+    SI, the name of the unit system and its own name. What the deck is and whose it is, dashpot
+    writes over it.
+    """
+
+    def write(
+        solid: Exportable,
+        *,
+        units: str | None = None,
+        specimen: Specimen | None = None,
+        allow: Collection[str] = (),
+        form: str = FORM,
+    ) -> DeckText:
+        deck = open_deck(
+            solid, plugin.name, form, (FORM,), units=units, specimen=specimen, allow=allow
+        )
+        function = plugin.load()
+        model = deck.model
+        plain = {
+            "k_inf": float(model.k_inf), "b": float(model.b), "k": list(map(float, model.k)),
+            "tau": list(map(float, model.tau)), "temperature": deck.specimen.temperature,
+            "length": deck.specimen.length, "band": deck.band and list(deck.band),
+            "verdict": deck.fit.verdict.use if deck.fit else None,
+        }  # fmt: skip
+        try:
+            cards = function(plain, units=deck.units.name, name=plugin.name)
+        except Exception as error:  # noqa: BLE001  others' code may raise anything
+            plugin.failed(error)
+        if not isinstance(cards, str) or not cards.strip():
+            text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
+            plugin.wrong(text, "the cards of a deck as one text")
+        comment = getattr(import_module(function.__module__), "COMMENT", _COMMENT)
+        return deck.written(
+            str(comment),
+            f"deck by {plugin.says}",
+            escape_terminal_text(cards).splitlines(),
+            verified=f"not verified by dashpot: written by {plugin.says}",
+        )
+
+    return write  # type: ignore[return-value]  # a plug-in has no options of its own

@@ -6,7 +6,7 @@ If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 
 and every linear tool serves it with :math:`F_e(x)` in place of x. All tests share one
 :math:`F_e`, which their ramps and their depths show together
-(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law_selection`). Whether one memory serves every
+(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). Whether one memory serves every
 depth is a question to the tests: each gets its own stiffnesses, and the shapes k_j/k_inf are
 compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 """
@@ -29,22 +29,18 @@ from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks.relaxation import separable
 from dashpot.fitting.checks.solid import arms_enough
-from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
-from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
+from dashpot.fitting.input_tests import Tests, checked_temperatures, ramp_holds
+from dashpot.fitting.nonlinear_ramp.elastic_law import (
+    RampLaw,
     select_elastic_law,
     supported_by_holds,
 )
 from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ramps, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, fit_ramp_and_hold
-from dashpot.fitting.pipeline import validate_arm_count
+from dashpot.fitting.order_selection import validate_arm_count
+from dashpot.fitting.parameter_errors import compute_clock_sensitivity, compute_rig_sensitivity
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.tests_at_temperatures import checked_temperatures
-from dashpot.fitting.uncertainty.rig_sensitivity import (
-    compute_clock_sensitivity,
-    compute_rig_sensitivity,
-)
 from dashpot.numerics.inference.covariance_estimate import Estimate
-from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.elastic import ElasticLaw
 
 

@@ -1,40 +1,275 @@
-"""What a solid is fitted to, and how its noise weighs what was known before."""
+"""What a solid is fitted to: prepared tests as weighted blocks of rows, and their noise."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.design_matrix import (
-    FitSetup,
-    bic_penalty_per_arm,
-    bound,
-    build_delay_blocks,
-    solid_of,
-)
-from dashpot.fitting.nuisance_priors import ROUNDING
-from dashpot.fitting.uncertainty.encoder_resolution import Encoder
-from dashpot.fitting.uncertainty.solution_covariance import (
-    estimate_covariance,
-    residual_of,
-    rounding,
-)
-from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve, solve_orders
-from dashpot.numerics.inference.covariance import Noise, ResidualSeries, noise_of
+from dashpot.base.option_fields import Method
+from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
+from dashpot.fitting.nuisance_priors import priors, spread_before, terms_of
+from dashpot.fitting.parameter_errors import Encoder, residual_of, rounding
+from dashpot.numerics.design_matrices.block import DataBlock, DelayedForce
+from dashpot.numerics.design_matrices.data_compression import uniform_step
+from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.exponential_fit import Solution, solve, solve_orders
+from dashpot.numerics.inference.correlated_noise import Noise, ResidualSeries, noise_of
+from dashpot.numerics.log_tau_descent import Stack
+from dashpot.preprocessing.denoising import denoise_displacement
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# From prepared tests to the blocks that the engine fits.
+
+
+NUISANCE = ("offset", "drift", "delay")
+
+# motion after the ramp, as a part of the depth, that eq. 5 can bear
+_MOST_BY_EQ_5 = 0.05
+# and beyond this it leads to another hold
+_ANOTHER_DEPTH = 0.25
+_FEWEST = 8
+_ROUNDED = 0.01
+# arms of the first solution, which tells the slope of the force
+_ROUGH = 2
+
+
+class FitSetup(NamedTuple):
+    """How the tests are set out: the method, and which nuisance terms."""
+
+    method: Method
+    nuisance: tuple[str, ...] = NUISANCE
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Those that have a column from the beginning; eq. 5 has no motion to come late."""
+        return tuple(name for name in self.nuisance if name != "delay")
+
+
+def block_of(
+    test: RampHold,
+    *,
+    method: Method = "full",
+    terms: Sequence[str] = (),
+    index: int | None = None,
+    start: int | None = None,
+    law: ElasticLaw | None = None,
+    columns: Mapping[str, FloatArray] = MappingProxyType({}),
+    weights: FloatArray | None = None,
+    reach: tuple[float, float] | None = None,
+) -> DataBlock:
+    """Return the rows of one record: what a solid and its rig give, and the force.
+
+    A few hundred rows on which a fit is that to every sample.
+
+    Parameters
+    ----------
+    test : RampHold
+    method : "full" or "hold"
+        Answers to the recorded motion, or to an ideal ramp in the hold alone (eq. 5).
+    terms : sequence of str
+        ``"offset"`` and ``"drift"`` have a column each, which counts from the first sample, or from
+        the end of an ideal ramp.
+    index : int, optional
+        Of the test: its terms are its own, ``"offset@0"``.
+    start : int, optional
+        The first sample that is fitted to the recorded motion, in place of that of contact.
+    law : ElasticLaw, optional
+        The solid answers the path of this law.
+    columns : mapping of str to array, shape (n,)
+        Further terms of the recorded motion, a value at every sample to the end of the hold.
+    weights : array, shape (n,), optional
+        Of those samples: what is known of the motion, 1 from where it is known.
+    reach : (float, float), optional
+        Relaxation times that are asked about, s, where the window of the record is not enough.
+    """
+    at = "" if index is None else f"@{index}"
+    offset, drift = (f"{name}{at}" if name in terms else None for name in ("offset", "drift"))
+    if method == "hold":
+        return hold_block(
+            np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
+            test.force[test.settled],
+            depth=test.depth if law is None else float(law.path(test.depth)),
+            ramp_time=test.ramp_time,
+            offset=offset,
+            drift=drift,
+        )
+    time, x, force = motion(test)
+    window = slice(first_sample(test) if start is None else start, None)
+    return recorded_block(
+        time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
+        columns=columns, weights=weights, reach=reach,
+    )  # fmt: skip
+
+
+def compress_tests(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, ...]:
+    """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
+    return tuple(
+        block_of(test, method=design.method, terms=design.terms, index=i)
+        for i, test in enumerate(tests)
+    )
+
+
+def build_delay_blocks(
+    tests: Sequence[RampHold], design: FitSetup, near: FloatArray | None = None
+) -> tuple[DataBlock, ...]:
+    r"""Return the blocks of :func:`compress_tests` with the column of a force that comes late.
+
+    .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
+
+    The slope of the force needs no more than a first solution with two arms, or the one that is
+    `near` these ln tau.
+    """
+    blocks = compress_tests(tests, design)
+    if design.method == "hold" or "delay" not in design.nuisance:
+        return blocks
+    stack = Stack(blocks)
+    spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
+    rows = [*blocks, *bound(tests, blocks, design)]
+    rough_arms = _ROUGH if near is None else len(near)
+    rough = solve(
+        rows,
+        max(min(rough_arms, spare), 0),
+        log_tau_start=near,
+        negligible=bic_penalty_per_arm(rows),
+    )
+    return tuple(
+        block.with_delay(f"delay@{i}", _late(test, block, rough))
+        for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
+    )
+
+
+def bic_penalty_per_arm(blocks: Sequence[DataBlock]) -> float:
+    """Return what BIC asks one more arm to gain, in noise variances."""
+    stack = Stack(blocks)
+    return (1 + len(stack.groups)) * float(np.log(stack.samples))
+
+
+def bound(
+    tests: Sequence[RampHold],
+    blocks: Sequence[DataBlock],
+    design: FitSetup,
+    spreads: Sequence[float] | None = None,
+) -> tuple[DataBlock, ...]:
+    """Return what is known of each load cell and its clock before the fit, a block per test.
+
+    `spreads` holds the standard deviation of one independent residual of each test, N; by default
+    as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.spread_before`). Eq. 5 has no ramp
+    that would tell slow arms from a drift, which is there as free as it may be; its clock begins at
+    the end of the ramp.
+    """
+    hold = design.method == "hold"
+    if not (design.terms if hold else design.nuisance):
+        return ()
+    provided = spreads or [*map(spread_before, tests)]
+    terms = [terms_of(test, claimed=hold) for test in tests]
+    if hold:
+        terms = [
+            replace(term, since=term.since + float(test.ramp_end - test.time[0]))
+            for term, test in zip(terms, tests, strict=True)
+        ]
+    every = zip(terms, blocks, provided, strict=True)
+    return tuple(nuisance_terms.rows(block, spread) for nuisance_terms, block, spread in every)
+
+
+def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
+    """The force of the first solution as one that comes late, N/s."""
+    time, x, _ = motion(test)
+    k = rough.arms[rough.groups.index(block.arm_group)]
+    k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
+    arms = block.exact.evaluate(rough.log_tau, False).arms
+    speed = np.gradient(x, uniform_step(time) or time)
+    return DelayedForce.from_arms(arms, k, rough.tau, k_g, speed[first_sample(test) :])
+
+
+def first_sample(test: RampHold) -> int:
+    """Return the first sample of a full fit: those before contact are spent on what they tell."""
+    return priors(test).first
+
+
+def is_multi_step(test: RampHold) -> bool:
+    """True if the plate moves on to another depth after the first ramp: there is no one hold."""
+    return _compute_hold_travel(test) > _ANOTHER_DEPTH
+
+
+def _compute_hold_travel(test: RampHold) -> float:
+    return float(np.ptp(test.displacement[test.hold])) / test.depth
+
+
+def eq5_obstacle(test: RampHold) -> str | None:
+    """Return why eq. 5 does not apply to this history, in a sentence; None if it does."""
+    held = test.displacement[test.hold]
+    if test.loading_start is not None:
+        return (
+            "the record has earlier loadings, which the seal remembers, so this is no single ramp "
+            "and hold; eq. 5 does not apply: fit ramp and hold instead, or cut the record to the "
+            "test of a seal that has rested"
+        )
+    if len(held) < _FEWEST:
+        return (
+            f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "
+            "ramp and hold instead, or sample faster"
+        )
+    change = _compute_hold_travel(test)
+    if change > _MOST_BY_EQ_5:
+        return (
+            f"the displacement moves by {100 * change:.0f} % of the depth after the first ramp, so "
+            "this is no single ramp and hold; eq. 5 does not apply: fit ramp and hold instead, or "
+            "cut the record to one ramp and its hold"
+        )
+    creep = test.hold_creep
+    if abs(creep) > MAX_CREEP:
+        return (
+            f"the displacement drifts by {100 * creep:.2g} % of the depth during the hold, more "
+            f"than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear: fit ramp and hold instead, "
+            "which takes the recorded motion"
+        )
+    return None
+
+
+def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Time, displacement from the first sample on, and force, up to the end of the hold.
+
+    A seal that the record finds in contact is at rest there: the force of that rest is offset.
+    """
+    used = slice(0, test.hold.stop)
+    x, _ = denoise_displacement(test)
+    return regularise_clock(test.time[used] - test.time[0]), x - x[0], test.force[used]
+
+
+def regularise_clock(time: FloatArray) -> FloatArray:
+    """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
+
+    A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform
+    grid, that grid is meant, and the fit need not treat the record as unevenly sampled.
+    """
+    grid = np.linspace(time[0], time[-1], len(time))
+    step = (time[-1] - time[0]) / max(len(time) - 1, 1)
+    return grid if float(np.abs(time - grid).max()) <= _ROUNDED * step else time
+
+
+def solid_of(solution: Solution) -> GeneralizedMaxwell:
+    """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
+    k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
+    return GeneralizedMaxwell(
+        max(solution.coefficient("k_inf"), 0.0),
+        tuple(k[k > 0]),
+        tuple(solution.tau[k > 0]),
+        max(solution.coefficient("b"), 0.0) if "b" in solution.fixed_names else 0.0,
+    )
+
+
+# What a solid is fitted to, and how its noise weighs what was known before.
+
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
 _WEIGHED = (2 / 3, 3 / 2)
-# a fit that expects less than this part of a value does not follow it: no ground for a weight
-DOUBTED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +322,7 @@ class FitData:
     @cached_property
     def peak(self) -> float:
         """Largest target: it sets what rounding alone leaves."""
-        return max(_find_largest_target(block) for block in self.samples)
+        return max(find_largest_target(block) for block in self.samples)
 
 
 def data_of(
@@ -182,53 +417,6 @@ def max_determinable_arms(blocks: Sequence[DataBlock]) -> int:
     return max(0, (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups)))
 
 
-# -- data weighted by their own scatter -----------------------------------------------------------
-
-
-class SingleTestFit(NamedTuple):
-    """The best that one test allows: its solid, and the scatter that each of its records leaves.
-
-    Attributes
-    ----------
-    model : GeneralizedMaxwell
-    scatter : tuple of float
-        Spread of one independent residual (rms times root kappa) of each record, for the freedom
-        that the fit took; never below the rounding of the data.
-    freedom : tuple of float
-        Degrees of freedom that the fit left of each record.
-    """
-
-    model: GeneralizedMaxwell
-    scatter: tuple[float, ...]
-    freedom: tuple[float, ...]
-
-
-def fit_single_test(
-    blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int
-) -> SingleTestFit:
-    """Fit one test with as many arms as it bears, up to `most`."""
-    most = min(most, max_determinable_arms(blocks))
-    best = solve_orders(blocks, most)[-1]
-    peaks = [_find_largest_target(block) for block in samples]
-    estimate = estimate_covariance(best, samples, peak=max(peaks))
-    # thirteen parameters of 32 values leave a third less than their scatter
-    model = solid_of(best)
-    count = sum(len(residual) for residual in estimate.residuals)
-    taken = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
-    ratio = max(count - taken, 1) / count
-    spreads = [
-        float(np.sqrt(np.mean(residual**2) * noise.kappa / ratio))
-        for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
-    ]
-    return SingleTestFit(
-        model,
-        tuple(
-            max(spread, ROUNDING * (peak or 1.0))
-            for spread, peak in zip(spreads, peaks, strict=True)
-        ),
-        tuple(ratio * len(residual) for residual in estimate.residuals),
-    )
-
-
-def _find_largest_target(block: DataBlock) -> float:
+def find_largest_target(block: DataBlock) -> float:
+    """Return the largest absolute value of the target of a block."""
     return float(np.abs(block.target).max())

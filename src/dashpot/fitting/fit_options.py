@@ -4,16 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.choices import (
-    Method,
-    RampLawAsked,
-    require_choice,
-)
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked, require_choice
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.design_matrix import NUISANCE, FitSetup, eq5_obstacle
-from dashpot.fitting.fractional_model.family_selection import checked_family
-from dashpot.fitting.pipeline import FitOptions
+from dashpot.fitting.fit_data import NUISANCE, FitSetup, eq5_obstacle
+from dashpot.fitting.order_selection import FitOptions
+
+
+def checked_family(family: str, arms: int | str = "auto") -> None:
+    """Refuse a family that is none, and a number of arms of a solid that has none.
+
+    Raises
+    ------
+    FitError
+    """
+    require_choice("family", family, FamilyAsked, FitError)
+    if family == "fractional" and arms != "auto":
+        raise FitError(
+            f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
+            "fit both families (--model auto), of which --arms counts those of one"
+        )
+
+
+def require_maxwell_family(family: str) -> None:
+    """Refuse all but arms where a solid moves with temperature.
+
+    Raises
+    ------
+    FitError
+    """
+    if family != "maxwell":
+        raise FitError(
+            "a solid with arms alone is fitted at several temperatures. Leave out --model "
+            f"{family}, or fit one temperature by itself (Python: model='maxwell')"
+        )
 
 
 def checked_design(

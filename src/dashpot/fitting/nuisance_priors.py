@@ -21,7 +21,7 @@ from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.block import DataBlock, prior_block
-from dashpot.numerics.inference.covariance import Noise, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, noise_of
 from dashpot.signals.noise import scatter
 
 # fewer samples have no scatter, and none a slope, to speak of
@@ -315,11 +315,6 @@ class TwoChannels(Protocol):
 def delay_prior(record: TwoChannels) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
     return Prior(0.0, record.machine.delay_sd(record.step))
-
-
-def taken_later(time: FloatArray, values: FloatArray, by: float) -> FloatArray:
-    """Return a channel as it reads if it comes so much later, s; its ends rest."""
-    return np.asarray(np.interp(time - by, time, values))
 
 
 def error_by_delay(numbers: Callable[[float], FloatArray], delay: Prior) -> FloatArray:

@@ -1,22 +1,62 @@
-"""The rules for the number of arms in the metric of a noise that is as slow as the arms."""
+"""The number of arms: every number tried, one chosen, and what is known of it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import Any, Literal
 
 import numpy as np
 
-from dashpot.fitting.uncertainty.solution_covariance import (
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
+from dashpot.base.units import Quantity
+from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
+from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
+from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
+from dashpot.fitting.fit_construction import SolidEstimate, nuisances
+from dashpot.fitting.fit_data import FitData, InitialFit, max_determinable_arms, solid_of, weighed
+from dashpot.fitting.parameter_errors import (
     Score,
+    SolutionEstimate,
+    compute_profiles,
+    estimate_covariance,
     noises_of,
     rounding,
+    score_solution,
     split_by_record,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit.variable_projection import Jacobian, Solution, solve_orders
-from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
-from dashpot.numerics.inference.whitening import whitened_block
+from dashpot.numerics.exponential_fit import (
+    Jacobian,
+    Solution,
+    certificate,
+    full_jacobian,
+    solve_orders,
+)
+from dashpot.numerics.inference.correlated_noise import (
+    Noise,
+    directions,
+    nearly_white,
+    noise_gain_differs,
+    noise_gain_ratio,
+    whitened_block,
+)
+from dashpot.numerics.inference.model_order import (
+    DECISIVE,
+    OrderChoice,
+    Shortage,
+    bic_of_deviance,
+    is_significant_fall,
+    select_model_order,
+)
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+# The rules for the number of arms in the metric of a noise that is as slow as the arms.
 
 
 def score_in_noise_metric(
@@ -74,3 +114,392 @@ def score_in_noise_metric(
 
 def _parameters(solution: Solution) -> int:
     return len(solution.fixed) + solution.order * (1 + len(solution.groups))
+
+
+# From data to an optimum: every number of arms tried, one chosen, and what is known of it.
+
+
+# a step that would remove less of the residual than this is rounding, whatever it does to tau
+_STATIONARY = 1e-6
+# where another spectrum leaves so much less, what is left is no noise
+_MISFIT = 0.5
+#: so many arms beyond those that were asked for are tried
+FURTHER = 2
+#: no more of a sum of squares can be gained
+ALL = 1 - 1e-12
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """What is asked of a fit: arguments of :func:`~dashpot.fitting.relaxation.fit`.
+
+    Attributes
+    ----------
+    arms : int or "auto"
+    max_arms : int
+        The most that ``"auto"`` tries.
+    method : "full" or "hold"
+    law : "auto", "linear" or "nonlinear"
+    family : "maxwell", "fractional" or "auto"
+    intervals, thorough : bool
+    shift_law, vertical : str
+        Of tests at several temperatures.
+    reference : float, optional
+        The temperature that they are shifted to, K.
+    """
+
+    arms: int | Literal["auto"] = "auto"
+    max_arms: int = 6
+    method: Method = "full"
+    law: RampLawAsked = "auto"
+    family: FamilyAsked = "maxwell"
+    intervals: bool = True
+    thorough: bool = False
+    shift_law: ShiftLaw = "auto"
+    vertical: Vertical = "free"
+    reference: Quantity | None = None
+
+    @property
+    def choices(self) -> dict[str, Any]:
+        """What differs from the usual, by the names of those arguments."""
+        return {
+            name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
+        }
+
+    @property
+    def count(self) -> int | None:
+        """The number of arms asked for; None if it is left to the data."""
+        return None if self.arms == "auto" else self.arms
+
+    @property
+    def point(self) -> int | None:
+        """The arms of an optimum that is wanted alone; None where more is."""
+        return None if self.intervals or self.family != "maxwell" else self.count
+
+
+@dataclass(frozen=True, eq=False)
+class SelectedModel:
+    """The optimum for the number of arms taken, its uncertainty, and every number tried.
+
+    Attributes
+    ----------
+    data : FitData
+    estimate : SolutionEstimate
+        Of the number of arms taken.
+    scores : tuple of Score
+        Every number tried, from none up.
+    choice : Choice or None
+        How the rules chose; None if the number was asked for.
+    asked : int or None
+        The number asked for; None if the rules chose.
+    """
+
+    data: FitData
+    estimate: SolutionEstimate
+    scores: tuple[Score, ...]
+    choice: OrderChoice | None
+    asked: int | None
+
+    @property
+    def solution(self) -> Solution:
+        """The optimum."""
+        return self.estimate.solution
+
+    @cached_property
+    def model(self) -> GeneralizedMaxwell:
+        """The arms of the optimum."""
+        return solid_of(self.solution)
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of the optimum."""
+        return self.model
+
+    @cached_property
+    def _rows(self) -> dict[str, int]:
+        """The model's parameters and their rows in the covariance."""
+        return self.rows_named(
+            "k_inf", "k", "ln_tau", "b" if "b" in self.solution.fixed_names else None
+        )
+
+    def rows_named(self, spring: str, arm: str, time: str, dashpot: str | None) -> dict[str, int]:
+        """Rows of the covariance: spring, every arm that is there by its two names, and dashpot."""
+        there = np.flatnonzero(self.solution.arms.ravel() > 0) + 1
+        named = {spring: spring}
+        named |= {f"{arm}_{j}": f"k_{row}" for j, row in enumerate(there, start=1)}
+        named |= {f"{time}_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
+        named |= {} if dashpot is None else {dashpot: dashpot}
+        return {name: self.estimate.names.index(row) for name, row in named.items()}
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of the model's parameters: k_inf, every k, every ln tau, and b."""
+        rows = list(self._rows.values())
+        return self.estimate.covariance[np.ix_(rows, rows)]
+
+    @cached_property
+    def error(self) -> FloatArray:
+        """Standard errors of the model's parameters."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the model's parameters."""
+        return tuple(self._rows)
+
+    @property
+    def stiffnesses(self) -> dict[str, float]:
+        """Those that an error of the depth scales, by their rows."""
+        solution = self.solution
+        arms = {f"k_{j}": k for j, k in enumerate(solution.arms.ravel().tolist(), start=1)}
+        return {"k_inf": solution.coefficient("k_inf"), **arms}
+
+    def with_depth_doubt(self, doubts: Sequence[float]) -> SelectedModel:
+        """As found, with what the encoder's step leaves unknown of each depth."""
+        return replace(self, estimate=self.estimate.with_depth_doubt(doubts, self.stiffnesses))
+
+    @property
+    def orders(self) -> tuple[OrderScore, ...]:
+        """Every number of arms tried, as a fit holds it."""
+        return tuple(
+            OrderScore(
+                score.solution.order, score.solution.sse, score.bic, score.significant,
+                solid_of(score.solution),
+            )
+            for score in self.scores
+        )  # fmt: skip
+
+    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:
+        """Profile likelihoods of the model's parameters; noise in order of time may be slow."""
+        return compute_profiles(
+            self.data.rows,
+            self.estimate,
+            every_sample=self.data.samples if in_order_of_time else None,
+        )
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """How far the optimum can be from the best positive spectrum."""
+        return compute_certificate(self.data.rows, self.solution)
+
+    @cached_property
+    def shortage(self) -> Shortage | None:
+        """The arms that the rules take, where fewer were asked for; None if those are enough.
+
+        More are tried only where a spectrum with any number of arms leaves less by what one arm
+        must gain.
+        """
+        solution = self.solution
+        least = solution.samples * rounding(self.data.peak) ** 2
+        if self.asked is None or solution.order < self.asked or solution.sse <= least:
+            return None
+        gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
+        if gain < 2 * float(np.log(solution.samples)):
+            return None
+        more = select_order(self.data, FitOptions(max_arms=solution.order + FURTHER))
+        supported = more.solution.order
+        if supported <= solution.order:
+            return None
+        return Shortage(solution.order, supported, self.estimate.rms, more.estimate.rms)
+
+    def enough(self, unit: str) -> tuple[Check, ...]:
+        """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
+        estimate = self.estimate
+        answers = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
+        if self.asked is None:
+            return answers
+        return (arms_enough(self.shortage, self.solution.order, unit=unit), *answers)
+
+    @property
+    def convergence_check(self) -> Check:
+        """Whether no step would change more than rounding, or a bound holds the point."""
+        solution = self.solution
+        near = solution.converged or solution.relative_offset < _STATIONARY
+        return optimum_found(stationary=bool(near or solution.at_bound.any()))
+
+    @property
+    def residual(self) -> Residual:
+        """Statistics of the weighted residuals."""
+        return self.estimate.statistics([float(r @ r) for r in self.estimate.residuals])
+
+    def nuisances(
+        self,
+        value: Callable[[str], float] | None = None,
+        *,
+        of: str = "N",
+        delays: Sequence[float] = (),
+    ) -> tuple[Nuisance, ...]:
+        """Offset, drift and delay of each test, N or `of`, beside what was known of `delays`, s.
+
+        By their columns, or by the `value` of each.
+        """
+        entries = {f"delay@{i}": sd for i, sd in enumerate(delays)}
+        if len(delays) == 1:  # a test alone may bear no number
+            entries["delay"] = delays[0]
+        value = value or self.solution.coefficient
+        error = self.estimate.standard_error
+        return nuisances(self.solution.fixed_names, value, error, of=of, known=entries)
+
+    def outcome(
+        self,
+        residual: Residual,
+        nuisance: tuple[Nuisance, ...] = (),
+        *,
+        unseen: FloatArray | None = None,
+    ) -> SolidEstimate:
+        """The solid and what is known of it, as every fit is made of.
+
+        `unseen`, shape (p, d), is what each doubt of a rig adds to the parameters: it is in every
+        interval, and in nothing that a check judges by the noise.
+        """
+        steady = self.data.in_time and self.certificate.gap < _MISFIT
+        estimate = ParameterEstimate(
+            self.parameters,
+            self.covariance,
+            self.estimate.dof,
+            residual,
+            self.profiles(in_order_of_time=steady),
+            nuisance,
+        )
+        if unseen is not None:
+            estimate = estimate.with_rig(unseen)
+        fewer = self.asked is not None and self.solution.order < self.asked
+        return SolidEstimate(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
+
+
+def validate_arm_count(arms: object, max_arms: object) -> int:
+    """Return the most arms to try.
+
+    Raises
+    ------
+    FitError
+        If `arms` is neither ``"auto"`` nor a whole number >= 0.
+    """
+    if arms == "auto":
+        if not _is_whole_number(max_arms):
+            raise FitError(f"max_arms = {max_arms!r}; expected a whole number >= 0")
+        return int(max_arms)  # type: ignore[call-overload,no-any-return]
+    if not _is_whole_number(arms):
+        raise FitError(
+            f'arms = {arms!r}; expected "auto" or a whole number of arms, 0 for a spring alone'
+        )
+    return int(arms)  # type: ignore[call-overload,no-any-return]
+
+
+def select_order(
+    data: FitData, options: FitOptions, *, first: InitialFit | None = None
+) -> SelectedModel:
+    """Fit every number of arms; take the number that the data support, or that was asked for.
+
+    Parameters
+    ----------
+    data : FitData
+    options : FitOptions
+        ``"auto"`` arms chooses by BIC and significance; of a number the data may bear fewer.
+    first : First, optional
+        What :func:`weighed` found, where it is known already.
+    """
+    auto, most = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
+    if auto:
+        most = min(most, max_determinable_arms(data.blocks))
+    first = first or weighed(data, most, auto=auto, thorough=options.thorough)
+    data, noises = first.data, first.noises
+    samples, peak, in_time = data.samples, data.peak, data.in_time
+    scores = _score_orders(first.solutions[: most + 1], data, noises)
+    exhausted = len(scores) - 1 < most or not in_time
+    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
+
+    @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
+    def solve_whole_order(order: int) -> Jacobian:
+        return full_jacobian([*samples, *data.priors], scores[order].solution)
+
+    # least squares is a fair judge where the noise is even to the arms that a rule supports
+    supported = min(max(choice.by_bic, choice.by_significance, 1), len(scores) - 1)
+    if (
+        auto
+        and in_time
+        and not nearly_white(noises)
+        and noise_gain_differs(
+            _noise_gain(split_by_record(solve_whole_order(supported), data.full_rows)[1], noises)
+        )
+    ):
+        largest = solve_whole_order(len(scores) - 1)
+        anew = score_in_noise_metric(
+            scores, samples, largest, peak=peak, thorough=options.thorough, priors=data.priors
+        )
+        if anew is not None:
+            scores = anew
+            choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE, in_noise_metric=True)
+    taken = choice.arms if auto else min(most, len(scores) - 1)
+    estimate = estimate_covariance(
+        scores[taken].solution,
+        samples,
+        peak=peak,
+        priors=data.priors,
+        encoders=data.encoders,
+        whole=solve_whole_order(taken),
+        series=first.get_residual_series(scores[taken].solution),
+    )
+    return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
+
+
+# -- orders ---------------------------------------------------------------------------------------
+
+
+def _score_orders(
+    solutions: Sequence[Solution], data: FitData, noises: Sequence[Noise]
+) -> tuple[Score, ...]:
+    """Judge each number of arms by the residuals of the largest."""
+    effective = sum(noise.effective for noise in noises)
+    return tuple(
+        score_solution(
+            solution,
+            data.blocks,
+            data.samples,
+            effective=effective,
+            peak=data.peak,
+            priors=data.priors,
+        )
+        for solution in solutions
+    )
+
+
+def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
+    information = directions(jacobians[: len(noises)])
+    return noise_gain_ratio(
+        information, [*map(information.compute_record_gain, range(len(noises)), noises)]
+    )
+
+
+def _choice(
+    scores: Sequence[Score], *, exhausted: bool, decisive: float, in_noise_metric: bool = False
+) -> OrderChoice:
+    return select_model_order(
+        range(len(scores)),
+        [score.bic for score in scores],
+        [score.significant for score in scores],
+        exhausted=exhausted,
+        in_noise_metric=in_noise_metric,
+        decisive=decisive,
+    )
+
+
+def _is_whole_number(number: object) -> bool:
+    whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+    return whole and number >= 0  # type: ignore[operator]
+
+
+# -- parts of a fit -------------------------------------------------------------------------------
+
+
+def compute_certificate(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
+    """Return how far the optimum can be from the best positive spectrum."""
+    result = certificate(blocks, solution)
+    if result.optimal:
+        says = "no spectrum with any number of arms fits better"
+    else:
+        says = (
+            f"no spectrum of arms fits better by more than {100 * result.gap:.2g} % of the squared "
+            "residual"
+        )
+    return Certificate(result.optimal, result.gap, result.tau, says)

@@ -9,15 +9,20 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
-from dashpot.base.errors import FitError
+from dashpot.base.errors import DashpotError, FitError
+from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence
+from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.check_suite import Residuals, run_relaxation_checks
+from dashpot.fitting.admissible_spectra import (
+    AdmissibleSpectra,
+    compute_end_limits,
+    spectra_of_holds,
+)
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
     arms_enough,
@@ -25,51 +30,143 @@ from dashpot.fitting.checks.solid import (
     loss_factor_known,
     order_agreed,
 )
-from dashpot.fitting.delay_correction import DelayedMotion, select_delayed_motion
-from dashpot.fitting.design_matrix import NUISANCE, FitSetup, solid_of
-from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_construction import (
     UNJUDGED,
+    Residuals,
     SolidEstimate,
     build_fit,
     nuisances,
     point_estimate,
     provenance_of,
+    run_relaxation_checks,
 )
-from dashpot.fitting.fit_data import InitialFit, data_of, weighed
-from dashpot.fitting.fit_options import checked_design, refuse_shifts
+from dashpot.fitting.fit_data import (
+    NUISANCE,
+    FitSetup,
+    InitialFit,
+    compress_tests,
+    data_of,
+    eq5_obstacle,
+    solid_of,
+    weighed,
+)
+from dashpot.fitting.fit_options import checked_design, refuse_shifts, require_maxwell_family
 from dashpot.fitting.fractional_model.family_selection import (
     FamilySelection,
     FractionalFit,
     chosen_family,
     describe_fit,
-    require_maxwell_family,
     with_linear_fractional,
 )
-from dashpot.fitting.linearity import HoldBlocks, LinearityResult
+from dashpot.fitting.input_tests import (
+    Tests,
+    checked_temperatures,
+    find_reference_index,
+    ramp_holds,
+    refuse_copies,
+)
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
+from dashpot.fitting.nonlinear_ramp.linearity import (
+    DelayedMotion,
+    HoldBlocks,
+    LinearityResult,
+    select_delayed_motion,
+)
 from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
-from dashpot.fitting.pipeline import FitOptions, SelectedModel, select_order, validate_arm_count
-from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
-from dashpot.fitting.replicates import refuse_copies
-from dashpot.fitting.tests_at_temperatures import checked_temperatures, find_reference_index
-from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
-from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.end_of_hold_limits import compute_end_limits, spectra_of_holds
-from dashpot.fitting.uncertainty.rig_sensitivity import (
+from dashpot.fitting.order_selection import (
+    FitOptions,
+    SelectedModel,
+    select_order,
+    validate_arm_count,
+)
+from dashpot.fitting.parameter_errors import (
+    SolutionEstimate,
     compute_clock_sensitivity,
     compute_rig_sensitivity,
 )
-from dashpot.fitting.uncertainty.solution_covariance import SolutionEstimate
-from dashpot.fitting.uncertainty.valid_band import informed_band
-from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
+from dashpot.fitting.valid_band import band_of_hold, informed_band
+from dashpot.numerics.exponential_fit import solve
+from dashpot.preprocessing.signal_conditioning import Filter, filter_of, filter_record
 from dashpot.registry import find_handler
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
-    from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
+    from dashpot.fitting.nonlinear_ramp.elastic_law import RampLaw
+
+
+# What a filter did to the parameters of a relaxation test.
+
+
+def check_filter_bias(test: RampHold) -> Check:
+    """What its filter did to each parameter, predicted on the noise-free answer of the seal.
+
+    The solid is fitted to the unfiltered record; its exact answer to the recorded motion is
+    fitted again, before and behind the filter, by eq. 5 and by the full history.
+
+    Parameters
+    ----------
+    test : RampHold
+        Filtered, with the record before the filter in ``unfiltered``.
+    """
+    raw, by = test.unfiltered, filter_of(test)
+    if raw is None or by is None:
+        return checks.filter_bias(None)
+    try:
+        model = _select_supported_solid(raw)
+        clean = replace(
+            raw,
+            force=model.force(raw.time, raw.displacement),
+            machine=Machine(),
+            given=None,
+            checks=(),
+        )
+        changes = {
+            "hold": _compute_filter_changes(clean, by, model.arms, "hold"),
+            "full": _compute_filter_changes(clean, by, model.arms, "full"),
+        }
+    except DashpotError as error:
+        return checks.filter_bias(by, str(error))
+    return checks.filter_bias(by, changes, min(model.tau, default=np.inf))
+
+
+def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
+    """Return the solid with as many arms as the record supports."""
+    return select_order(data_of([record], FitSetup("full")), FitOptions()).model
+
+
+def _compute_filter_changes(
+    clean: RampHold, by: Filter, arms: int, method: Method
+) -> dict[str, float]:
+    """Relative change of each parameter that the filter makes; -1 where an arm is lost."""
+    behind = filter_record(clean, by)
+    if method == "hold":
+        # eq. 5 takes the ramp from its corners, which were found before the filter
+        behind = replace(behind, displacement=clean.displacement)
+    before, after = (_solve_parameters(record, arms, method) for record in (clean, behind))
+    return {
+        name: after[name] / value - 1 if name in after else -1.0
+        for name, value in before.items()
+        if value > 0
+    }
+
+
+def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, float]:
+    """Return every parameter of the solid with so many arms by its name."""
+    obstacle = eq5_obstacle(record) if method == "hold" else None
+    if obstacle is not None:
+        raise FitError(obstacle)
+    model = solid_of(
+        solve(
+            compress_tests([record], FitSetup(method, NUISANCE if method == "full" else ())), arms
+        )
+    )
+    named = {"k_inf": model.k_inf}
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
+        named |= {f"k_{j}": k, f"tau_{j}": tau}
+    return named
 
 
 class _HoldArguments(TypedDict):
@@ -107,7 +204,7 @@ def fit(
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
 
     A force that lags by more than the tangent bears is answered by a motion that is as late, where
-    that makes a linear solid sound (:mod:`dashpot.fitting.delay_correction`).
+    that makes a linear solid sound (:mod:`dashpot.fitting.nonlinear_ramp.linearity`).
 
     ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
 
@@ -137,7 +234,7 @@ def fit(
     law : "auto", "linear" or "nonlinear"
         Elastic law of the seal, F_e(x) in place of x. A linear solid that explains ramp and hold
         to their noise is kept. Any other record is fitted hold first
-        (:mod:`dashpot.fitting.nonlinear_ramp.elastic_law_selection`): the hold decides over the
+        (:mod:`dashpot.fitting.nonlinear_ramp.elastic_law`): the hold decides over the
         arms, the ramp over the law, which ``"auto"`` bends only if that matters.
     family : "maxwell", "fractional" or "auto"
         Arms; a fractional Zener solid, whose four parameters are a spectrum that is broad and
@@ -278,9 +375,7 @@ def _fit_one_temperature(records: Sequence[RampHold], design: FitSetup, options:
 
 def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
     """Return the elastic law that the ramps support."""
-    from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
-        select_elastic_law,  # a sound linear fit needs none
-    )
+    from dashpot.fitting.nonlinear_ramp.elastic_law import select_elastic_law
 
     return select_elastic_law(records, law=law, arms=arms)
 
@@ -385,9 +480,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
 
 def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
     """Whether the holds of a bent ramp support no more arms than were asked for."""
-    from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
-        supported_by_holds,  # as the law itself
-    )
+    from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
 
     return arms_enough(supported_by_holds(records, law.hold), law.model.arms, unit="N")
 
@@ -431,7 +524,7 @@ def _checks(
     choice, error = selection.choice, selection.error
     in_arms = not isinstance(selection, FractionalFit)
     answers = [
-        *(filter_bias(record) for record in records if record.unfiltered is not None),
+        *(check_filter_bias(record) for record in records if record.unfiltered is not None),
         *run_relaxation_checks(
             records,
             model,

@@ -25,7 +25,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, kind_of
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.inference.whitening import marginal
+from dashpot.numerics.inference.correlated_noise import marginal
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

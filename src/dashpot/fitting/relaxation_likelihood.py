@@ -15,7 +15,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import USUAL
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
-from dashpot.fitting.design_matrix import block_of, first_sample, motion
+from dashpot.fitting.fit_data import block_of, first_sample, motion
 from dashpot.fitting.nuisance_priors import (
     LINEAR_DELAY,
     Prior,
@@ -35,16 +35,9 @@ from dashpot.fitting.relaxation_data import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
-from dashpot.numerics.design_matrices.hold import window_of
-from dashpot.numerics.design_matrices.recorded_motion import FARTHEST
+from dashpot.numerics.design_matrices.recorded_motion import FARTHEST, window_of
 from dashpot.preprocessing.denoising import between_samples, denoise_displacement, rests
-from dashpot.signals.rig_disturbances import (
-    earlier_press,
-    folded_mains,
-    machine_terms,
-    set_sd,
-    warming,
-)
+from dashpot.signals.noise import earlier_press, folded_mains, machine_terms, set_sd, warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 

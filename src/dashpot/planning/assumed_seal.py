@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.option_fields import option
 from dashpot.base.units import Quantity, convert_to_si, si_fields
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.planning.plan_options import IN_SI
 from dashpot.solids.demo_seals import PAPER, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -24,12 +24,11 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import duration, round_to_error
+from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.sentences import paragraph
 from dashpot.datamodel.bounds import STANDS, naming
 from dashpot.datamodel.machine import Machine
-from dashpot.planning.planned_ramp_hold import Bench
-from dashpot.planning.temperature_repeats import Elsewhere, rows_with
+from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, rows_with
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.frf_prediction import accelerance, ringing_pole
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dashpot.base.choices import Method, require_choice
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import option
+from dashpot.base.option_fields import Method, option, require_choice
 from dashpot.base.units import si_fields
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 
 IN_SI = "a number > 0 in SI units"
 

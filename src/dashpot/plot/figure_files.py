@@ -1,17 +1,161 @@
-"""A picture to a file."""
+"""A picture to a file: SVG as it is, PNG and PDF drawn by matplotlib at the same places."""
 
 from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from dashpot.base.atomic import write_atomic
-from dashpot.base.choices import Drawn, FigureSize, get_choice_values
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
+from dashpot.base.file_writing import write_atomic
+from dashpot.base.option_fields import Drawn, FigureSize, get_choice_values
 from dashpot.base.version import byline
-from dashpot.plot.matplotlib_writer import to_figure
-from dashpot.plot.picture import Picture
+from dashpot.plot.layout import Fill, Frame, Markers, Polyline, Word, arrange_sheet
+from dashpot.plot.picture import Dots, Keyed, Line, Pen, Picture, Rule
+from dashpot.plot.style import LIGHT
 from dashpot.plot.svg import to_svg
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+# Pictures for paper: the same places, drawn by matplotlib as PNG or PDF.
+
+
+INCH = 96.0
+"""px of an inch, as a page counts them; a point is 4/3 of a px."""
+
+PT = 0.75
+
+FONTS = ["Arial", "Liberation Sans", "Helvetica", "DejaVu Sans"]
+
+
+def to_figure(picture: Picture) -> Figure:
+    """The picture as a matplotlib figure of its own: no global state knows of it."""
+    from matplotlib.figure import Figure
+    from matplotlib.font_manager import fontManager
+
+    sheet = arrange_sheet(picture)
+    made = Figure(figsize=(picture.width / INCH, sheet.height / INCH), facecolor="white")
+    ax = made.add_axes((0, 0, 1, 1))
+    ax.set(xlim=(0, picture.width), ylim=(sheet.height, 0))
+    ax.set_axis_off()
+    names = set(fontManager.get_font_names())
+    canvas = _Canvas(ax, [name for name in FONTS if name in names])
+    for x, y, layout in sheet.strips:
+        for frame in layout.frames:
+            canvas.frame(frame, x, y)
+    for x, y, mark in sheet.key:
+        canvas.sample(mark, x, y - 4)
+    for word in sheet.words:
+        canvas.word(word, 0, 0)
+    return made
+
+
+class _Canvas:
+    """Axes whose units are px, downwards."""
+
+    def __init__(self, ax: Axes, fonts: list[str]) -> None:
+        from matplotlib.font_manager import findfont, get_font
+
+        self.ax, self.fonts = ax, fonts
+        self.letters = [get_font(findfont(name)) for name in fonts]
+
+    def frame(self, frame: Frame, x: float, y: float) -> None:
+        """Axes, then what is inside them, then words."""
+        from matplotlib.patches import Rectangle
+
+        box = frame.box
+        for hair in frame.hairs:
+            points = np.array([(hair.x0, hair.y0), (hair.x1, hair.y1)])
+            self.line(points + np.array((x, y)), Pen(hair.colour, hair.width), None)
+        corner = (x + box.x, y + box.y)
+        clip = Rectangle(corner, box.width, box.height, transform=self.ax.transData)
+        for mark in frame.inner:
+            self.inner(mark, np.array(corner), clip)
+        for word in (*frame.ticks, *frame.words):
+            self.word(word, x, y)
+
+    def inner(self, mark: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
+        """What is inside the axes, cut at them."""
+        if isinstance(mark, Polyline):
+            for part in mark.parts:
+                self.line(part + corner, mark.pen, clip)
+        elif isinstance(mark, Fill):
+            for part in mark.parts:
+                self.fill(part + corner, mark.colour, mark.tint, clip, hatched=mark.hatched)
+        else:
+            self.dots(mark.centres + corner, mark.size, mark.colour, clip, hollow=mark.hollow)
+
+    def line(self, points: FloatArray, pen: Pen, clip: Any) -> None:
+        """An unbroken curve."""
+        style: Any = "-" if not pen.dashes else (0, tuple(d / pen.width for d in pen.dashes))
+        (made,) = self.ax.plot(
+            *points.T, color=LIGHT[pen.colour], linewidth=PT * pen.width, linestyle=style,
+            solid_capstyle="butt", alpha=pen.opacity,
+        )  # fmt: skip
+        made.set_clip_path(clip)
+
+    def fill(
+        self, points: FloatArray, colour: str, tint: float, clip: Any, *, hatched: bool
+    ) -> None:
+        """A tinted area; a hatched one has lines over it."""
+        from matplotlib.patches import Polygon
+
+        away = colour == "away"
+        looks: list[dict[str, Any]] = [{"facecolor": (LIGHT[colour], tint)}]
+        if hatched:
+            ink = (LIGHT["ref" if away else colour], 0.55)
+            looks.append({"fill": False, "edgecolor": ink, "hatch": "\\\\" * 2 if away else "////"})
+        for look in looks:
+            made = self.ax.add_patch(Polygon(points, linewidth=0, **look))
+            made.set_clip_path(clip)
+
+    def dots(
+        self, points: FloatArray, size: float, colour: str, clip: Any, *, hollow: bool
+    ) -> None:
+        """Discs, or rings."""
+        (made,) = self.ax.plot(
+            *points.T, linestyle="none", marker="o", markersize=PT * size,
+            markerfacecolor="white" if hollow else LIGHT[colour], markeredgecolor=LIGHT[colour],
+            markeredgewidth=PT * 1.75 if hollow else 0,
+        )  # fmt: skip
+        made.set_clip_path(clip)
+
+    def word(self, word: Word, x: float, y: float) -> None:
+        """Letters as they stand: nothing in them is read as mathematics."""
+        from matplotlib.patheffects import withStroke
+
+        anchors = {"start": "left", "middle": "center", "end": "right"}
+        shown = "".join(c if self._has(c) else "□" for c in word.text)
+        self.ax.text(
+            x + word.x, y + word.y, shown, color=LIGHT[word.colour], fontsize=PT * word.size,
+            fontweight="bold" if word.bold else "normal", ha=anchors[word.anchor], va="baseline",
+            family=self.fonts, parse_math=False,
+            path_effects=[withStroke(linewidth=2.2, foreground="white")] if word.halo else None,
+        )  # fmt: skip
+
+    def _has(self, letter: str) -> bool:
+        code = ord(letter)
+        return letter.isprintable() and any(font.get_char_index(code) for font in self.letters)
+
+    def sample(self, mark: Keyed, x: float, y: float) -> None:
+        """A sample of a mark, 28 px wide, about the height y."""
+        if isinstance(mark, (Line, Rule)):
+            self.line(np.array([(x, y), (x + 28, y)]), mark.pen, None)
+        elif isinstance(mark, Dots):
+            at = np.array([(x + dx, y) for dx in (6, 14, 22)])
+            self.dots(at, mark.size, mark.colour, None, hollow=mark.hollow)
+        else:
+            corners = [(x, y - 5), (x + 28, y - 5), (x + 28, y + 5), (x, y + 5)]
+            self.fill(np.array(corners), mark.colour, mark.tint, None, hatched=mark.hatched)
+
+
+# A picture to a file.
 
 
 def save(

@@ -11,8 +11,8 @@ from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.plot import frf_figure, relaxation
-from dashpot.plot.picture import Picture, unit_of
-from dashpot.plot.provenance_stamp import stamp
+from dashpot.plot.picture import Picture
+from dashpot.plot.plotted_data import stamp, unit_of
 from dashpot.vibration.comparison.comparison import Comparison
 
 

@@ -9,12 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
-import numpy as np
-
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import FigureSize
+from dashpot.base.option_fields import FigureSize
 from dashpot.base.result_mixins import load_function
-from dashpot.base.units import convert_to_unit, get_display_unit
 
 COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
@@ -293,53 +290,3 @@ class Picture:
         """Show itself in a notebook."""
         text: str = load_function("plot.svg", "to_svg")(self)
         return text
-
-
-def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
-    """The word and the factor in which values, SI, read best: N, mN..., mm, µm...
-
-    A seal stays in N and mm; the cantilever of a microscope is in nN and nm.
-    """
-    size = float(np.max(np.abs(values), initial=0.0))
-    choices = {
-        "N": ("N", "mN", "µN", "nN", "pN"),
-        "m": ("mm", "µm", "nm"),
-    }[unit]
-    large = (word for word in choices if convert_to_unit(size, word) >= 0.1)
-    word = next(large, choices[0] if size == 0 else choices[-1])
-    return word, convert_to_unit(1.0, word)
-
-
-def read_as(unit: str) -> tuple[str, float]:
-    """The word and the factor in which people read what is in a unit of SI."""
-    word = get_display_unit(unit)
-    return word, convert_to_unit(1.0, word)
-
-
-def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
-    """Limits that hold every finite value with a margin; 0 and 1 if there is none."""
-    values = np.concatenate([np.asarray(a, dtype=float).ravel() for a in arrays])
-    values = values[np.isfinite(values)]
-    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    pad = margin * ((high - low) or abs(high) or 1.0)
-    return low - pad, high + pad
-
-
-def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
-    """Limits of a logarithmic axis that hold every array, less what is not above zero."""
-    above = np.concatenate([np.asarray(a).ravel() for a in arrays])
-    above = above[np.isfinite(above) & (above > 0)]
-    return float(above.min()) / margin, float(above.max()) * margin
-
-
-def split_at_band(
-    values: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, text: str
-) -> tuple[Line, Line]:
-    """A curve, solid inside the `values` band and dashed outside it."""
-    within = (x >= values[0]) & (x <= values[1])
-    # the dashes reach the solid part: less its first and last line
-    deep = within & np.roll(within, 1) & np.roll(within, -1)
-    return (
-        Line(x, np.where(deep, np.nan, y), PREDICTED, text),
-        Line(x, np.where(within, y, np.nan), FIT, label),
-    )

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.number_format import round_to_error
+from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.plot.downsampling import downsample_to_extremes, downsample_to_means
 from dashpot.plot.picture import (
-    BENEATH,
     FIT,
     MEASURED,
     REF,
     SIMPLER,
-    UPON,
     Area,
     Line,
     Mark,
@@ -30,12 +26,17 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Span,
-    Tag,
+)
+from dashpot.plot.plotted_data import (
     compute_padded_limits,
+    downsample_to_extremes,
+    downsample_to_means,
+    format_fit_stamp,
+    format_test_stamp,
     unit_of,
 )
-from dashpot.plot.provenance_stamp import format_fit_stamp, format_test_stamp
 from dashpot.preprocessing.denoising import denoise_displacement
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 DATA = Pen("measured", 1.2)
@@ -174,117 +175,6 @@ def force_panel(
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
-def upon_panels(
-    first: PlottedFit,
-    prepared: RampHold,
-    *,
-    second: PlottedFit | None = None,
-    whole: RampHold | None = None,
-) -> tuple[Panel, Panel, Panel]:
-    """Ramp, hold and residual with the record upon its fit, and all of the record in sight.
-
-    The ramp is on the clock of the record; hold and residual are on log time since the end of the
-    ramp, to the last sample: what a cut leaves out is hatched.
-
-    Parameters
-    ----------
-    first : DrawnFit
-        A band in its own colour.
-    prepared : RampHold
-    second : DrawnFit, optional
-        Drawn thin beside it.
-    whole : RampHold, optional
-        The same test to its last sample, where the hold of `prepared` is cut.
-    """
-    _, scale = unit_of(prepared.force, "N")
-    (ramp, hold), c = record_panels(prepared, whole=whole), prepared.ramp_time
-    on_ramp, on_hold = fit_lines(first, prepared, whole or prepared)
-    change, *upon = ramp.marks
-    *remaining, held = hold.marks
-    rest = residual_panel(first, prepared, since=c, axis=hold.x)
-    below: list[Mark] = [*remaining]
-    if second is not None:
-        below.append(
-            _hold_line(second.time - c, scale * second.force, hold.x, second.pen, "eq. (5)")
-        )
-    return (
-        replace(ramp, marks=(change, on_ramp, *upon)),
-        replace(hold, marks=(*below, on_hold, held)),
-        replace(rest, marks=(*remaining, *rest.marks)),
-    )
-
-
-def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple[Panel, Panel]:
-    """Ramp and hold of :func:`upon_panels` before there is any fit."""
-    unit, scale = unit_of(prepared.force, "N")
-    t, force, c = prepared.time, scale * prepared.force, prepared.ramp_time
-    whole = whole or prepared
-    seen, axis = _upon_axes(prepared, whole)
-    within = (t >= seen[0]) & (t <= seen[1])
-    displacement = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
-    ramp: tuple[Mark, ...] = (
-        _ramp_line(t, displacement, seen, REF, "displacement"),
-        _ramp_line(t, force, seen, UPON, "measured"),
-        Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(displacement[within])),
-            "displacement", "soft"),
-    )  # fmt: skip
-    since, held, (start, last) = whole.time - prepared.ramp_end, scale * whole.force, axis.limits
-    hold: list[Mark] = []
-    if prepared.hold_end - prepared.ramp_end < last:
-        hold = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
-    hold.append(_hold_line(since, held, axis, UPON, "measured"))
-    text = f"force, {unit}"
-    return (
-        Panel(Scale("time on the record's clock, s", seen),
-              Scale(text, _headroom(force[within])), ramp),
-        Panel(axis, Scale(text, _headroom(held[since >= start])), tuple(hold)),
-    )  # fmt: skip
-
-
-def fit_lines(
-    plotted_fit: PlottedFit, prepared: RampHold, whole: RampHold | None = None
-) -> tuple[Line, Line]:
-    """The fit on the ramp and on the hold of :func:`upon_panels`."""
-    _, scale = unit_of(prepared.force, "N")
-    (seen, axis), c = _upon_axes(prepared, whole or prepared), prepared.ramp_time
-    under = replace(BENEATH, colour=plotted_fit.pen.colour)
-    return (
-        _ramp_line(
-            plotted_fit.time + prepared.onset, scale * plotted_fit.force, seen, under, "fit"
-        ),
-        _hold_line(plotted_fit.time - c, scale * plotted_fit.force, axis, under, "fit"),
-    )
-
-
-def mean_residual(plotted_fit: PlottedFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """The mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
-    c, axis = prepared.ramp_time, _upon_axes(prepared, prepared)[1]
-    when, residual = plotted_fit.residual(prepared, c + axis.limits[0])
-    return downsample_to_means(when - c, residual, log=True)
-
-
-def _upon_axes(prepared: RampHold, whole: RampHold) -> tuple[tuple[float, float], Scale]:
-    """What is in sight of the ramp, s on the clock of the record, and the axis of the hold."""
-    c, first, end = prepared.ramp_time, float(prepared.time[0]), float(whole.time[-1])
-    last = end - prepared.ramp_end
-    start = min(_first_step(prepared), last / 10)
-    seen = max(first, prepared.onset - 0.5 * c), min(end, prepared.ramp_end + 0.8 * c)
-    return seen, Scale(SINCE_RAMP, (start, last), log=True)
-
-
-def _ramp_line(
-    at: FloatArray, y: FloatArray, seen: tuple[float, float], pen: Pen, label: str
-) -> Line:
-    inside = (at >= seen[0]) & (at <= seen[1])
-    return Line(*downsample_to_extremes(at[inside], y[inside], bins=250), pen, label)
-
-
-def _hold_line(at: FloatArray, y: FloatArray, axis: Scale, pen: Pen, label: str) -> Line:
-    start, last = axis.limits
-    inside = (at >= start) & (at <= last)
-    return Line(*downsample_to_extremes(at[inside], y[inside], bins=350, log=True), pen, label)
-
-
 def residual_panel(
     plotted_fit: PlottedFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
 ) -> Panel:
@@ -398,23 +288,37 @@ def _segments(prepared: RampHold, limits: tuple[float, float]) -> list[Span]:
 
 def _log_start(prepared: RampHold) -> float:
     """Where log time begins: a tenth of the ramp, but not between two samples."""
-    start = max(0.1 * prepared.ramp_time, 2 * _step(prepared))
+    start = max(0.1 * prepared.ramp_time, 2 * compute_time_step(prepared))
     digit = 10.0 ** np.floor(np.log10(start))
     return float(digit * np.floor(start / digit + 1e-9))
 
 
-def _headroom(values: FloatArray) -> tuple[float, float]:
-    """Limits with room above the curves, where a handle has its name."""
-    low, high = compute_padded_limits(values)
-    return low, high + 0.12 * (high - low)
-
-
-def _first_step(prepared: RampHold) -> float:
-    """Where log time since the end of the ramp begins: two samples on, and no sliver of it."""
-    return max(2 * _step(prepared), 1e-3 * prepared.hold_time / 4)
-
-
-def _step(prepared: RampHold) -> float:
+def compute_time_step(prepared: RampHold) -> float:
     """Between two samples of the ramp: sampling may slow down during the hold."""
     near = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
     return float(np.median(np.diff(prepared.time[near] if near.sum() > 1 else prepared.time)))
+
+
+# The figure of a fit by what it was fitted to.
+
+
+def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = ()) -> Picture:
+    """Return the figure that suits the records that a fit was made from.
+
+    Parameters
+    ----------
+    found : Fit
+    records : sequence
+        As fitted; of one kind.
+    alternatives : sequence of Fit
+        Of one ramp and hold: fits of other numbers of arms, drawn with it.
+    """
+    first = records[0]
+    draw, shown = find_handler("fit figure", first), first
+    if draw is None and found.temperatures is not None:
+        draw = find_handler("fit figure", found.temperatures)
+        shown = [record for record in records if isinstance(record, RampHold)]
+    if draw is None:
+        return fit(found, first, alternatives=alternatives)
+    drawn: Picture = draw(found, shown)
+    return drawn

@@ -9,19 +9,24 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, cache_on_record, find_true_runs, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion, select_gravest_check
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, Status
 from dashpot.base.number_format import round_to_error
-from dashpot.base.sentences import decapitalise_sentence
-from dashpot.base.status import Status
+from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.units import celsius, format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, denoise_displacement
 from dashpot.preprocessing.history import EarlierLoadings
-from dashpot.signals.clock import BESIDE, find_clock_jumps, ticks_evenly
-from dashpot.signals.frozen import BEFORE, FEWEST, frozen_runs
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three, spikes
+from dashpot.signals.recording_faults import (
+    BEFORE,
+    CLOCK_NEIGHBOURS,
+    FEWEST,
+    find_clock_jumps,
+    frozen_runs,
+    ticks_evenly,
+)
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -364,25 +369,29 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     default that of the record.
     """
     used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
-    if len(used) <= BESIDE:
+    if len(used) <= CLOCK_NEIGHBOURS:
         return Finding("The record is too short to judge its clock")
     pauses = np.diff(used)
     # a load that is a step has no ramp
-    least = test.ramp_time or BESIDE * median(pauses)
+    least = test.ramp_time or CLOCK_NEIGHBOURS * median(pauses)
     jump = _leap_of(test.time if time is None else time, test.onset, least)
     if jump is not None:
         return jump
     since = np.maximum(used[:-1] - test.onset, least)
     worst = int(np.argmax(pauses / since))
     longest, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
-    near = np.delete(pauses[max(worst - BESIDE, 0) : worst + BESIDE + 1], min(worst, BESIDE))
+    near = np.delete(
+        pauses[max(worst - CLOCK_NEIGHBOURS, 0) : worst + CLOCK_NEIGHBOURS + 1],
+        min(worst, CLOCK_NEIGHBOURS),
+    )
     return Finding(
         f"The longest pause for its place is {longest:.3g} s, {since[worst]:.3g} s after onset",
         float(longest / since[worst]),
         JUMPED,
         Remedy("Cut the record before the pause, or correct its clock.", "cuts", "hold-end=..."),
         # two leaps side by side do not excuse each other
-        excused=longest <= 3 * float(np.sort(near)[-BESIDE // 2]) or longest <= 0.05 * rest,
+        excused=longest <= 3 * float(np.sort(near)[-CLOCK_NEIGHBOURS // 2])
+        or longest <= 0.05 * rest,
         grade="stop" if longest > rest else None,
     )
 

@@ -1,4 +1,4 @@
-"""The load cell before contact, its zero, noise and drift; and where the force first rises."""
+"""The load cell before contact, where the force first rises, and how late it comes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.numerics.inference.covariance import white
+from dashpot.numerics.inference.correlated_noise import white
+from dashpot.numerics.nonnegative_least_squares import solve_linear
+from dashpot.solids.maxwell import arm_response
+
+# The load cell before contact, its zero, noise and drift; and where the force first rises.
+
 
 # samples: fewer have no scatter to speak of
 MIN_BASELINE = 5.0
@@ -269,3 +274,94 @@ def find_first_contact(
     if not max(least_gap, 3 * contact.standard_error) < gap < 0.9 * (level - rest):
         return Touch(rest, 0.0)
     return Touch(contact.displacement, gap, contact.standard_error)
+
+
+# How late a force comes, where it begins late: behind air, or by its clock.
+#
+# A force that lags its displacement by :math:`\delta` begins to rise when the plate has moved on
+# by
+# :math:`v\delta`, as behind so much air. But it also lags at the end of the ramp, where air is
+# long
+# crossed. So ramp and first relaxation are fitted with each delay that the clocks may have, from
+# where the plate rested and from where the force begins.
+
+
+# delays that are tried, up to so many standard deviations of what the clocks may hide
+DELAYS_TRIED, MOST_DELAY_SD = 13, 4.0
+# delays that are worse one after another: the best is behind
+WORSE_IN_A_ROW = 2
+# arms, from this part of the ramp to so many times it, and no faster than so many samples
+DELAY_ARMS, FASTEST_ARM, SLOWEST_ARM, SAMPLES_PER_ARM = 6, 0.02, 3.0, 2.0
+# rows near either corner of the ramp, and over all of it
+CORNER_ROWS = 100
+# rows that could show a delay beside its arms
+FEWEST_DELAY_ROWS = 4 * DELAY_ARMS
+# what is watched after the ramp, of its duration
+WATCHED_AFTER_RAMP = 0.5
+
+
+class Lateness(NamedTuple):
+    """The delay with which a force follows best from some contact, s, and how well: a deviance."""
+
+    delay: float
+    deviance: float
+
+
+def estimate_contact_delay(
+    time: FloatArray,
+    pressed: FloatArray,
+    force: FloatArray,
+    *,
+    corners: tuple[float, float],
+    delay_sd: float,
+) -> Lateness:
+    """Return the delay with which arms of positive stiffness follow a force best.
+
+    Parameters
+    ----------
+    time, pressed, force : array, shape (n,)
+        From the rest before a ramp to `AFTER` of it later: s, the compression from the contact that
+        is asked about, m, and N.
+    corners : (float, float)
+        Begin and end of the ramp, s.
+    delay_sd : float
+        Standard deviation of the delay between the clocks, s.
+
+    Returns
+    -------
+    Lateness
+        No delay, of no deviance, where the ramp has too few rows to show one.
+    """
+    rows = _select_delay_rows(time, corners, MOST_DELAY_SD * delay_sd)
+    if len(rows) < FEWEST_DELAY_ROWS:
+        return Lateness(0.0, 0.0)
+    ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
+    fastest = max(FASTEST_ARM * ramp, SAMPLES_PER_ARM * step)
+    tau = np.geomspace(fastest, max(SLOWEST_ARM * ramp, 2 * fastest), DELAY_ARMS)
+    answers = [pressed, *arm_response(time, pressed, tau).T]
+    target, must = force[rows], np.append(False, np.ones(len(answers), dtype=bool))
+    best, risen = Lateness(0.0, np.inf), 0
+    for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, DELAYS_TRIED).tolist():
+        columns = [np.interp(time[rows] - delay, time, answer) for answer in answers]
+        design = np.column_stack((np.ones(len(rows)), *columns))
+        residual = target - design @ solve_linear(design, target, must)[0]
+        misfit = len(rows) * float(np.log(max(float(residual @ residual), 1e-300)))
+        tried = Lateness(delay, misfit + (delay / delay_sd) ** 2)
+        best, risen = (tried, 0) if tried.deviance < best.deviance else (best, risen + 1)
+        if risen == WORSE_IN_A_ROW:
+            break
+    return best
+
+
+def _select_delay_rows(time: FloatArray, corners: tuple[float, float], near: float) -> IndexArray:
+    """Some rows: all near the corners of the ramp, if they are few, and fewer elsewhere."""
+    begin, end = corners
+    chosen = []
+    for low, high in (
+        (begin - near, begin + 3 * near),
+        (begin, time[-1]),
+        (end - near, end + near),
+    ):
+        first, stop = np.searchsorted(time, (low, high))
+        chosen.append(np.arange(first, stop, max(1, (stop - first) // CORNER_ROWS)))
+    return distinct(np.concatenate(chosen))

@@ -2,7 +2,7 @@ r"""What a seal went through before the loading that is fitted: its face under a
 
 The hereditary integral begins with the first sample. Where the plate is away from a seal that has
 not recovered, the face follows from its own force, which is zero
-(:mod:`dashpot.solids.free_face`), and so from the solid that is sought: solid and face are found
+(:mod:`dashpot.solids.moving_plate`), and so from the solid that is sought: solid and face are found
 by turns, beginning with a face that goes straight from where the force ended to where it begins.
 """
 
@@ -16,11 +16,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, find_true_runs
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.exponential_fit.variable_projection import solve_orders
+from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.noise import median_of_three
-from dashpot.solids.free_face import face_under_plate
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.moving_plate import face_under_plate
 
 # arms of the solid that the face is followed by; fewer where so many leave more than the noise
 MOST_ARMS = (4, 3, 2, 1)

@@ -10,22 +10,20 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, cache_on_record, median
 from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.signals.load_history import (
-    began_late,
-    find_rising_sign,
-    held_by_plate,
-    is_at_one_speed,
-    is_creep,
-    relaxes,
-)
 from dashpot.signals.noise import median_of_three
 from dashpot.signals.segments import (
     MotionSegment,
     RampHoldCycle,
+    began_late,
     choose_cycle,
     cycles_of,
+    find_rising_sign,
     find_segments,
+    held_by_plate,
+    is_at_one_speed,
+    is_creep,
     nothing_held,
+    relaxes,
     resolution_of,
 )
 

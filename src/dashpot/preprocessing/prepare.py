@@ -11,27 +11,27 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, replace_notes, set_readonly
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, format_quantity_short
 from dashpot.base.provenance import Step, sources_of
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
+from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.preprocessing import checks
 from dashpot.preprocessing.contact import (
     MIN_BASELINE,
+    MOST_DELAY_SD,
+    WATCHED_AFTER_RAMP,
     Baseline,
+    Lateness,
     Touch,
     baseline_of,
+    estimate_contact_delay,
     find_first_contact,
     subtract_tare,
 )
-from dashpot.preprocessing.contact_delay import AFTER, MOST, Lateness, estimate_contact_delay
-from dashpot.preprocessing.decimation import decimate
 from dashpot.preprocessing.denoising import denoise_values
-from dashpot.preprocessing.filters import filter_record, parse_filter
 from dashpot.preprocessing.history import EarlierLoadings, follow_history, is_bonded
-from dashpot.preprocessing.hum import hum_lines, hum_step, white_noise
 from dashpot.preprocessing.plate_motion import (
     PlateMotion,
     begins_with_release,
@@ -40,6 +40,14 @@ from dashpot.preprocessing.plate_motion import (
     first_press,
     from_contact,
     presses_before,
+)
+from dashpot.preprocessing.signal_conditioning import (
+    decimate,
+    filter_record,
+    hum_lines,
+    hum_step,
+    parse_filter,
+    white_noise,
 )
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
 
@@ -421,7 +429,7 @@ def _but_late(
     if not touch.gap > 0:
         return touch
     ends = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
-    until = int(np.searchsorted(time, ends[1] + AFTER * (ends[1] - ends[0])))
+    until = int(np.searchsorted(time, ends[1] + WATCHED_AFTER_RAMP * (ends[1] - ends[0])))
     until = min(until, motion.stop + 1)
     watched = slice(motion.start, until, max(1, (until - motion.start) // WATCHED))
 
@@ -432,7 +440,7 @@ def _but_late(
         )
 
     best, behind = touch, late_from(touch.displacement)
-    if touch.gap <= MOST * delay_sd * motion.line.speed:
+    if touch.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
         at_rest = late_from(motion.rest)
         if at_rest.deviance < behind.deviance - TOLD:
             best, behind = Touch(motion.rest, 0.0), at_rest

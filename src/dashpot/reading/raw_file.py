@@ -1,4 +1,4 @@
-"""The bytes of a file, or of stdin, and their hash."""
+"""The bytes of a file, or of stdin, their hash, and the time that reading them may take."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 import select
 import stat
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -18,8 +19,68 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escaping import escape_terminal_text
-from dashpot.reading.time_budget import TimeBudget
+from dashpot.base.plain_text import escape_terminal_text
+
+# What reading a file may take of time, in this process or in a child.
+
+
+_LEAST_SECONDS = 30.0
+_MOST_SECONDS = 600.0
+_ROWS_SHARE = 2 / 3
+"""Part of that time for the rows of a text; the rest is for what is made of them."""
+_BYTES_PER_SECOND = 1e6
+"""Bytes per second that the slowest reader of a large file makes."""
+
+
+def compute_time_allowed(size: int) -> float:
+    """Return the time that reading so many bytes may take."""
+    return min(max(_LEAST_SECONDS, size / _BYTES_PER_SECOND), _MOST_SECONDS)
+
+
+class TimeBudget:
+    """What this process spends on a file that is parsed in it: no more than a child would get.
+
+    All that reads a file shares it, however often its rows are read.
+
+    Parameters
+    ----------
+    size : int, optional
+        Bytes of the file; of one that is not known, as much as the largest may cost.
+    """
+
+    def __init__(self, size: int | None) -> None:
+        self._most = _ROWS_SHARE * (_MOST_SECONDS if size is None else compute_time_allowed(size))
+        self._spent = self._began = 0.0
+        self._line = 1
+
+    @contextmanager
+    def count_time_spent(self) -> Iterator[None]:
+        """Count what is spent within."""
+        self._began = time.thread_time()
+        try:
+            yield
+        finally:
+            self._spent += time.thread_time() - self._began
+
+    def check_time_limit(self, line: int) -> None:
+        """Raise a ReadError if it is spent at a line.
+
+        Raises
+        ------
+        ReadError
+            With what to do.
+        """
+        self._line = max(line, self._line)
+        if self._spent + time.thread_time() - self._began > self._most:
+            raise ReadError(
+                f"took more than {self._most:.0f} s to read up to line {self._line}: rows with "
+                "grouped thousands, or with text between them, are read one by one; export the "
+                "file without either, or split it"
+            )
+
+
+# The bytes of a file, or of stdin, and their hash.
+
 
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""

@@ -11,8 +11,8 @@ from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
-from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity, si_fields
+from dashpot.reading.toml import parsed_toml
 
 DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
@@ -267,8 +267,6 @@ OF_HAMMER = (
     "phase", "coherence", "window_decay",
 )  # fmt: skip
 """Fields that speak of a hammer test, whatever other file a command reads."""
-OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
-"""Those that no dynamic sweep has too."""
 OF_BENCH = ("displacement", "cycle")
 """Fields that speak of a relaxation test so."""
 

@@ -1,16 +1,47 @@
-"""Tables of a TOML file: quantities with their units, and no key that nobody knows."""
+"""A TOML document as its tables: quantities with their units, and no key that nobody knows."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.reading.raw_file import RawFile, open_raw
+
+# A TOML document as its tables, whoever wrote it.
+
+
+_DEEP = re.compile(r"""(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
+"""A key of more parts than anyone writes."""
+
+
+def parsed_toml(content: bytes) -> dict[str, Any]:
+    """Return the tables of a TOML document.
+
+    Raises
+    ------
+    ReadError
+        If it is not TOML in UTF-8, or nested so deeply that nobody wrote it.
+    """
+    import tomllib  # few need it, and it costs time to import
+
+    try:
+        text = content.decode("utf-8-sig")
+        if _DEEP.search(text):  # the parser's time grows with the square of their number
+            raise RecursionError
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ReadError(f"not TOML in UTF-8: {error}") from None
+    except RecursionError:
+        raise ReadError("not TOML that a person wrote: it is nested too deeply") from None
+
+
+# Tables of a TOML file: quantities with their units, and no key that nobody knows.
+
 
 Vector: TypeAlias = tuple[float, float, float]
 

@@ -10,18 +10,17 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DataError
-from dashpot.base.escaping import escape_formula, format_csv_comment
+from dashpot.base.file_writing import write_atomic
+from dashpot.base.plain_text import escape_formula, format_csv_comment
 from dashpot.base.provenance import Source
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.version import byline
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.datamodel.impact import ImpactTest
-from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.relaxation import RelaxationTest, Trajectory
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
-from dashpot.datamodel.trajectory import Trajectory
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.reading.raw_file import extra
 
 _FRF, _COHERENCE = 4, 6

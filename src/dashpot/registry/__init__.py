@@ -28,7 +28,8 @@ from dashpot.registry.row import (
 )
 
 if TYPE_CHECKING:
-    from dashpot.base.form_fields import FormField
+    from dashpot.base.option_fields import FormField
+
 
 __all__ = [
     "COMMANDS",
@@ -134,7 +135,7 @@ SOLVER_INPUTS: Mapping[str, SolverInput] = MappingProxyType(
 )
 """Every solver whose input is written, in the order in which they are listed."""
 
-FIT_FILES = "dashpot.workflow.fit_bench_tests:fit_files"
+FIT_FILES = "dashpot.workflow.bench_tests:fit_files"
 RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.place in {"response", "base"})
 """Kinds that are what a mass on its seals does, over frequency."""
 

@@ -15,27 +15,27 @@ EXTENSION = Extension(
     "core",
     kinds=(
             KindOfTest(
-                "relaxation", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.workflow.fit_bench_tests:fit_files", place="test", meant="bench",
+                "relaxation", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.workflow.bench_tests:fit_files", place="test", meant="bench",
                 nouns={
                     "dashpot.datamodel.relaxation:RelaxationTest": "",
                     "dashpot.datamodel.relaxation:RampHold": "dashpot.plot.relaxation:segments",
                 },
                 pages={
-                    "dashpot.datamodel.fit:Fit": "dashpot.report.result_pages.solid_page:page",
-                    "dashpot.workflow.vibration.impact_tests:Identified": "dashpot.report.result_pages.solid_page:identified_page",
-                    "dashpot.workflow.response.frf_prediction:Prediction": (
-                        "dashpot.report.result_pages.frf_pages:prediction_page"
+                    "dashpot.datamodel.fit:Fit": "dashpot.report.solid_and_frf_pages:solid_page",
+                    "dashpot.workflow.identification:Identified": "dashpot.report.solid_and_frf_pages:identified_page",
+                    "dashpot.workflow.frf_prediction:Prediction": (
+                        "dashpot.report.solid_and_frf_pages:prediction_page"
                     ),
                 },
                 checks="dashpot.preprocessing.checks", order=0,
         ),
             KindOfTest(
-                "impact", "dashpot.reading.readers.impact:read_impact", "dashpot.workflow.vibration.impact_tests:impact_files",
+                "impact", "dashpot.reading.readers.impact:read_impact", "dashpot.workflow.measured_frf:impact_files",
                 place="hammer", says=_PAIR, resonates=True, meant="hits",
-                nouns={"dashpot.datamodel.impact:ImpactTest": ""},
+                nouns={"dashpot.datamodel.vibration_tests:ImpactTest": ""},
                 pages={
-                    "dashpot.workflow.vibration.modes:Modes": "dashpot.report.result_pages.frf_pages:modes_page",
-                    "dashpot.workflow.vibration.impact_tests:Agreement": "dashpot.report.result_pages.frf_pages:agreement_page",
+                    "dashpot.workflow.measured_frf:Modes": "dashpot.report.solid_and_frf_pages:modes_page",
+                    "dashpot.workflow.frf_comparison:Agreement": "dashpot.report.solid_and_frf_pages:agreement_page",
                 },
                 checks="dashpot.vibration.impact.checks", order=1,
         ),
@@ -52,19 +52,19 @@ EXTENSION = Extension(
     ),
     handlers={
         "figure": {
-            "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.report.notebook:draw_prediction",
+            "dashpot.workflow.frf_prediction:Prediction": "dashpot.report.result_output:draw_prediction",
         },
         "text": {
-            "dashpot.planning.plan:Plan": "dashpot.text_output.frequency_table:render_summary",
+            "dashpot.planning.plan:Plan": "dashpot.text_output.results:render_summary",
             "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:fit",
-            "dashpot.workflow.vibration.impact_tests:Agreement": "dashpot.text_output.results:agreement",
-            "dashpot.workflow.vibration.impact_tests:Identified": "dashpot.text_output.identification:render_identification",
-            "dashpot.workflow.vibration.impact_tests:ImpactResult": "dashpot.text_output.results:impact",
-            "dashpot.workflow.response.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
+            "dashpot.workflow.frf_comparison:Agreement": "dashpot.text_output.results:agreement",
+            "dashpot.workflow.identification:Identified": "dashpot.text_output.results:render_identification",
+            "dashpot.workflow.measured_frf:ImpactResult": "dashpot.text_output.results:impact",
+            "dashpot.workflow.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
         },
         "html": {"dashpot.workflow.study:Study": "dashpot.report:write_study"},
-        "deck terms": {"dashpot.datamodel.fit:Fit": "dashpot.report.attachments:find_terms"},
+        "deck terms": {"dashpot.datamodel.fit:Fit": "dashpot.report.page_frame:find_terms"},
         "export": {
             "dashpot.solids.maxwell:Solid": "dashpot.export:export_solid",
             "dashpot.datamodel.fit:Fit": "dashpot.export:export_fit",
@@ -94,13 +94,13 @@ EXTENSION = Extension(
     fits=(
         FitRow(
             "bench", "dashpot.api.fit:fit_bench_tests",
-            "dashpot.cli.fit_handlers.bench_tests:run",
+            "dashpot.cli.fit_handlers:run_bench_tests",
             "tests on a bench", "tests on a bench", order=0,
             options=_BENCH,
         ),
         FitRow(
             "joint", "dashpot.api.fit:fit_jointly",
-            "dashpot.cli.fit_handlers.joint:run",
+            "dashpot.cli.fit_handlers:run_joint",
             "vibration under a mass", "the solid under one mass", order=1,
             options=(
                 *_BENCH, "mass", "seals", "seal_mass", "band", "compression", "rig", "hammer",
@@ -109,7 +109,7 @@ EXTENSION = Extension(
         ),
         FitRow(
             "hits", "dashpot.api.fit:fit_hits",
-            "dashpot.cli.fit_handlers.hits:run",
+            "dashpot.cli.fit_handlers:run_hits",
             "hits without a mass", "hammer hits without a mass", order=2,
             options=("mass", "band", "hammer"),
         ),

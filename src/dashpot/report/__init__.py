@@ -9,7 +9,7 @@ from dashpot.base.provenance import Step
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.plot.picture import Picture
 from dashpot.registry import find_handler
-from dashpot.report import first_screen, result_page, summary, tables
+from dashpot.report import first_screen, result_page, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.page_frame import COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
@@ -67,13 +67,13 @@ def _render_template(name: str, contents: dict[str, Any]) -> str:
 
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
-    stages = summary.stages(study)
+    stages = first_screen.stages(study)
     new_recommendation = recommendation(study)
     decks = first_screen.decks(new_recommendation)
     return {
         "study": study,
         **frame(),
-        "title": summary.title(study),
+        "title": first_screen.title(study),
         "header": first_screen.header(study),
         "verdict": study.verdict,
         "colour": COLOURS[study.verdict.use],
@@ -87,14 +87,14 @@ def _contents(study: Study) -> dict[str, Any]:
         ),
         "about_decks": first_screen.about_decks(new_recommendation, decks),
         "files": first_screen.files(study, new_recommendation, decks),
-        "sentences": summary.sentences(study, new_recommendation),
-        "weighty": summary.select_decisive_checks(study, new_recommendation),
-        "simulated": summary.find_simulated_files(study),
-        "straight": summary.straight(study),
-        "inferred": summary.inferred_mass(study),
+        "sentences": first_screen.sentences(study, new_recommendation),
+        "weighty": first_screen.select_decisive_checks(study, new_recommendation),
+        "simulated": first_screen.find_simulated_files(study),
+        "straight": first_screen.straight(study),
+        "inferred": first_screen.inferred_mass(study),
         "tallies": {
             stage: first_screen.tally(checks, study.weighed)
-            for stage, checks in summary.parts(stages, study.weighed)
+            for stage, checks in first_screen.parts(stages, study.weighed)
         },
         "checks": tables.checks(stages, study.weighed),
         "figures": figures_of(study),
@@ -116,7 +116,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "joint_arms": tables.arms_tested(study.joint_comparison),
         "joint_nuisances": tables.nuisances(study.joint),
         "assumptions": tables.assumptions(study),
-        "sources": summary.sources(study),
+        "sources": first_screen.sources(study),
         "steps": _steps(study),
     }
 

@@ -1,21 +1,37 @@
-"""What every page of dashpot shares: its templates' environment, filters, marks and policy."""
+"""What every page shares: templates' environment, policy, and the files that it holds."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cache
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from dashpot.base import number_format
-from dashpot.base.checks import Use
-from dashpot.base.sentences import sentence
+from dashpot.base.checks import Use, Verdict
+from dashpot.base.errors import DashpotError, ExportError
+from dashpot.base.number_format import format_band
+from dashpot.base.plain_text import sentence
+from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline, software
+from dashpot.datamodel.fit import Fit
+from dashpot.export import SUFFIXES, DeckText, deck_for, reads
+from dashpot.export.deck import NonlinearFit
 from dashpot.plot import style as tokens
+from dashpot.registry import find_handler
+from dashpot.workflow.json_archive import from_json
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
+
+# What every page of dashpot shares: its templates' environment, filters, marks and policy.
+
 
 COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
 """The style of each verdict; its words stand beside the colour."""
@@ -74,3 +90,188 @@ def encode_data_uri(kind: str, text: str) -> str:
 def digest(text: str) -> str:
     """What a content security policy calls the one script or style that may stand in a page."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+# Files that a page holds: documents, tables, and decks with the command that writes the same.
+
+
+_SYSTEM = "mm-t-s"
+_SOLVERS = {"nastran": "Nastran", "abaqus": "Abaqus"}
+"""Of the decks that a page holds, and how a link calls them."""
+_UNSTATED = {"temperature": "temperature", "length": "contact length"}
+"""What a deck should say of its specimen, and does without, marked."""
+
+
+class DeckSource(Protocol):
+    """A result whose page holds decks."""
+
+    @property
+    def verdict(self) -> Verdict: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class DeckTerms:
+    """What the decks on the page of a result are asked for.
+
+    Attributes
+    ----------
+    band : (float, float) or None
+        Where they hold, Hz; None of a law without frequencies.
+    choices : mapping of str to str
+        Of the target.
+    unstated : tuple of str
+        What is not known of the specimen, and allowed by name.
+    reason : str
+        Why there is no deck where none could be made.
+    """
+
+    band: tuple[float, float] | None
+    choices: Mapping[str, str] = field(default_factory=dict)
+    unstated: tuple[str, ...] = ()
+    reason: str = "the tests do not determine every parameter"
+
+
+class Attachment(NamedTuple):
+    """A file inside the page.
+
+    Attributes
+    ----------
+    name : str
+        What it is saved as.
+    label : str
+        What its link says.
+    about : str
+        What is in it.
+    link : str
+        Its bytes as a data URI: no server, a link that holds its file.
+    """
+
+    name: str
+    label: str
+    about: str
+    link: str
+
+
+def attachment(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
+    """A text as a file inside the page."""
+    return Attachment(name, label, about, encode_data_uri(kind, text))
+
+
+class AttachedDeck(NamedTuple):
+    """A deck as the page holds it, and the words that make the same of the result's document.
+
+    Attributes
+    ----------
+    target : str
+    text : DeckText
+    options : tuple of str
+        Of ``dashpot export FILE``.
+    """
+
+    target: str
+    text: DeckText
+    options: tuple[str, ...]
+
+
+def load_exportable(document: str) -> DeckSource | None:
+    """What ``dashpot export`` reads from a result's document; None where it reads nothing."""
+    try:
+        result = from_json(document)
+    except DashpotError:
+        return None
+    source: DeckSource | None = result if find_handler("deck terms", result) else None
+    return source
+
+
+def find_terms(result: Fit | NonlinearFit) -> DeckTerms:
+    """Return what the decks of a fit are asked for: those of a part, or of a material."""
+    material = isinstance(result, Fit) and result.unit == "Pa"
+    wanted = ["temperature"] if material else list(_UNSTATED)
+    unstated = tuple(name for name in wanted if getattr(result.specimen, name) is None)
+    return DeckTerms(result.band, {"form": "prony"} if material else {}, unstated)
+
+
+def _terms_of(source: DeckSource) -> DeckTerms:
+    terms: DeckTerms = find_handler("deck terms", source)(source)
+    return terms
+
+
+def decks(source: DeckSource, compression: float | None = None) -> tuple[AttachedDeck, ...]:
+    """Decks of one seal, or cards of a material, over the band of its tests and no further.
+
+    What is not known of the specimen is allowed by name, so each deck marks it in its header. None
+    is made of what may not be used, of what is not identified, or where a number is missing.
+
+    Parameters
+    ----------
+    source : Fit or another result that a row names
+    compression : float, optional
+        About which the deck is of small vibration, m.
+    """
+    if source.verdict.use == "do not use":
+        return ()
+    stated: dict[str, Any] = {}
+    options = ["--unit-system", _SYSTEM]
+    if compression is not None:
+        depth = f"{round(convert_to_unit(compression, 'mm'), 4)}mm"
+        stated["compression"] = depth
+        options += ["--compression", depth]
+    terms = _terms_of(source)
+    stated |= terms.choices
+    options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
+    of_band: dict[str, Any] = {}
+    if terms.band and not terms.choices:
+        of_band["frequency_range"] = _round_band_inwards(terms.band)
+    options += [word for name in terms.unstated for word in ("--allow", name)]
+    made = []
+    for target in _SOLVERS:
+        band = of_band if reads(target, "frequency_range") else {}
+        try:
+            text = deck_for(target, source, units=_SYSTEM, allow=terms.unstated, **stated, **band)
+        except ExportError:
+            continue
+        ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
+        made.append(AttachedDeck(target, text, ("--to", target, *options, *ends)))
+    return tuple(made)
+
+
+def format_deck_note(source: DeckSource, made: Sequence[AttachedDeck]) -> str:
+    """Where the decks hold, and what they miss; why there is none."""
+    if source.verdict.use == "do not use":
+        return ""
+    terms = _terms_of(source)
+    if not made:
+        return f"No deck is here, because {terms.reason}."
+    unknown = " and ".join(words for name, words in _UNSTATED.items() if name in made[0].options)
+    requested = f" Before you use one, state {unknown}." if unknown else ""
+    return (
+        f"Decks are valid {format_band(terms.band)}.{requested}"
+        if terms.band
+        else requested.strip()
+    )
+
+
+def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:
+    """Decks as files inside the page, each with its command of the result's document."""
+    files = []
+    for i, (target, text, options) in enumerate(made):
+        command = shlex.join(("dashpot", "export", document, *options))
+        files.append(
+            attachment(
+                f"solid.{SUFFIXES[target]}",
+                "Deck: " * (i == 0) + _SOLVERS[target],
+                f"deck, {_SYSTEM}; the same as {command}",
+                "text/plain",
+                text,
+            )
+        )
+    return files
+
+
+def _round_band_inwards(band: tuple[float, float]) -> tuple[float, float]:
+    """The band to four digits, no wider than it is."""
+    low, high = (
+        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
+        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
+    )
+    return low, high

@@ -1,22 +1,245 @@
-"""The page of a result that was judged: one grammar for every kind."""
+"""The page of a judged result: facts, verdict with lights, a figure, a table, checks, folds."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+import math
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check, Verdict
+from dashpot.base.checks import format_check_tally as how_many
+from dashpot.base.number_format import round_to_error
 from dashpot.base.provenance import Source
+from dashpot.base.reported_values import UNKNOWN, ReportedValue
+from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import Serialisable
-from dashpot.plot.picture import Picture
-from dashpot.report import attachments, tables
-from dashpot.report.attachments import attachment
+from dashpot.base.units import format_quantity
+from dashpot.datamodel.specimen import Specimen
+from dashpot.plot.picture import Panel, Picture
+from dashpot.registry import page_of
+from dashpot.report import page_frame, tables
 from dashpot.report.figures import LEAD, RenderedFigure, render_figure
-from dashpot.report.first_screen import tally
-from dashpot.report.page_content import CollapsibleSection, KindPage, kind_page
-from dashpot.report.page_frame import COLOURS, frame
+from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
+from dashpot.report.page_frame import COLOURS, attachment, frame
+from dashpot.report.tables import TextTable
+
+# What the page of a result holds: facts, verdict with lights, a figure, a table, checks, folds.
+
+
+class Topic(NamedTuple):
+    """A part of what was asked: the checks behind its light, and what that says.
+
+    `says` stands where nothing of weight failed, `fails` where something did; by default how many
+    passed.
+    """
+
+    name: str
+    checks: Collection[str] = ()
+    says: str = ""
+    fails: str = ""
+
+
+class Group(NamedTuple):
+    """Rows of the table under one heading."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+
+class CollapsibleSection(NamedTuple):
+    """Something that is opened: a table, a picture, or both."""
+
+    title: str
+    line: str
+    table: TextTable | None = None
+    picture: Picture | None = None
+
+
+class AppCard(NamedTuple):
+    """A part of what the app shows: a drawing, panels that are alike, a table, or HTML."""
+
+    title: str
+    content: Picture | tuple[Panel, ...] | TextTable | str
+    across: int = 1
+
+
+class JobPage(NamedTuple):
+    """What the app shows of the files of one job: cards, and facts with a note under a title."""
+
+    cards: tuple[AppCard, ...]
+    title: str
+    facts: tuple[ReportedValue, ...]
+    sources: tuple[Source, ...]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class KindPage:
+    """What the page of one result holds beside what every page does.
+
+    Attributes
+    ----------
+    about : str
+        What was tested, beside the files' names.
+    strip : tuple of (str, str)
+        The line of facts.
+    lights : tuple of Light
+        None is worse than the verdict; together they are as bad.
+    answers : str
+        What the figure shows.
+    picture : Picture
+    told : str
+        What the table is of.
+    groups : tuple of Group
+    note : str
+        What "from" and "to" are, and what an empty cell means.
+    sources : tuple of Source
+    folds : tuple of Fold
+    name : str
+        Of the document, without its ending; by default as its schema is called.
+    """
+
+    about: str
+    strip: tuple[tuple[str, str], ...]
+    lights: tuple[Light, ...]
+    answers: str
+    picture: Picture
+    told: str
+    groups: tuple[Group, ...]
+    sources: tuple[Source, ...]
+    note: str = "From and to are the 95 % interval; an empty cell was not computed."
+    folds: tuple[CollapsibleSection, ...] = ()
+    name: str = ""
+
+
+def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light, ...]:
+    """One light for each part of what was asked, as bad as the worst of its checks.
+
+    What no part names stands behind the first, which is left out beside others where nothing of
+    it was judged.
+    """
+    every = tuple(dict.fromkeys(checks))
+    alternative = {name for other in others for name in other.checks}
+    local_checks = [check for check in every if check.name not in alternative]
+    behind = [
+        local_checks,
+        *([check for check in every if check.name in part.checks] for part in others),
+    ]
+    lit = tuple(map(_light, (first, *others), behind))
+    return lit[1:] if others and all(check.passed is None for check in local_checks) else lit
+
+
+def _light(part: Topic, behind: Sequence[Check]) -> Light:
+    mark, count = tally(behind, behind)
+    text = part.says if mark in {"good", "note"} else part.fails
+    return Light(part.name, mark, text or how_many(behind).rstrip(".") or count)
+
+
+def row(fact: ReportedValue, name: str = "") -> Row:
+    """A number as the table has it: value, from, to, unit."""
+    certain = fact.bounded and fact.error != 0
+    cells = fact.cells
+    value, low, high = fact.ends if certain else (cells.value, "", "")
+    low = UNKNOWN if not fact.bounded and cells.error == UNKNOWN else low
+    if math.isnan(fact.value):
+        value = "" if fact.bound_alone else value
+    return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
+
+
+def group(title: str, facts: Iterable[ReportedValue]) -> Group:
+    """Facts under one heading."""
+    return Group(title, tuple(map(row, facts)))
+
+
+def group_by_record(facts: Iterable[ReportedValue]) -> Iterable[Group]:
+    """Facts of the whole, then those of each record, whose names begin with it."""
+    for place, reported_values in groupby(facts, lambda fact: fact.symbol.rpartition(": ")[0]):
+        yield Group(
+            place, tuple(row(value, value.symbol.rpartition(": ")[2]) for value in reported_values)
+        )
+
+
+def format_specimen_header(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
+    """What is said of the specimen: the first four facts of the line."""
+    single_specimen = specimen or Specimen()
+    length = (
+        ""
+        if single_specimen.length is None
+        else f"{format_quantity(single_specimen.length, 'mm', '.4g')} long"
+    )
+    items = (
+        ("Specimen", ", ".join(filter(None, (single_specimen.name, length)))),
+        ("Lot", single_specimen.lot),
+        ("Operator", single_specimen.operator),
+        (
+            "Temperature",
+            ""
+            if single_specimen.temperature is None
+            else format_quantity(single_specimen.temperature, "°C", ".1f"),
+        ),
+    )
+    return tuple((name, text or NOT_GIVEN) for name, text in items)
+
+
+def sources_behind(result: Any) -> tuple[Source, ...]:
+    """The files behind a result, wherever its noun keeps them."""
+    value = getattr(result, "sources", None)
+    value = getattr(result, "source", None) if value is None else value
+    if value is None:
+        return ()
+    return (value,) if isinstance(value, Source) else tuple(dict.fromkeys(value))
+
+
+def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
+    """Every law that was tried, best first."""
+    least = min(score for _, score in orders)
+    rows = tuple(
+        (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
+    )
+    return CollapsibleSection(
+        "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
+    )
+
+
+def kind_page(verdict: Any) -> KindPage:
+    """Return what the page of a result holds; of one without a page of its own, its facts.
+
+    Raises
+    ------
+    TypeError
+        If it is no result that was judged, or tells no number.
+    """
+    value = page_of(verdict)
+    if value is not None:
+        page: KindPage = value(verdict)
+        return page if page.name else replace(page, name=_get_schema_name(verdict.schema))
+    facts = verdict.facts if isinstance(verdict, HasVerdict) else ()
+    if not facts:
+        raise TypeError(f"a {type(verdict).__name__} has no page")
+    picture = verdict.plot()
+    return KindPage(
+        about=picture.name.replace("-", " "),
+        strip=format_specimen_header(getattr(verdict, "specimen", None)),
+        lights=lights(verdict.checks, Topic("Checks")),
+        answers="Measured and fitted",
+        picture=picture,
+        told="What was found",
+        groups=tuple(group_by_record(facts)),
+        sources=sources_behind(verdict),
+        name=picture.name,
+    )
+
+
+def _get_schema_name(schema: str) -> str:
+    """A schema without its house and its number."""
+    return schema.partition("/")[2].partition("@")[0]
+
+
+# The page of a result that was judged: one grammar for every kind.
+
 
 _COLUMNS = 2
 """Strips side by side in the figure of a page, at most."""
@@ -51,9 +274,9 @@ def build_page_contents(
     text = text_of(result.kept)
     sentence = "every number" if result.kept is result else "the fit, for other commands"
     files = [attachment(document, f"Download {document}", sentence, "application/json", text)]
-    behind = attachments.load_exportable(text)
-    decks = () if behind is None else attachments.decks(behind)
-    files += attachments.attach_decks(decks, document)
+    behind = page_frame.load_exportable(text)
+    decks = () if behind is None else page_frame.decks(behind)
+    files += page_frame.attach_decks(decks, document)
     if result.kept is not result:
         whole = text_of(result)
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
@@ -69,7 +292,7 @@ def build_page_contents(
         },
         "folds": folds,
         "files": files,
-        "about_decks": "" if behind is None else attachments.format_deck_note(behind, decks),
+        "about_decks": "" if behind is None else page_frame.format_deck_note(behind, decks),
     }
 
 

@@ -29,10 +29,9 @@ from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.systems.frf_prediction import model_modes
-from dashpot.vibration.systems.operating_point import operating_point
+from dashpot.vibration.systems.frf_prediction import model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.response.static_equilibrium import rival_of
+from dashpot.workflow.static_equilibrium import rival_of
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}

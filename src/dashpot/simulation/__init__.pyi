@@ -1,12 +1,12 @@
 from dashpot.extensions.curves.creep.simulation import simulate_creep as simulate_creep
 
-from .daq import Daq as Daq
 from .ground_truth import stamp as stamp
 from .ground_truth import truth_json as truth_json
 from .impact import Hammer as Hammer
 from .impact import simulate_impact as simulate_impact
 from .motion import simulate_motion as simulate_motion
-from .relaxation import simulate_relaxation as simulate_relaxation
+from .motion import simulate_relaxation as simulate_relaxation
 from .rig import Climate as Climate
 from .rig import Rig as Rig
+from .transducer import Daq as Daq
 from .transducer import Instrument as Instrument

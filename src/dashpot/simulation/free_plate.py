@@ -7,7 +7,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from dashpot.base.arrays import FloatArray
-from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.structure import FreeModes
 
 _DEGREE = 14
 """Polynomials along either side: two dozen elastic modes to a thousandth."""

@@ -11,8 +11,8 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.base.validators import require_positive
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.base.value_ranges import require_positive
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.rig import Climate, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 

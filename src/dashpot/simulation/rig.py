@@ -10,9 +10,9 @@ import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray, samples
 from dashpot.base.errors import DataError
-from dashpot.base.validators import require_nonnegative, select_fields
+from dashpot.base.value_ranges import require_nonnegative, select_fields
 from dashpot.datamodel.specimen import Specimen
-from dashpot.simulation.axis import Axis
+from dashpot.simulation.robot import Axis
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw, shift_to_temperature

@@ -1,12 +1,8 @@
-r"""The elastic law of a seal: equilibrium force against compression.
-
-.. math:: k_\mathrm{sec}(x) = F_e(x)/x, \qquad k_\mathrm{tan}(x) = F_e'(x)
-
-A hold at one depth gives one secant stiffness; vibration about a preload feels the tangent.
-"""
+"""The elastic law of a seal, and how far the seal is believed to be pressed."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,7 +15,13 @@ from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.base.validators import require_positive
+
+# The elastic law of a seal: equilibrium force against compression.
+#
+# .. math:: k_\mathrm{sec}(x) = F_e(x)/x, \qquad k_\mathrm{tan}(x) = F_e'(x)
+#
+# A hold at one depth gives one secant stiffness; vibration about a preload feels the tangent.
+
 
 # a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
 GENTLE, STRAIGHT = 0.10, 0.025
@@ -199,73 +201,6 @@ class ElasticLaw(Serialisable):
 
 
 @dataclass(frozen=True)
-class PolynomialLaw:
-    r"""Relaxed force against compression as powers of it.
-
-    .. math:: F_e(x) = \sum_{i \ge 1} a_i x^i
-
-    Attributes
-    ----------
-    coefficients : tuple of float
-        :math:`a_i`, N/m, N/m^2, N/m^3 and so on.
-    depth : float or None
-        To which compression it was measured, m.
-
-    >>> PolynomialLaw((120.0, 1e4, 8e5)).tangent(3e-3).round(3)
-    np.float64(201.6)
-    """
-
-    coefficients: tuple[float, ...]
-    depth: float | None = None
-
-    def __post_init__(self) -> None:
-        a = samples("coefficients", self.coefficients)
-        require_positive("PolynomialLaw: ", depth=self.depth, optional=True)
-        if not a.any():
-            raise DataError(
-                f"PolynomialLaw: coefficients = {self.coefficients!r}; expected one other than 0"
-            )
-
-    @property
-    def _powers(self) -> npt.NDArray[np.intp]:
-        return np.arange(1, len(self.coefficients) + 1)
-
-    def force(self, x: npt.ArrayLike) -> FloatArray:
-        """Relaxed force, N, at compressions x, m."""
-        return np.asarray(np.asarray(x, dtype=float)[..., None] ** self._powers @ self.coefficients)
-
-    def tangent(self, x: npt.ArrayLike) -> FloatArray:
-        """Tangent stiffness, N/m."""
-        powers, place = self._powers, np.asarray(x, dtype=float)[..., None]
-        return np.asarray(place ** (powers - 1) @ (powers * self.coefficients))
-
-    def rests(self, force: float) -> tuple[float, ...]:
-        """Every compression under a relaxed force, N, the least first.
-
-        Raises
-        ------
-        DataError
-            If no compression carries the force.
-        """
-        roots = np.roots([*self.coefficients[::-1], -force])
-        real = roots.real[(abs(roots.imag) <= 1e-9 * abs(roots)) & (roots.real > 0)]
-        if not real.size:
-            raise DataError(
-                f"no compression carries {force:.4g} N: expected a law that rises as far, or a "
-                "force that presses"
-            )
-        return tuple(np.sort(real).tolist())
-
-    def __mul__(self, count: float) -> PolynomialLaw:
-        """So many in parallel."""
-        return replace(
-            self, coefficients=tuple(count * coefficient for coefficient in self.coefficients)
-        )
-
-    __rmul__ = __mul__
-
-
-@dataclass(frozen=True)
 class CurveAgreement:
     """A relaxed force beside the force of a compression (load-deflection) curve.
 
@@ -336,3 +271,51 @@ def compare_with_curve(
             )
         )
     return tuple(agreements)
+
+
+# How far a seal is believed to be pressed.
+
+
+FARTHEST = 3.0
+"""Times the depth tested, at most."""
+
+
+def require_plausible_compression(
+    compression: float,
+    law: ElasticLaw | None,
+    height: float | None,
+    *,
+    carried: float | None = None,
+) -> None:
+    """Refuse a compression, m, that no such seal has: more than its height, or far from any test.
+
+    Parameters
+    ----------
+    compression : float
+        m; where it is infinite nothing carries the weight, which is no matter here.
+    law : ElasticLaw, optional
+        Of the seal, with the depth that was tested.
+    height : float, optional
+        Of the seal, m.
+    carried : float, optional
+        The mass, kg, that presses each seal; None where the compression was given.
+
+    Raises
+    ------
+    DataError
+    """
+    if not math.isfinite(compression):
+        return
+    if height is not None and compression >= height:
+        name = f"it is {format_quantity(height, 'mm')} high"
+    elif law is not None and compression > FARTHEST * law.depth:
+        name = f"it was tested to {format_quantity(law.depth, 'mm', '.3g')}"
+    else:
+        return
+    pressed, requested = "the compression given presses", "check its unit"
+    if carried is not None:
+        pressed = f"a mass of {carried:.4g} kg on each presses"
+        requested = "check the mass and its unit (is it g?), and the number of seals"
+    raise DataError(
+        f"{pressed} the seal by {format_quantity(compression, 'mm')}, but {name}: {requested}"
+    )

@@ -31,9 +31,8 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.validators import require_positive
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
-from dashpot.solids.parallel import Parallel
+from dashpot.base.value_ranges import require_positive
+from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 
 #: of the arms that stand for a solid where no more is asked, and of its own answer in time
 TOLERANCE, EXACT = 1e-4, 1e-11

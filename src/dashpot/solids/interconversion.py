@@ -132,48 +132,6 @@ def relaxation_spectrum(
     )
 
 
-def relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatArray:
-    r"""How the relaxation spectrum moves with the creep spectrum, exactly.
-
-    Each arm is a zero :math:`-\rho_j` of the compliance J(s) with
-    :math:`k_j = -1 / (\rho_j J'(-\rho_j))`, so that, with all of J at :math:`s = -\rho`,
-
-    .. math:: d\rho = \frac{J_\theta}{J'}\,d\theta, \qquad
-        d\ln k = -\frac{d\rho}{\rho} - \frac{J'_\theta\,d\theta - J''\,d\rho}{J'}
-
-    Parameters
-    ----------
-    creep : CreepSpectrum
-    tau : sequence of float
-        Relaxation times of :func:`relaxation_spectrum`, s.
-
-    Returns
-    -------
-    array, shape (2 + 2 arms, 2 + 2 retardations)
-        Rows: k_inf, every k, every ln tau, b; columns: glass, every D, every ln lambda, flow.
-    """
-    d, lam = np.array(creep.d, dtype=float), np.array(creep.lam, dtype=float)
-    rho, x, n = 1 / np.array(tau, dtype=float), 1 / lam, len(lam)
-    above, row = x - rho[:, None], np.ones((len(rho), 1))
-    weight = d * x
-    value = np.hstack((row, x / above, weight * rho[:, None] / above**2, -row / rho[:, None]))
-    slope = np.hstack((
-        0 * row, -x / above**2, -weight * (x + rho[:, None]) / above**3, -row / rho[:, None] ** 2,
-    ))  # fmt: skip
-    first = -creep.flow / rho**2 - (weight / above**2).sum(axis=1)
-    second = -2 * creep.flow / rho**3 + 2 * (weight / above**3).sum(axis=1)
-    ratio = value / first[:, None]
-    log_k = -ratio / rho[:, None] - (slope - second[:, None] * ratio) / first[:, None]
-    k = -1 / (rho * first)
-    at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
-    viscous = np.concatenate(([0.0], x, -weight, [1.0]))
-    k_inf = 0.0 if creep.flow > 0 else 1 / creep.equilibrium
-    b = 0.0 if creep.glass > 0 else 1 / (creep.flow + float(weight.sum()))
-    return np.vstack(
-        (-(k_inf**2) * at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
-    )
-
-
 def merge_twins(rates: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rates ascending, those closer than rounding can tell made one at their weighted mean."""
     if not len(rates):

@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
+from dashpot.base.option_fields import PartMode
 from dashpot.base.units import convert_to_si
 
 RUBBER = 0.4995

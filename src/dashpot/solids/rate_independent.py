@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.validators import require_positive, select_fields
+from dashpot.base.value_ranges import require_positive, select_fields
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _NODES = 400

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GAS = 8.314462618

@@ -31,7 +31,7 @@ def format_result(result: Any) -> str:
     function = _teller(result)
     if function is None:
         return repr(result)
-    from dashpot.text_output.terminal_layout import format_for_screen
+    from dashpot.text_output.layout import format_for_screen
 
     checks = getattr(result, "weighed", None) or result.checks
     return "\n".join(format_for_screen(function(result), getattr(result, "verdict", None), checks))
@@ -40,7 +40,7 @@ def format_result(result: Any) -> str:
 def _teller(result: object) -> Callable[[Any], Text] | None:
     handler: Callable[[Any], Text] | None = find_handler("text", result)
     if handler is None and isinstance(result, HasVerdict) and result.facts:
-        from dashpot.text_output.frequency_table import render_facts
+        from dashpot.text_output.results import render_facts
 
         return render_facts
     return handler

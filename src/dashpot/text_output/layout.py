@@ -1,12 +1,21 @@
-"""How a result is laid out as text: lines, tables of cells, tables of named numbers."""
+"""How text is laid out: lines, tables of cells, and a judged result on a terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+import re
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from dashpot.base.number_format import ascii_only
+from dashpot.base.plain_text import decapitalise_sentence, escape_terminal_text, sentences
 
 if TYPE_CHECKING:
+    from dashpot.base.checks import Check, Verdict
     from dashpot.base.reported_values import ReportedValue
+
+
+# How a result is laid out as text: lines, tables of cells, tables of named numbers.
 
 
 class Text(NamedTuple):
@@ -41,3 +50,188 @@ def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
     rows = [value.cells.ascii for value in reported_values]
     some = [i for i in range(len(head)) if any(row[i] for row in rows)]
     return table([[row[i] for i in some] for row in (head, *rows)])
+
+
+# A result as people read it: its verdict, its numbers, and the checks that failed.
+
+
+Style: TypeAlias = Callable[..., str]
+"""What makes a word bold, dim or of a colour, as ``click.style`` does."""
+
+
+def apply_no_style(word: str, **_: Any) -> str:
+    """Return a word as it is."""
+    return word
+
+
+COLUMNS = 100
+"""A line is not longer, unless one word is, such as a path."""
+
+LINES = 36
+"""Of a result, unless all is asked for; with the files written and what comes next, 40."""
+
+
+class ScreenSize(NamedTuple):
+    """Of a screen: how long a line may be, and how many there may be."""
+
+    columns: int
+    lines: int
+
+
+SIZE = ScreenSize(COLUMNS, LINES)
+"""Of what is no terminal, and the most of one."""
+
+
+CHECK_LINES = 3
+"""Of one check there."""
+
+MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
+"""How a failed check is marked and coloured, by its grade."""
+
+USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
+"""The colours of a verdict."""
+
+
+def format_for_screen(
+    text: Text,
+    verdict: Verdict | None,
+    checks: Sequence[Check],
+    *,
+    verbose: bool = False,
+    style: Style = apply_no_style,
+    size: ScreenSize = SIZE,
+) -> list[str]:
+    """Return a result line by line: its verdict, its numbers, and the checks that failed.
+
+    Those are all that failed if all is asked for; else those that made the verdict or, without
+    one, those of weight. If that is longer than a screen the numbers are cut, but for those that
+    were asked for. `style` colours; `size` is that of the screen.
+    """
+    columns, lines = size
+    head = [] if verdict is None else lead(verdict, style, columns)
+    # of a table of thousands no more is put into lines than can be shown, and one to be cut
+    part = text.lines if verbose else text.lines[: lines + 1]
+    body, requested = _lines(part, columns), _lines(text.asked, columns)
+    counted = [f"  checks      {_format_check_counts(checks)}"] if checks else []
+    failed = [
+        _check(check, verdict, style, columns)
+        for check in _select_failed_checks(verdict, checks, everything=verbose)
+    ]
+    if verbose:
+        return [
+            *head,
+            *body,
+            *requested,
+            *_lines(text.details, columns),
+            *counted,
+            *(part for names in failed for part in names),
+        ]
+    tail = counted + [part for names in failed for part in _shorten_check_lines(names, columns)]
+    remaining = max(lines - 1 - len(head) - len(tail), 0)
+    if len(body) > remaining:
+        body, whole = [*body[: max(remaining - 1, 0)], "  ..."], len(body)
+    else:
+        whole = len(body)
+    head += body
+    retained = [*head, *tail][: lines - 1]
+    cut = len(retained) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
+    retained[len(head) : len(head)] = requested
+    return [*retained, "  more with -v"] if cut or text.details else retained
+
+
+def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
+    texts = (line for text in paragraphs for line in text.split("\n"))
+    return [part for line in texts for part in wrap_line(line, columns=columns)]
+
+
+def lead(verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS) -> list[str]:
+    """Return a verdict and why, as the first lines of a result."""
+    mark, _, says = str(verdict).partition(": ")
+    return _format_marked_sentence(
+        f"{mark}:", says, USES[verdict.use], style, hang=2, columns=columns
+    )
+
+
+def wrap_line(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> list[str]:
+    """Return a line as lines of the terminal's width, the later ones under the text of the first.
+
+    In a row of columns that is the last one that begins in the left half.
+    """
+    line = escape_terminal_text(line)
+    if len(line) <= columns:
+        return [line]
+    if hang is None:
+        starts = [match.end() for match in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
+        hang = max((start for start in starts if start <= columns // 2), default=2)
+    return textwrap.wrap(
+        line,
+        columns,
+        subsequent_indent=" " * hang,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _format_marked_sentence(
+    mark: str, sentence: str, colour: str | None, style: Style, *, hang: int, columns: int
+) -> list[str]:
+    """Return a sentence in lines, its mark in colour."""
+    first, *others = wrap_line(ascii_only(f"{mark} {sentence}"), hang=hang, columns=columns)
+    return [style(mark, fg=colour, bold=True) + first[len(mark) :], *others]
+
+
+def _select_failed_checks(
+    verdict: Verdict | None, checks: Sequence[Check], *, everything: bool
+) -> Sequence[Check]:
+    """Return the failed checks to list, the gravest first."""
+    if verdict is not None and not everything:
+        return verdict.because
+    grades = ("stop", "limit", "note") if everything else ("stop", "limit")
+    return [check for grade in grades for check in checks if check.failed and check.grade == grade]
+
+
+def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
+    mark, colour = MARKS[check.grade]
+    says = check.typed
+    above = (
+        set()
+        if verdict is None
+        else {decapitalise_sentence(sentence) for sentence in sentences(verdict.says)}
+    )
+    new = [
+        sentence
+        for sentence in sentences(check.told)
+        if decapitalise_sentence(sentence) not in above
+    ]
+    if decapitalise_sentence(sentences(check.told)[0]) in above:
+        says = says.replace(check.told, " ".join(["(see line 1)", *new]))
+    first, *others = _format_marked_sentence(
+        f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
+    )
+    lines = [first, *others]
+    # the name is for searching, not for reading
+    lines[-1] = f"{lines[-1][: -len(check.name)]}{style(check.name, dim=True)}"
+    return lines
+
+
+def _shorten_check_lines(check: list[str], columns: int) -> list[str]:
+    """Return a check's first lines, and a sign where there are more."""
+    retained = check[:CHECK_LINES]
+    return (
+        retained
+        if len(check) == len(retained)
+        else [*retained[:-1], f"{retained[-1][: columns - 4]} ..."]
+    )
+
+
+def _format_check_counts(checks: Sequence[Check]) -> str:
+    """Return how many checks passed, failed, are a note, and have nothing to judge."""
+    each_once = dict.fromkeys(checks)  # several tests may give one and the same answer
+    states = [
+        "note" if check.failed and check.grade == "note" else check.passed for check in each_once
+    ]
+    words = ((True, "passed"), (False, "failed"), ("note", "note"), (None, "not applicable"))
+    group = [(states.count(state), word) for state, word in words]
+    return ", ".join(
+        f"{count} {word}{'s' * (word == 'note' and count > 1)}" for count, word in group if count
+    )

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
 
 from dashpot.base import number_format
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.number_format import ascii_only
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
-from dashpot.base.units import celsius, convert_to_unit, format_quantity
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.units import celsius, convert_to_unit, format_quantity, get_display_unit
 from dashpot.text_output.layout import Text, facts, table
 
 if TYPE_CHECKING:
@@ -21,9 +25,11 @@ if TYPE_CHECKING:
     from dashpot.datamodel.parameter_estimate import Residual
     from dashpot.datamodel.shift_factors import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
-    from dashpot.workflow.response.frf_prediction import Prediction, ShakenMass
+    from dashpot.workflow.frf_comparison import Agreement
+    from dashpot.workflow.frf_prediction import Prediction, ShakenMass
+    from dashpot.workflow.identification import Identified
+    from dashpot.workflow.measured_frf import ImpactResult
     from dashpot.workflow.study import Study
-    from dashpot.workflow.vibration.impact_tests import Agreement, ImpactResult
 
 
 def format_rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
@@ -467,3 +473,132 @@ def _law(law: ElasticLaw) -> str:
         f"{with_error(k, se or None, 'N/m')} at {format_quantity(x, 'mm', '.3g')}"
         for x, k, se in pairs
     )
+
+
+# Storage and loss factor line by line as text, with what small errors of the test make of them.
+
+
+ERRORS = {
+    "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),
+    "gain": ("1 %", "1 % of gain", 0.01),
+    "mass": ("1 %", "1 % of mass", 0.01),
+}
+"""Heading, words and size of each."""
+
+
+class Measured(Protocol):
+    """Storage and loss factor against frequency, such as a rod's modulus or a seal's stiffness."""
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Hz."""
+        ...
+
+    @property
+    def storage(self) -> FloatArray:
+        """Real part, by line."""
+        ...
+
+    @property
+    def loss_factor(self) -> FloatArray:
+        """By line."""
+        ...
+
+    @property
+    def storage_sd(self) -> FloatArray:
+        """Standard deviation of the real part."""
+        ...
+
+    @property
+    def loss_factor_sd(self) -> FloatArray:
+        """Standard deviation of the loss factor."""
+        ...
+
+    @property
+    def usable(self) -> BoolArray:
+        """Which lines tell something."""
+        ...
+
+    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
+        """What an error of so much does to both."""
+        ...
+
+
+def render_facts(verdict: HasVerdict) -> Text:
+    """Return the numbers of a result with their intervals, and what the readers noticed."""
+    sources = getattr(verdict, "sources", ())
+    notes = [f"  read        {source.file}: {note}" for source in sources for note in source.notes]
+    return Text(facts(verdict.facts), ascii_only("\n".join(notes)).splitlines())
+
+
+def render_summary(result: object) -> Text:
+    """Return what a result says of itself."""
+    return Text(str(result).splitlines())
+
+
+def format_error_sensitivity(
+    of: Measured, *, errors: tuple[str, ...], unit: str, shown: int
+) -> list[str]:
+    """Return `shown` lines of the usable band, or of all where none is usable, and the errors.
+
+    Parameters
+    ----------
+    of : Measured
+    errors : tuple of str
+        Which of :data:`ERRORS` are told; none for the lines alone.
+    unit : str
+        Of SI, of the storage.
+    shown : int
+    """
+    pairs = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
+    rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
+    for (heading, _, _), _ in pairs:
+        rows[0] += [f"{heading}: %", "loss factor"]
+    for i in _spread(of, shown):
+        row = [
+            format_rounded(float(of.frequency[i])),
+            with_error(float(of.storage[i]), float(of.storage_sd[i]), unit),
+            with_error(float(of.loss_factor[i]), float(of.loss_factor_sd[i])),
+        ]
+        for _, (storage, loss) in pairs:
+            row += [f"{100 * storage[i]:+.2f}", f"{loss[i]:+.4f}"]
+        rows.append(row)
+    if not errors:
+        return table(rows)
+    words = ", ".join(ERRORS[name][1] for name in errors)
+    return [*table(rows), f"  {words}: change of the storage, %, and of the loss factor"]
+
+
+def _spread(of: Measured, shown: int) -> IndexArray:
+    """Lines at even ratios over the usable band."""
+    lines = np.flatnonzero(of.usable if of.usable.any() else np.isfinite(of.frequency))
+    if shown >= len(lines):
+        return lines
+    f = of.frequency[lines]
+    low, high = float(f[0]), float(f[-1])
+    grid = np.geomspace(low, high, shown)
+    return np.unique(lines[np.abs(f[:, None] - grid).argmin(axis=0)])
+
+
+# The solid behind vibration, and what was measured beside it.
+
+
+_ASSUMED = "seals_counted"
+"""The check whose answer changes every stiffness that is shown."""
+_ROWS = 3
+"""Lines of a transmissibility that are shown: both ends of its band, and between."""
+
+
+def render_identification(result: Identified) -> Text:
+    """Return the solid, and the modes of what was measured where nothing else was fitted."""
+    solid, straight = fit(result.fit), result.direct.of
+    first, lines = list(solid.lines[:1]), solid.lines[1:]
+    if straight.over_base:
+        first += format_error_sensitivity(
+            straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS
+        )
+    assumed = [check.says for check in result.noted if check.failed and check.name == _ASSUMED]
+    rests = [str(result.at_rest)] if str(result.at_rest) else []
+    modes = impact(result.vibration) if result.vibration else Text()
+    shown = [*first, *lines, *assumed, *rests, *modes.lines]
+    return Text(shown, [*solid.details, *modes.details], solid.asked)

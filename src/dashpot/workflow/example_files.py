@@ -21,7 +21,7 @@ from dashpot.registry import KINDS, Example, load_object
 from dashpot.simulation.free_plate import free_plate
 from dashpot.simulation.ground_truth import stamp
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell

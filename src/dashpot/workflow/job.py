@@ -1,4 +1,4 @@
-"""The main job as a value: which files, read and treated how."""
+"""The main job as a value, and its choices: which files, read and treated how."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import MISSING, dataclass, fields, replace
 from operator import not_
 from typing import Any, Literal, TypeVar
 
-from dashpot.base.choices import (
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import (
     AmplitudeLawAsked,
     Estimate,
     FamilyAsked,
@@ -15,11 +16,11 @@ from dashpot.base.choices import (
     OverBase,
     PartMode,
     RampLawAsked,
-)
-from dashpot.base.errors import DataError
-from dashpot.base.option_fields import (
+    ShiftLaw,
+    VerticalAsked,
     copy_option,
     flags_of,
+    get_choice_values,
     is_path_field,
     make_nested_options,
     option,
@@ -29,6 +30,9 @@ from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
+
+# The main job as a value: which files, read and treated how.
+
 
 J = TypeVar("J", bound=Any)
 
@@ -362,12 +366,6 @@ class RodChoices:
                 )
 
 
-def deciding(job: Job, *what: str) -> Job:
-    """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
-    sentences = [field.name for field in fields(job) if field.metadata.get("decides") in what]
-    return Job(**{name: getattr(job, name) for name in sentences})
-
-
 def with_paths(job: J, function: Callable[[str], str]) -> J:
     """Return a job with every path in it replaced: those of its parts, then its own."""
     changed: dict[str, Any] = {}
@@ -380,3 +378,36 @@ def with_paths(job: J, function: Callable[[str], str]) -> J:
                 function(value) if isinstance(value, str) else (*map(function, value),)
             )
     return replace(job, **changed)
+
+
+# What a user says of tests at several temperatures: one of them alone, or all, shifted to one.
+
+
+_TYPED_SHIFTS = {value.removesuffix("/T_r"): value for value in get_choice_values(VerticalAsked)}
+"""Shifts of the moduli, by the words that are typed."""
+
+
+@dataclass(frozen=True)
+class ShiftChoices:
+    """How tests at several temperatures are shifted: sweeps, moduli or creep to a master curve.
+
+    Of ramps and holds, which find their shifts in one fit, `at` and `shifts` say nothing. `shifts`
+    names a file.
+    """
+
+    at: float | None = option(
+        None, "Use the sweep of this temperature alone.", unit="temperature", flag="only"
+    )
+    reference: float | None = option(
+        None,
+        "Temperature to shift to (nearest to 23degC).",
+        unit="temperature",
+    )
+    law: ShiftLaw = option("auto", "Law of the shift factors.", flag="shift", choices=ShiftLaw)
+    vertical: VerticalAsked = option(
+        "auto",
+        "Shift of the moduli: auto, 1, T or free.",
+        choices=_TYPED_SHIFTS,
+        parse=_TYPED_SHIFTS.__getitem__,
+    )
+    shifts: str | None = option(None, "Known shift factors.", metavar="FILE")

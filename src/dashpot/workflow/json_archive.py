@@ -1,45 +1,119 @@
-"""The archive: every noun as versioned JSON, back and forth."""
+"""The archive: every result as versioned JSON, back and forth, and what it must not say."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from itertools import zip_longest
+from pathlib import Path
 from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import DataError, ReadError, Status
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.serialisation import NOT_FINITE, Serialisable, decode_fields
-from dashpot.base.status import Status
+from dashpot.base.serialisation import (
+    DIGEST,
+    NOT_FINITE,
+    Serialisable,
+    compute_document_digest,
+    decode_fields,
+)
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.planning.plan import Plan
+from dashpot.reading.raw_file import like_json, open_raw
+from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.friction import Jenkins
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.solids.parallel import Parallel
 from dashpot.solids.rate_independent import RateIndependent
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_validation import (
-    find_mistyped_number,
-    find_unknown_keys,
-    has_edited_fit,
-    require_unique_keys,
-)
+from dashpot.workflow.measured_frf import ImpactResult
 from dashpot.workflow.study import Study
-from dashpot.workflow.vibration.impact_tests import ImpactResult
+
+# What a JSON document says that it should not: keys twice or unknown, texts for numbers, edits.
+
+
+_NUMERIC = {"k_inf", "k", "tau", "b"}
+"""Keys of a solid, whose values are numbers."""
+
+
+def has_edited_fit(value: Any) -> bool:
+    """Whether a document holds a fit that was changed since; one typed by hand has no digest."""
+    if isinstance(value, list):
+        return any(map(has_edited_fit, value))
+    if not isinstance(value, dict):
+        return False
+    sealed = "schema" in value and DIGEST in value
+    return (sealed and value[DIGEST] != compute_document_digest(value)) or any(
+        map(has_edited_fit, value.values())
+    )
+
+
+def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object whose keys each stand once."""
+    entries = dict(pairs)
+    if len(entries) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f'the key "{twice}" stands twice in one object')
+    return entries
+
+
+def parts_of(value: Any, where: str) -> dict[str, Any]:
+    """Return what an object or an array holds by its place; nothing of any other value."""
+    if isinstance(value, dict):
+        return {f"{where}.{key}": item for key, item in value.items()}
+    if isinstance(value, list):
+        return {f"{where}[{i}]": item for i, item in enumerate(value)}
+    return {}
+
+
+def find_mistyped_number(value: Any, where: str = "$") -> str:
+    """Say which number of a document is a text; nothing if none is."""
+    if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
+        numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
+        return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
+    parts = parts_of(value, where).items()
+    return next(filter(None, (find_mistyped_number(item, place) for place, item in parts)), "")
+
+
+def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
+    """Say what a document holds that its noun, written again, does not; nothing if all is known."""
+    if isinstance(value, dict | list) and type(value) is not type(reference):
+        text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
+        return f"{where} is {text}; expected {expected}"
+    if isinstance(value, dict):
+        unknown = sorted(value.keys() - reference.keys())
+        if unknown:
+            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
+    # the bare contract's orders are left out: then there is nothing to hold the items against
+    elif isinstance(value, list) and len(value) != len(reference):
+        return ""
+    there = parts_of(reference, where)
+    parts = parts_of(value, where).items()
+    return next(
+        filter(None, (find_unknown_keys(item, there[place], place) for place, item in parts)), ""
+    )
+
+
+_JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
+
+
+# The archive: every noun as versioned JSON, back and forth.
+
 
 _OF_THE_JOB: dict[str, type[Serialisable]] = {
     cls.schema: cls
@@ -341,3 +415,64 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     InspectedFile: _convert_old_inspection,
 }
 """What is more of a noun than its keys turned back."""
+
+
+# What a JSON file of dashpot's own holds.
+
+
+A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
+
+
+def read_json_document(path: str | Path, *, hint: str = "") -> object:
+    """Return the noun in a JSON file; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it is none; the sentence ends with the hint.
+    """
+    raw = open_raw(path)
+    if not like_json(raw.head(64)):
+        raise ReadError(f"{path}: this is not a JSON document{hint}")
+    try:
+        return from_json(raw.head(raw.size).decode())
+    except UnicodeDecodeError:
+        raise ReadError(f"{path} is not a JSON document: it is not UTF-8 text") from None
+    except ReadError as error:
+        raise ReadError(f"{path}: {error}{hint}") from None
+
+
+def read_fit(path: str | Path) -> Fit:
+    """Return the fit in a JSON file, as written by ``dashpot fit -o``; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it holds something else.
+    """
+    return _a_fit(path, read_json_document(path, hint=f"; expected {A_FIT}"))
+
+
+def read_exported(path: str | Path) -> object:
+    """Return a solid or a fit of which a row says who exports it; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it holds something else.
+    """
+    document = read_json_document(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
+    return document if find_handler("export", document) else _a_fit(path, document)
+
+
+def _a_fit(path: str | Path, result: object) -> Fit:
+    if not isinstance(result, Fit):
+        raise ReadError(f"{format_unexpected_kind(path, result)}; expected {A_FIT}")
+    return result
+
+
+def format_unexpected_kind(path: str | Path, result: object) -> str:
+    """Return what a document holds that is not what was wanted, and who wants it."""
+    kind = str(getattr(result, "schema", "")).partition("/")[2].partition("@")[0]
+    use = get_kind_command(kind)
+    return f"{path} is {get_kind_label(kind)}{f' ({use})' if use else ''}"

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot.base.atomic import validate_path, write_atomic
 from dashpot.base.errors import ExportError
+from dashpot.base.file_writing import validate_path, write_atomic
 from dashpot.base.version import is_ours, is_record
 
 _HEAD = 1 << 12

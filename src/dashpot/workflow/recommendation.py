@@ -11,11 +11,15 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit
-from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
+from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
-from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.vibration.systems.frf_prediction import (
+    OperatingPoint,
+    model_modes,
+    operating_point,
+    predict_frf,
+)
 from dashpot.workflow.study import Study
 
 Quantity = Literal[

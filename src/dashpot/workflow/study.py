@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,39 +11,44 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
-from dashpot.base.errors import DataError, FitError
+from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.base.number_format import hertz, seals
+from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked
+from dashpot.base.plain_text import paragraph
 from dashpot.base.progress import send_progress
 from dashpot.base.result_mixins import Plottable
-from dashpot.base.sentences import paragraph
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen, make_file_specimens
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.pipeline import FitOptions
+from dashpot.fitting.order_selection import FitOptions
+from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
-from dashpot.reading.logo import read_logo
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import REACH, highest_peak, predict_frf
-from dashpot.vibration.systems.operating_point import MassOnSeals, OperatingPoint
+from dashpot.vibration.systems.frf_prediction import (
+    REACH,
+    MassOnSeals,
+    OperatingPoint,
+    highest_peak,
+    predict_frf,
+)
+from dashpot.workflow.bench_tests import fit_fixed_order, prepared_tests
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
-from dashpot.workflow.fit_bench_tests import fit_fixed_order
+from dashpot.workflow.frf_comparison import compare_with_measured, weighed
 from dashpot.workflow.job import Cuts, Job
-from dashpot.workflow.prepare_tests import prepared_tests
-from dashpot.workflow.response.static_equilibrium import (
+from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
+from dashpot.workflow.static_equilibrium import (
     StaticEquilibrium,
     family_checks,
     find_static_equilibrium,
@@ -50,8 +56,39 @@ from dashpot.workflow.response.static_equilibrium import (
     rest_checks,
     rival_of,
 )
-from dashpot.workflow.vibration.impact_tests import compare_with_measured, weighed
-from dashpot.workflow.vibration.measured_frf import read_measured, remove_seal_mass, total_mass
+
+# A logo for the head of a report: an image file as a link that holds it.
+
+
+LARGEST_LOGO = 100_000
+"""Bytes."""
+
+LOGO_TYPES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+
+
+def read_logo(path: str | Path) -> str:
+    """Return an image as a data URI. As an image, an SVG runs nothing and loads nothing.
+
+    Raises
+    ------
+    ReadError
+        If the file is no PNG, JPEG or SVG, or too large.
+    """
+    with Path(path).open("rb") as file:
+        content = file.read(LARGEST_LOGO + 1)
+    name = Path(path).name
+    if len(content) > LARGEST_LOGO:
+        raise ReadError(
+            f"{name} is larger than {LARGEST_LOGO} bytes; expected a small image: shrink the logo"
+        )
+    kind = next((kind for head, kind in LOGO_TYPES.items() if content.startswith(head)), "")
+    head = content.removeprefix(b"\xef\xbb\xbf").lstrip()[:2000]
+    if not kind and head.startswith((b"<?xml", b"<!", b"<svg")) and b"<svg" in head:
+        kind = "image/svg+xml"
+    if not kind:
+        raise ReadError(f"{name} is no image that a page can hold; expected PNG, JPEG or SVG")
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
 
 Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 

@@ -15,8 +15,8 @@ import pytest
 from kit.shell import ran
 
 import dashpot as dp
-from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import is_ours
 from dashpot.extensions.acquisition.line_parser import LONGEST, Lines
 from dashpot.extensions.acquisition.record_to_file import record
@@ -26,7 +26,7 @@ from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 

@@ -17,8 +17,7 @@ from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.write import write_frf
 from dashpot.solids.networks import spring
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 pytestmark = pytest.mark.once
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
+from dashpot.extensions.amplitude.polynomial_law import PolynomialLaw
 from dashpot.extensions.amplitude.preloaded_mass import HARMONICS, PreloadedMass, _PressedBalance
-from dashpot.solids.elastic import ElasticLaw, PolynomialLaw
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

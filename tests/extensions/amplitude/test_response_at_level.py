@@ -19,10 +19,8 @@ from dashpot.solids.friction import Berg, Coulomb, Iwan, Jenkins, Kraus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
+from dashpot.vibration.systems.state_space import complex_modes, newton_modes, respond
 
 pytestmark = pytest.mark.once
 

@@ -19,7 +19,7 @@ from dashpot import workflow
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError, ReadError
 from dashpot.export import FORMS, TARGETS, UNIT_SYSTEMS, deck_for
-from dashpot.export.nonlinear_elements import CARRIERS
+from dashpot.export.deck import CARRIERS
 from dashpot.extensions.amplitude.level_results import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -19,7 +19,7 @@ from dashpot.extensions.projects.history import append
 from dashpot.extensions.projects.project import create, record
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD
 from dashpot.workflow.job import Cuts, HammerChoices, Job

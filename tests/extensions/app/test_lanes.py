@@ -162,7 +162,7 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
 def test_a_worker_gives_back_what_a_long_record_took():
     """As workers are set, the C library would keep all of it."""
     script = (
-        "from dashpot.base.subprocesses import trim_memory\n"
+        "from dashpot.extensions.app.worker_process import trim_memory\n"
         "from pathlib import Path\n"
         "held = [bytearray(1 << 20) for _ in range(120)]\n"
         "last = bytearray(1 << 20)\n"

@@ -14,7 +14,7 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, Remedy
-from dashpot.base.choices import RampLawAsked, get_choice_values
+from dashpot.base.option_fields import RampLawAsked, get_choice_values
 from dashpot.datamodel.fit import Explanation
 from dashpot.export import SUFFIXES
 from dashpot.extensions.app import request_handlers, result_cache, view_models, wire_format
@@ -25,7 +25,7 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw

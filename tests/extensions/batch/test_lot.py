@@ -30,7 +30,7 @@ from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 pytestmark = pytest.mark.once

@@ -11,9 +11,9 @@ from kit.foreign.curves import compliances, crept, moduli, sweeps
 from kit.foreign.truths import Solid
 
 import dashpot as dp
+from dashpot.extensions.curves.curve_uncertainty import curve_data
 from dashpot.extensions.curves.modulus.fit import fit_modulus
-from dashpot.fitting.uncertainty.curve_data import curve_data
-from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_json
 

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, FitError, Status
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus

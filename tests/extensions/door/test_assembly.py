@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.datamodel.free_modes import FreeModes
-from dashpot.datamodel.seal_line import Joint, SealLine, SealSection
+from dashpot.datamodel.seal_line import SealSection
+from dashpot.datamodel.structure import FreeModes
 from dashpot.extensions.door.assembly import Assembly, rigid_of
 from dashpot.extensions.door.door_model import Door, ModesChoice, RigidPart, SealChoice, Support
 from dashpot.extensions.door.energy_shares import energy_shares
 from dashpot.extensions.door.modes import basis_error, oscillations
+from dashpot.extensions.door.seal_line import Joint, SealLine
 from dashpot.simulation.free_plate import free_plate
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.vibration.systems.complex_modes import complex_modes
+from dashpot.vibration.systems.state_space import complex_modes
 
 WIDTH, HEIGHT, MASS = 1.1, 1.2, 25.0
 PLATE = RigidPart(

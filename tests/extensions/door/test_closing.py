@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.seal_line import SealLine, SealSection
+from dashpot.datamodel.seal_line import SealSection
 from dashpot.extensions.door import air_flow
 from dashpot.extensions.door.closing import ELASTIC, GRAVITY, HINGE, VISCOUS, ClosingDoor, march
 from dashpot.extensions.door.closing_analysis import (
@@ -31,6 +31,7 @@ from dashpot.extensions.door.closing_setup import (
     Vents,
 )
 from dashpot.extensions.door.door_model import Door, RigidPart, Support
+from dashpot.extensions.door.seal_line import SealLine
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.elastic import ElasticLaw

@@ -32,7 +32,7 @@ from kit.doors import (
 from kit.fits import a_fit
 
 from dashpot.base.errors import DataError
-from dashpot.datamodel.seal_line import Joint, LineFriction, SealLine, SealSection, Shear
+from dashpot.datamodel.seal_line import LineFriction, SealSection, Shear
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.extensions.door.assembly import Assembly
@@ -41,12 +41,12 @@ from dashpot.extensions.door.door_model import Door, RigidPart, SealChoice, Supp
 from dashpot.extensions.door.modes import count_lateral_free_motions
 from dashpot.extensions.door.mounts import line_mounts
 from dashpot.extensions.door.read import read_door
+from dashpot.extensions.door.seal_line import Joint, SealLine
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.bodies import Body, planar_body
-from dashpot.vibration.systems.complex_modes import complex_modes
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Body, System, planar_body
+from dashpot.vibration.systems.state_space import complex_modes
 from dashpot.workflow.json_archive import to_json
 
 

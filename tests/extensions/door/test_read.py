@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.datamodel.seal_line import Joint
 from dashpot.extensions.door.closing_setup import ClosingSetup
 from dashpot.extensions.door.door_model import (
     DoorPoint,
@@ -17,6 +16,7 @@ from dashpot.extensions.door.door_model import (
     Support,
 )
 from dashpot.extensions.door.read import read_door
+from dashpot.extensions.door.seal_line import Joint
 
 WHOLE = """
 [door]

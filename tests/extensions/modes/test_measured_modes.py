@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.frf import FRF, Mode
-from dashpot.datamodel.frf_set import FRFSet
+from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.modes.checks import STABLE
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
@@ -19,7 +19,7 @@ from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.write import frf_uff, write_frf
 from dashpot.vibration.impact.checks import modes_within_band
-from dashpot.workflow.vibration.modes import format_modes_headline
+from dashpot.workflow.measured_frf import format_modes_headline
 
 # undamped natural frequency, Hz, damping ratio, mass, kg: two bodies seen at one point
 TRUE = ((12.7, 0.02, 0.1), (31.0, 0.04, 0.15))

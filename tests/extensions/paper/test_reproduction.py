@@ -11,7 +11,7 @@ from kit.shell import ran
 from dashpot.extensions.paper import reproduction as paper
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
 
 FORCE = {

@@ -22,7 +22,7 @@ from dashpot.extensions.projects import project as folder
 from dashpot.extensions.projects.verification import find_largest_difference, same_page, verify
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.job import Job
@@ -611,7 +611,8 @@ def test_the_lock_is_of_the_process_and_not_of_the_file(kept, raw):
         lock.write_text(text)
         folder.record(kept, Job(str(raw), arms=1), page=page)
     code = (
-        "import sys; from pathlib import Path; from dashpot.base.lock import open_exclusive_lock\n"
+        "import sys; from pathlib import Path\n"
+        "from dashpot.base.file_writing import open_exclusive_lock\n"
         "with open_exclusive_lock(Path(sys.argv[1]), 'x'): print('held', flush=True); "
         "sys.stdin.read()"
     )

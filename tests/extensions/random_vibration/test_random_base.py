@@ -16,11 +16,10 @@ from dashpot.extensions.random_vibration.base_response import (
 )
 from dashpot.extensions.random_vibration.read_psd import read_psd
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.systems.bodies import Body, Mount, Point, point_mass
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Body, Mount, Point, System, point_mass
 
 pytestmark = pytest.mark.once
 

@@ -8,9 +8,8 @@ from kit.solvers import PULSE, run_opensees
 
 from dashpot.export import TARGETS
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.bodies import Mount, point_mass
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
 from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import System
 
 
 @pytest.mark.parametrize("b", [0.0, 5.0])

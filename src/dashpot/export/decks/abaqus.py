@@ -8,12 +8,40 @@ import numpy as np
 
 from dashpot.base.units import Range, si_range
 from dashpot.datamodel.seal_line import Shear, Stations
-from dashpot.export.deck import Deck, DeckText
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.export.deck import Deck, DeckText, format_stiffness_left_out
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
-from dashpot.export.temperature_shift_cards import abaqus_shift
 from dashpot.export.unit_systems import text
+from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+
+# How temperature moves a solid, in the words and the cards of solvers.
+
+
+def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
+    """Return the cards ``*TRS`` that follow ``*VISCOELASTIC``, and what to say of them."""
+    law = None if shifts is None else shifts.law
+    if shifts is None or not isinstance(law, WLF | Arrhenius):
+        return [], []
+    row: tuple[float, ...]
+    if isinstance(law, WLF):
+        row, constants = (law.reference, law.c1, law.c2), []
+        cards = ["*TRS, DEFINITION=WLF"]
+    else:
+        row = (law.reference, law.energy)
+        cards = ["*TRS, DEFINITION=ARRHENIUS"]
+        constants = [
+            "the model needs, above all materials, *PHYSICAL CONSTANTS, ABSOLUTE ZERO=0.,",
+            f"UNIVERSAL GAS={text(GAS)}: the energy on the card is in J/mol",
+        ]
+    sentences = [
+        "*TRS: temperatures of the model are in K",
+        *constants,
+        *format_stiffness_left_out(shifts),
+    ]
+    return [*cards, ", ".join(text(value) for value in row)], sentences
+
 
 FORMS = ("arms", "connector", "prony")
 SUFFIX = "inp"

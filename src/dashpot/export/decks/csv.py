@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.escaping import format_csv_comment
+from dashpot.base.plain_text import format_csv_comment
 from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target

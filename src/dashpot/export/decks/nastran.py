@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
@@ -61,9 +61,9 @@ def nastran(
         Frequency, Hz, of the nominal K and GE of PBUSH, which normal modes use; the geometric
         middle of the range if not given.
     line : Stations, optional
-        Puts one CBUSH at each station of a :class:`~dashpot.datamodel.seal_line.SealLine`, each
-        with its share of the stiffness, at its compression and its normal: needs the contact length
-        that the model stands for. Without it there is one CBUSH at the origin.
+        Puts one CBUSH at each station of a seal line, each with its share of the stiffness, at its
+        compression and its normal: needs the contact length that the model stands for. Without it
+        there is one CBUSH at the origin.
     shear : Shear, optional
         What the seal of that line answers across it and along it: components 2 and 3.
     first_id : int

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import dashpot as dp
-from dashpot.base.choices import Driver, get_choice_values
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import Driver, get_choice_values
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Self
 
 from dashpot.base.errors import ReadError
-from dashpot.base.escaping import escape_formula, format_csv_comment
-from dashpot.base.lock import lock
+from dashpot.base.file_writing import lock
 from dashpot.base.number_format import format_count
+from dashpot.base.plain_text import escape_formula, format_csv_comment
 from dashpot.base.version import __version__
 from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
 

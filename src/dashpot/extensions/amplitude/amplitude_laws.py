@@ -8,14 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.choices import AmplitudeLaw, get_choice_values
+from dashpot.base.option_fields import AmplitudeLaw, get_choice_values
 from dashpot.extensions.amplitude.checks import MATTERS
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.payne_softening import softening_factor
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.inference.model_order import bic, deviance
-from dashpot.numerics.least_squares.nnls import solve_linear
-from dashpot.numerics.least_squares.problem import (
+from dashpot.numerics.least_squares import (
     Optimum,
     Parameter,
     Problem,
@@ -24,6 +23,7 @@ from dashpot.numerics.least_squares.problem import (
     solve_ordinary,
     stack_real_rows,
 )
+from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.friction import jenkins_reduction
 
 LAWS = get_choice_values(AmplitudeLaw)

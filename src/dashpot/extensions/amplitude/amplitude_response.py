@@ -33,9 +33,26 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.registry import RESPONSES
 from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.mount_mass import on_heavy_mounts
+from dashpot.solids.part_geometry import Block, Disc
+from dashpot.vibration.systems.frf_prediction import on_heavy_mounts
+from dashpot.workflow.frf_prediction import _PART_SHAPES, parse_part_shape
 from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
-from dashpot.workflow.response.part_factor import height_of
+
+# What part of a material a mass rests on: its geometry, from what a user says of it.
+
+
+def height_of(part: PartChoices) -> float | None:
+    """Return the height of a pad, m; None of what has none, or where no shape is given."""
+    shape = next(
+        (
+            parse_part_shape(flag, lengths)
+            for flag in _PART_SHAPES
+            if (lengths := getattr(part, flag))
+        ),
+        None,
+    )
+    return shape.height if isinstance(shape, Disc | Block) else None
+
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dashpot.api.fit import VIBRATION_RECORDS
-from dashpot.base.choices import AmplitudeLawAsked
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import AmplitudeLawAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
 from dashpot.extensions.amplitude.fit_files import Levels
 from dashpot.registry import KINDS, load_object

@@ -8,13 +8,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.array_units import (
+from dashpot.base.arrays import (
+    BoolArray,
+    ComplexArray,
     Dimensions,
+    EqualByValue,
+    FloatArray,
     convert_arrays_to_si,
+    hold_measured,
     make_units_field,
     resolve_unit,
 )
-from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, round_to_error

@@ -13,8 +13,7 @@ from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.registry import Example
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.solids.friction import Iwan
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 _RUBBING = Iwan(120.0, 0.06)
 """Friction beside a seal, N/m and N: it softens with amplitude."""

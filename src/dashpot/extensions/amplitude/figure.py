@@ -19,7 +19,6 @@ from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.extensions.amplitude.preprocess import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.extensions.amplitude.response import receptance_at_level
-from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
 from dashpot.plot.frf_figure import SHOWN
 from dashpot.plot.picture import (
     BENEATH,
@@ -36,13 +35,16 @@ from dashpot.plot.picture import (
     Picture,
     Scale,
     Tag,
+)
+from dashpot.plot.plotted_data import (
+    FREQUENCY,
     compute_padded_limits,
     compute_padded_log_limits,
+    format_test_stamp,
     read_as,
     unit_of,
 )
-from dashpot.plot.provenance_stamp import format_test_stamp
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import stamp as stamped
 from dashpot.plot.style import sequential
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
@@ -50,6 +52,7 @@ from dashpot.vibration.impact.amplitude_trend import DECAYED
 
 if TYPE_CHECKING:
     from dashpot.extensions.amplitude.fit_files import Levels
+
 
 _HEIGHT = 240.0
 _WIDE = 860.0

@@ -17,9 +17,9 @@ from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.amplitude_response import HITS, amplitude_file
 from dashpot.extensions.amplitude.checks import level_covered, levels_as_struck
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
@@ -39,7 +39,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.job import require_test_for_machine
-from dashpot.workflow.vibration.measured_frf import as_measured
+from dashpot.workflow.measured_frf import as_measured
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,8 +10,8 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, format_quantity_short
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.checks import (
     LOST,
@@ -23,12 +23,12 @@ from dashpot.extensions.amplitude.checks import (
 )
 from dashpot.extensions.amplitude.level_results import LevelFit, Parts
 from dashpot.extensions.amplitude.response import stiffness_at, with_third_harmonic
-from dashpot.numerics.least_squares.nnls import solve_linear
-from dashpot.numerics.least_squares.problem import stack_real_rows
+from dashpot.numerics.least_squares import stack_real_rows
+from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.friction import Jenkins, jenkins_reduction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.vibration.modal.frf_lines import FLOOR
+from dashpot.vibration.modal.pole_fit import FLOOR
 
 _PER_DECADE = 10
 _FINER = 8

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dashpot.base.choices import AmplitudeLawAsked
+from dashpot.base.option_fields import AmplitudeLawAsked
 from dashpot.cli._command_io import CommandResult
-from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.amplitude.fit_files import level_files
 
 

@@ -22,8 +22,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.solids.rate_independent import AmplitudeDependent
-from dashpot.vibration.systems.bodies import Point
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Point, System
 
 _SCAN = np.log(10) * np.linspace(-7, 7, 1401)
 """Where answers are looked for: ln of the stretch over that without friction."""

@@ -21,8 +21,8 @@ from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, prel
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.workflow.frf_prediction import MountedMass, Prediction
 from dashpot.workflow.job import LevelChoices, PartChoices
-from dashpot.workflow.response.frf_prediction import MountedMass, Prediction
 
 
 @dataclass(frozen=True, repr=False)

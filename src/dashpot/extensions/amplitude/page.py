@@ -18,9 +18,10 @@ from dashpot.extensions.amplitude.fit_files import Levels, level_files
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
-from dashpot.plot.picture import Picture, unit_of
-from dashpot.report import notebook
-from dashpot.report.page_content import (
+from dashpot.plot.picture import Picture
+from dashpot.plot.plotted_data import unit_of
+from dashpot.report import result_output, solid_and_frf_pages
+from dashpot.report.result_page import (
     AppCard,
     Group,
     JobPage,
@@ -31,7 +32,6 @@ from dashpot.report.page_content import (
     lights,
     row,
 )
-from dashpot.report.result_pages import frf_pages
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.job import LevelJob
@@ -80,7 +80,7 @@ def page(levels: Levels) -> KindPage:
 
 def prediction_page(prediction: LevelPrediction) -> KindPage:
     """Return what the page of a prediction at levels holds."""
-    plain = frf_pages.prediction_page(prediction)
+    plain = solid_and_frf_pages.prediction_page(prediction)
     levels = (
         Group(f"At {level.level:.4g} {level.unit}", tuple(row(fact) for fact in level.facts))
         for level in prediction.preloaded
@@ -91,7 +91,7 @@ def prediction_page(prediction: LevelPrediction) -> KindPage:
 def draw_prediction(prediction: LevelPrediction) -> Picture:
     """Return the picture of a prediction at levels."""
     names = (f"at {level.level:.4g} {level.unit}" for level in prediction.by_level)
-    return notebook.draw_prediction(
+    return result_output.draw_prediction(
         prediction,
         *(level.frf for level in prediction.by_level),
         labels=("predicted at a vanishing level", *names),

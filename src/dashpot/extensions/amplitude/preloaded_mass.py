@@ -30,11 +30,11 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, format_quantity_short
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import SIZES, format_quantity_short, require_positive
 from dashpot.extensions.amplitude.harmonic_balance import AlternatingFrequencyTime, newton
-from dashpot.solids.elastic import ElasticLaw, PolynomialLaw
+from dashpot.extensions.amplitude.polynomial_law import PolynomialLaw
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
 BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
@@ -176,7 +176,7 @@ class PreloadedMass:
 
     Examples
     --------
-    >>> from dashpot.solids.elastic import PolynomialLaw
+    >>> from dashpot.extensions.amplitude.polynomial_law import PolynomialLaw
     >>> from dashpot.solids.demo_seals import PAPER
     >>> law = PolynomialLaw((120.0, 1e4, 8e5))
     >>> shaken = PreloadedMass(0.1040426, 2 * law, PAPER).shaken(level="0.6N", frequency=9.5)

@@ -23,11 +23,10 @@ from dashpot.extensions.amplitude.preloaded_mass import (
     PreloadedMass,
     find_largest_orbit,
 )
-from dashpot.fitting.parameters import off_by_error
+from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.mount_mass import on_heavy_mounts
-from dashpot.vibration.systems.operating_point import MassOnSeals
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, on_heavy_mounts
 
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the

@@ -16,7 +16,7 @@ from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, groups
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.header_specimen import add_specimen_temperature
+from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
 
 _WARMER = 10.0

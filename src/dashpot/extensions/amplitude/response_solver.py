@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, FrozenArrays, samples
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, format_quantity_short
 from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.harmonic_balance import (
     LinearSubsystem,
@@ -24,9 +24,8 @@ from dashpot.extensions.amplitude.harmonic_balance import (
 )
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import AmplitudeDependent
-from dashpot.vibration.systems.bodies import Mount, Point, point_mass
-from dashpot.vibration.systems.complex_modes import newton_modes
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Mount, Point, System, point_mass
+from dashpot.vibration.systems.state_space import newton_modes
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,7 +61,7 @@ EXTENSION = Extension(
             "dashpot/levels@1": "dashpot.extensions.amplitude.level_results:complete_document",
         },
         "deck terms": {
-            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.report.attachments:find_terms",
+            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.report.page_frame:find_terms",
         },
         "export": {
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.export:export_fit",

@@ -17,10 +17,9 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.extensions.app import result_cache, view_models, wire_format
+from dashpot.extensions.app import relaxation_panels, result_cache, view_models, wire_format
 from dashpot.extensions.app.request_parsing import job_of, mapping, sizes_of
 from dashpot.plot import relaxation
-from dashpot.plot.downsampling import downsample_to_means
 from dashpot.plot.frf_figure import (
     Curve,
     about_peaks,
@@ -40,7 +39,8 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
 )
-from dashpot.plot.picture import compute_padded_limits as limits_around
+from dashpot.plot.plotted_data import compute_padded_limits as limits_around
+from dashpot.plot.plotted_data import downsample_to_means
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import COLOURS
 from dashpot.workflow.job import Job
@@ -280,7 +280,7 @@ def _residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     notes, spans = [], []
     for side in (a, b):
         prepared = side.ramp_hold
-        rest = relaxation.upon_panels(
+        rest = relaxation_panels.upon_panels(
             relaxation.make_plotted_fits(side.solid, (), prepared)[0], prepared
         )[2]
         (mean,) = [mark for mark in rest.marks if isinstance(mark, Line)]

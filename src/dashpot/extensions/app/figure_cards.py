@@ -11,7 +11,7 @@ from typing import NamedTuple
 from dashpot.extensions.app.view_models import render_template
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.svg import strip, swatch
-from dashpot.report.page_content import AppCard
+from dashpot.report.result_page import AppCard
 from dashpot.report.tables import TextTable
 
 TWO, CARD = 700.0, 18.0

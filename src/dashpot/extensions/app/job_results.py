@@ -15,9 +15,8 @@ from dashpot.extensions.app.request_parsing import build_from_request, get_list,
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.registry import find_handler
 from dashpot.report.first_screen import Light
-from dashpot.report.page_content import JobPage, kind_page
 from dashpot.report.page_frame import COLOURS
-from dashpot.report.result_page import text_of
+from dashpot.report.result_page import JobPage, kind_page, text_of
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import LevelJob, ModesJob
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError
-from dashpot.base.form_fields import FormData
+from dashpot.base.option_fields import FormData
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import result_cache, view_models, wire_format
@@ -25,9 +25,8 @@ from dashpot.extensions.app.request_parsing import get_list, mapping, part, size
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, asks_of, find_handler, load_object
-from dashpot.report.page_content import KindPage, kind_page
 from dashpot.report.page_frame import COLOURS
-from dashpot.report.result_page import text_of
+from dashpot.report.result_page import KindPage, kind_page, text_of
 from dashpot.workflow.job import Job
 
 

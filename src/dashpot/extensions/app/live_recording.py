@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.choices import Driver, require_choice
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.option_fields import Driver, require_choice
 from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
-from dashpot.plot.picture import Line, Panel, Pen, Scale, compute_padded_limits
+from dashpot.plot.picture import Line, Panel, Pen, Scale
+from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.svg import strip
 from dashpot.registry import find_handler
 
 if TYPE_CHECKING:
     from dashpot.files import recording
+
 
 MOST = 2000
 """Stretches of a curve beyond which two become one."""

@@ -7,8 +7,12 @@ from dataclasses import Field
 from html import escape
 from typing import Any
 
-from dashpot.base.choices import AmplitudeLawAsked, get_choice_values
-from dashpot.base.option_fields import is_path_field, iterate_option_fields
+from dashpot.base.option_fields import (
+    AmplitudeLawAsked,
+    get_choice_values,
+    is_path_field,
+    iterate_option_fields,
+)
 from dashpot.workflow.job import Job
 
 LABELS = {

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_atomic
+from dashpot.base.file_writing import write_atomic
 
 MOST = 12
 """Folders of the list."""

@@ -30,15 +30,14 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
 from dashpot.registry import KINDS, asks_of, find_handler
 from dashpot.report import first_screen
+from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import COLOURS
-from dashpot.report.summary import find_simulated_files
-from dashpot.vibration.systems.frf_prediction import highest_peak, predict_frf
-from dashpot.vibration.systems.operating_point import MassOnSeals
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, highest_peak, predict_frf
 from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.response.static_equilibrium import family_checks, find_static_equilibrium
+from dashpot.workflow.static_equilibrium import family_checks, find_static_equilibrium
 
 HINT = (
     "Give the mass of the block and the number of seals: the hammer is then held against what the "

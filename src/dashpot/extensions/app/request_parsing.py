@@ -7,9 +7,8 @@ from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dashpot.base.choices import require_choice
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.option_fields import is_path_field, texts_of
+from dashpot.base.option_fields import is_path_field, require_choice, texts_of
 from dashpot.base.units import convert_to_si, si_range
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.app.upload_store import path_in

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import lru_cache
 
 from dashpot.base.errors import DashpotError, DataError, FitError
@@ -13,10 +13,17 @@ from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.app import record_cache
 from dashpot.fitting.relaxation import fit, refit_nearby
 from dashpot.vibration.systems.frf_prediction import highest_peak
-from dashpot.workflow.job import Cuts, Job, deciding
-from dashpot.workflow.prepare_tests import prepared_tests
-from dashpot.workflow.response.frf_prediction import Prediction, prediction
+from dashpot.workflow.bench_tests import prepared_tests
+from dashpot.workflow.frf_prediction import Prediction, prediction
+from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.study import Study, find_reference_test, run
+
+
+def deciding(job: Job, *what: str) -> Job:
+    """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
+    sentences = [field.name for field in fields(job) if field.metadata.get("decides") in what]
+    return Job(**{name: getattr(job, name) for name in sentences})
+
 
 KEPT = 8
 """Results of each kind that a worker remembers."""

@@ -13,8 +13,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DashpotError
+from dashpot.base.file_writing import write_atomic
 from dashpot.extensions.app.recent import place_of
 from dashpot.extensions.app.upload_store import Store, path_in
 

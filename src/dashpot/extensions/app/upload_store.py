@@ -11,7 +11,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.lock import open_exclusive_lock
+from dashpot.base.file_writing import open_exclusive_lock
 
 LIMIT = 200 << 20
 """Bytes of one file, at most."""

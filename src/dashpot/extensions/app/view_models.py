@@ -16,8 +16,6 @@ from dashpot import plot
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict
-from dashpot.base.choices import Method, get_choice_values
-from dashpot.base.form_fields import FormField
 from dashpot.base.number_format import (
     duration,
     format_cell,
@@ -26,15 +24,16 @@ from dashpot.base.number_format import (
     seals,
     symbol,
 )
+from dashpot.base.option_fields import FormField, Method, get_choice_values
+from dashpot.base.plain_text import sentences
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
-from dashpot.base.sentences import sentences
 from dashpot.base.units import Dimension, convert_to_unit, get_display_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.app import relaxation_panels
 from dashpot.extensions.app.words import format_for_page
 from dashpot.plot import relaxation
-from dashpot.plot.downsampling import downsample_to_extremes
 from dashpot.plot.frf_figure import (
     SHOWN,
     Curve,
@@ -62,22 +61,22 @@ from dashpot.plot.picture import (
     Scale,
     Tag,
     joint_pen,
-    unit_of,
 )
+from dashpot.plot.plotted_data import downsample_to_extremes, unit_of
 from dashpot.plot.svg import strip, swatch
 from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.registry import KINDS
 from dashpot.report import first_screen
 from dashpot.report.figures import chart_of
-from dashpot.report.first_screen import GRADES, Light, Row
-from dashpot.report.page_content import Group
+from dashpot.report.first_screen import GRADE_MARKS, Light, Row
 from dashpot.report.page_frame import COLOURS, environment
+from dashpot.report.result_page import Group
 from dashpot.vibration.impact.checks import mass_line
 from dashpot.vibration.impact.hits import cut_hits
+from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import Answer, Recommendation
-from dashpot.workflow.response.frf_prediction import Prediction
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
@@ -177,7 +176,7 @@ def test_panels(
     other = None
     if by_eq5 is not None and fit.method != "hold":
         other = relaxation.PlottedFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
-    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, second=other, whole=whole)
+    ramp, hold, rest = relaxation_panels.upon_panels(chosen, prepared, second=other, whole=whole)
     force, remainder = (panel.y.label.rpartition(", ")[2] for panel in (hold, rest))
     text = _format_noise_comparison(rest.note, prepared, remainder)
     arms = _label_arms(plot.spectrum(fit).panels[0], fit)
@@ -205,7 +204,7 @@ def _format_noise_comparison(remainder: str, prepared: RampHold, unit: str) -> s
 
 def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
     """Ramp and hold as they were recorded, where they will stand upon their fit."""
-    ramp, hold = map(_shorten_key, relaxation.record_panels(prepared))
+    ramp, hold = map(_shorten_key, relaxation_panels.record_panels(prepared))
     rest = Panel(hold.x, Scale("residual", (0.0, 1.0), unnumbered=True), ())
     unit = ramp.y.label.rpartition(", ")[2]
     return {
@@ -396,8 +395,8 @@ def live_test(
     The axes of the hold stand as they were drawn: they count from `since` on the record's clock, s.
     """
     plotted_fit = _shown_fit(fit, prepared)
-    when, residual = relaxation.mean_residual(plotted_fit, prepared)
-    ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(plotted_fit, prepared))
+    when, residual = relaxation_panels.mean_residual(plotted_fit, prepared)
+    ramp, hold = ((line.x, line.y) for line in relaxation_panels.fit_lines(plotted_fit, prepared))
     later = 0.0 if since is None else prepared.ramp_end - since
     curves = {
         "ramp/fit": ramp,
@@ -612,13 +611,13 @@ def check_list(checks: Sequence[Check]) -> str:
     """What failed, the gravest first, and how many were judged, each grade apart."""
     distinct = list(dict.fromkeys(checks))
     failed = [
-        (GRADES[check.grade], *_split(check), check.told) for check in distinct if check.failed
+        (GRADE_MARKS[check.grade], *_split(check), check.told) for check in distinct if check.failed
     ]
     failed.sort(key=lambda row: -first_screen.ORDER.index(row[0]))
     passed = sum(check.passed is True for check in distinct)
     grades = [
         (mark, f"{count} {grade}{'' if count == 1 else 's'}")
-        for grade, mark in reversed(GRADES.items())
+        for grade, mark in reversed(GRADE_MARKS.items())
         if (count := sum(names[0] == mark for names in failed))
     ]
     grades.sort(key=lambda pair: -first_screen.ORDER.index(pair[0]))

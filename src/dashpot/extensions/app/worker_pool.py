@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.subprocesses import get_long_lived_env, interpreter, stop_process_group
+from dashpot.base.subprocesses import get_long_lived_env, interpreter
 from dashpot.extensions.app import wire_format
+from dashpot.extensions.app.worker_process import stop_process_group
 
 
 class StoppedError(DashpotError):

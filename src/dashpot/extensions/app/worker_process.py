@@ -11,15 +11,41 @@ import json
 import os
 import queue
 import shutil
+import signal
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.progress import set_progress_listener
-from dashpot.base.subprocesses import stop_process_group, trim_memory
 from dashpot.extensions.app import wire_format
+
+
+def stop_process_group(leader: int) -> None:
+    """End a process that was started as the first of a session, and all that it started."""
+    with suppress(ProcessLookupError):
+        if sys.platform == "win32":
+            os.kill(leader, signal.SIGTERM)
+        else:
+            os.killpg(leader, signal.SIGKILL)
+
+
+def trim_memory(excess: int) -> None:
+    """Give memory that is free back to the system, if this process holds more than so many bytes.
+
+    Where the C library (of GNU) keeps it; elsewhere nothing is done.
+    """
+    if sys.platform != "linux":
+        return
+    with suppress(OSError, AttributeError):  # no /proc, or another library of C
+        resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+        if resident * os.sysconf("SC_PAGE_SIZE") > excess:
+            import ctypes  # long records alone need it
+
+            ctypes.CDLL(None).malloc_trim(0)
+
 
 LARGE = 200 << 20
 """Bytes of a worker that has had a long record: what it needed in between it gives back."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 from dashpot.api.fit import Arms
 from dashpot.api.read_save import Place
-from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _arrays(
     ramp: tuple[float, float] | None = None,
     **how: Any,
 ) -> BatchFit:
-    from dashpot.base.array_units import arrays_in_si
+    from dashpot.base.arrays import arrays_in_si
     from dashpot.extensions.batch.arrays.fit_many import fit_many
 
     t, x, F = arrays_in_si(

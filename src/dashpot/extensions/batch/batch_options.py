@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import copy_option, make_nested_options, option
+from dashpot.base.option_fields import Method, copy_option, make_nested_options, option
 from dashpot.base.units import Dimension, Quantity, convert_to_si, si_fields
 from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from dashpot.base.choices import Method
 from dashpot.base.errors import ExportError
-from dashpot.base.lock import open_exclusive_lock
+from dashpot.base.file_writing import open_exclusive_lock
+from dashpot.base.option_fields import Method
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si

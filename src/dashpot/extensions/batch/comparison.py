@@ -9,7 +9,7 @@ from pathlib import Path
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
-from dashpot.base.sentences import sentence
+from dashpot.base.plain_text import sentence
 from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.extensions.batch.lot import ALIKE, DEGREES, Lot

@@ -14,21 +14,8 @@ from dashpot.extensions.batch.quantities import Quantity
 from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
 from dashpot.extensions.batch.statistics.control_chart import Chart
 from dashpot.extensions.batch.statistics.process_capability import Capability
-from dashpot.plot.picture import (
-    Area,
-    Dots,
-    Line,
-    Mark,
-    Panel,
-    Pen,
-    Picture,
-    Ring,
-    Rule,
-    Scale,
-    Tag,
-    compute_padded_limits,
-    compute_padded_log_limits,
-)
+from dashpot.plot.picture import Area, Dots, Line, Mark, Panel, Pen, Picture, Ring, Rule, Scale, Tag
+from dashpot.plot.plotted_data import compute_padded_limits, compute_padded_log_limits
 
 _SAMPLES = 80
 _BARS, _MOST_BARS = 6, 24

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
+from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import SIMULATED, Source
-from dashpot.base.sentences import decapitalise_sentence
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
@@ -15,14 +15,14 @@ from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.operating_point import MassOnSeals
+from dashpot.vibration.systems.frf_prediction import MassOnSeals
+from dashpot.workflow.frf_comparison import compare_with_measured
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
-from dashpot.workflow.vibration.impact_tests import compare_with_measured
-from dashpot.workflow.vibration.measured_frf import read_measured
+from dashpot.workflow.measured_frf import read_measured
+from dashpot.workflow.static_equilibrium import find_static_equilibrium
 
 if TYPE_CHECKING:
-    from dashpot.workflow.fit_bench_tests import Record
+    from dashpot.workflow.bench_tests import Record
 
 
 def compare_with_hammer(

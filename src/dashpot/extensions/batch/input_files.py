@@ -14,13 +14,12 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
-from dashpot.base.atomic import validate_path
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.parsing import parsed_toml
+from dashpot.base.file_writing import validate_path
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
 from dashpot.reading.raw_file import missing, open_raw
-from dashpot.reading.toml import Section
+from dashpot.reading.toml import Section, parsed_toml
 
 LABELS = ("lot", "seal", "repeat", "operator", "date")
 _QUANTITIES: dict[str, Dimension] = {

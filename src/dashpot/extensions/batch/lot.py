@@ -13,7 +13,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escaping import escape_formula
+from dashpot.base.plain_text import escape_formula
 from dashpot.base.provenance import SIMULATED
 from dashpot.base.units import format_quantity
 from dashpot.base.version import byline
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     import polars as pl
 
     from dashpot.plot.picture import Picture
+
 
 _MAIN = ("k_end_", "E_end_")
 _INSTEAD = ("cld_per_100mm", "cld_force", "indent_modulus", "restitution")

@@ -18,13 +18,18 @@ from dashpot.cli._command import CommandOption, build_options, group, mark_advan
 from dashpot.cli._command_io import CommandResult, format_json, write
 from dashpot.cli._param_types import File, Folder
 from dashpot.extensions.batch.batch_options import BatchOptions
-from dashpot.reading.read_options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.extensions.batch.batch_run import BatchJob
     from dashpot.extensions.batch.statistics.variance_components import Component
     from dashpot.extensions.batch.summary import Summary
+
+
+OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
+"""Those that no dynamic sweep has too."""
+
 
 _ROWS, _EACH = "Rows and page", "Each test"
 

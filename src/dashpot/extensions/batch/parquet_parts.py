@@ -12,8 +12,8 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from dashpot.base.atomic import PART, validate_path, write_atomic
 from dashpot.base.errors import DataError, ExportError
+from dashpot.base.file_writing import PART, validate_path, write_atomic
 from dashpot.base.serialisation import to_plain_value
 from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
@@ -22,6 +22,7 @@ from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 
 if TYPE_CHECKING:
     import polars as pl
+
 
 KEY = "key"
 """The column that names what decided a row."""

@@ -18,7 +18,7 @@ EXTENSION = Extension(
             "lot": "dashpot.extensions.batch.api:read_lot",
         },
         "text": {
-            "dashpot.extensions.batch.comparison:LotComparison": "dashpot.text_output.frequency_table:render_summary",
+            "dashpot.extensions.batch.comparison:LotComparison": "dashpot.text_output.results:render_summary",
         },
     },
     commands=(

@@ -12,8 +12,8 @@ import numpy as np
 from dashpot.base.checks import GRADES, Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
+from dashpot.base.plain_text import sentence
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.sentences import sentence
 from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.batch.acceptance import SealDecision, check_lot_acceptance
 from dashpot.extensions.batch.checks import (

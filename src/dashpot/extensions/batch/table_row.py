@@ -14,7 +14,6 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import SIMULATED
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import column
-from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
@@ -27,21 +26,14 @@ from dashpot.extensions.batch.impact_comparison import (
 )
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 from dashpot.reading.readers.detect_kind import Recognised, recognise
-from dashpot.registry import (
-    FIT_FILES,
-    KINDS,
-    KindOfTest,
-    Piece,
-    find_handler,
-    load_object,
-    row_of,
-)
-from dashpot.vibration.systems.operating_point import MassOnSeals
-from dashpot.workflow.fit_bench_tests import fit_files
-from dashpot.workflow.response.static_equilibrium import find_static_equilibrium
+from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, find_handler, load_object, row_of
+from dashpot.solids.elastic import require_plausible_compression
+from dashpot.vibration.systems.frf_prediction import MassOnSeals
+from dashpot.workflow.bench_tests import fit_files
+from dashpot.workflow.static_equilibrium import find_static_equilibrium
 
 if TYPE_CHECKING:
-    from dashpot.workflow.fit_bench_tests import Record
+    from dashpot.workflow.bench_tests import Record
 
 
 def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from dashpot.base.errors import ExportError
-from dashpot.base.escaping import escape_formula
+from dashpot.base.plain_text import escape_formula
 from dashpot.base.version import byline
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import polars
@@ -19,6 +19,7 @@ from dashpot.extensions.batch.summary import Summary
 
 if TYPE_CHECKING:
     import polars as pl
+
 
 _MADE = dt.datetime(1980, 1, 1)
 """That a workbook says it was made: the same lot is the same bytes."""

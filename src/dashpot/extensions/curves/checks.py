@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
@@ -19,6 +19,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 if TYPE_CHECKING:
     from dashpot.datamodel.bounds import EndOfHold
     from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+
 
 MAX_INCONSISTENT = 0.05
 # curves missed by more than this are not followed

@@ -11,12 +11,17 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import refuse_shifts
-from dashpot.fitting.pipeline import FitOptions
+from dashpot.fitting.order_selection import FitOptions
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.registry import row_of
-from dashpot.workflow.fit_bench_tests import Bench, BenchFitOptions, Record, prepare_ramps
-from dashpot.workflow.job import require_test_for_machine
-from dashpot.workflow.shift_options import ShiftChoices, shifted_ramps
+from dashpot.workflow.bench_tests import (
+    Bench,
+    BenchFitOptions,
+    Record,
+    prepare_ramps,
+    shifted_ramps,
+)
+from dashpot.workflow.job import ShiftChoices, require_test_for_machine
 
 if TYPE_CHECKING:
     from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold

@@ -19,7 +19,7 @@ from dashpot.extensions.curves.checks import FOLLOWED, few_arms_suffice
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
-from dashpot.numerics.least_squares.nnls import solve_linear
+from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;

@@ -6,24 +6,24 @@ EXTENSION = Extension(
     "curves",
     kinds=(
             KindOfTest(
-                "dma", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.fit_bench_tests:fit_files", place="bench", meant="bench",
+                "dma", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
                 nouns={"dashpot.extensions.curves.datamodel.dynamic:DynamicTest": ""},
                 checks="dashpot.extensions.curves.checks", order=4,
         ),
             KindOfTest(
-                "master-curve", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.fit_bench_tests:fit_files", place="bench", meant="bench",
+                "master-curve", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
                 nouns={"dashpot.extensions.curves.datamodel.superposition:Superposition": "dashpot.extensions.curves.superposition.figure:superposition"},
                 checks="dashpot.extensions.curves.superposition.checks", order=5,
         ),
             KindOfTest("temperature-sweep", order=7),
             KindOfTest("one-frequency", order=8),
             KindOfTest(
-                "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.fit_bench_tests:fit_files", place="bench", meant="bench",
+                "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
                 nouns={"dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": ""},
                 checks="dashpot.extensions.curves.checks", order=9,
         ),
             KindOfTest(
-                "creep", "dashpot.extensions.curves.creep.read:read_creep", "dashpot.workflow.fit_bench_tests:fit_files", place="bench", meant="bench",
+                "creep", "dashpot.extensions.curves.creep.read:read_creep", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
                 nouns={
                     "dashpot.extensions.curves.datamodel.creep:CreepTest": "",
                     "dashpot.extensions.curves.datamodel.creep:LoadHold": "",

@@ -18,17 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, samples
-from dashpot.base.choices import ShiftLaw, require_choice
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import ShiftLaw, require_choice
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
-from dashpot.numerics.least_squares.problem import (
-    Optimum,
-    Parameter,
-    Problem,
-    Rows,
-    require_optimum,
-)
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 MAX_MISSED = 0.15

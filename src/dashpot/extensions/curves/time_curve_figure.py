@@ -10,20 +10,13 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.plot.picture import (
-    FIT,
-    REF,
-    Dots,
-    Line,
-    Panel,
-    Picture,
-    Rule,
-    Scale,
+from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale
+from dashpot.plot.plotted_data import (
     compute_padded_limits,
     compute_padded_log_limits,
+    format_fit_stamp,
     read_as,
 )
-from dashpot.plot.provenance_stamp import format_fit_stamp
 
 TIME = "time, s"
 

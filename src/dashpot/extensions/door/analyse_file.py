@@ -13,11 +13,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.checks import temperature_tested
-from dashpot.datamodel.compression_limits import require_plausible_compression
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.random_response import RandomResponse
-from dashpot.datamodel.seal_line import SealLine, SealSection, Shear
+from dashpot.datamodel.seal_line import SealSection, Shear
+from dashpot.datamodel.structure import FreeModes
 from dashpot.extensions.door import checks as asked
 from dashpot.extensions.door.assembly import BODY, DOOR, Assembly, implied_mass
 from dashpot.extensions.door.door_model import Door, DoorPoint, SealChoice
@@ -35,12 +34,14 @@ from dashpot.extensions.door.mounts import SEAL
 from dashpot.extensions.door.read import read_door
 from dashpot.extensions.door.read_modes import read_modes
 from dashpot.extensions.door.result import BaseResponse, DoorResult
+from dashpot.extensions.door.seal_line import SealLine
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.registry import find_handler
+from dashpot.solids.elastic import require_plausible_compression
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
-from dashpot.vibration.systems.bodies import Point
-from dashpot.workflow.json_files import format_unexpected_kind, read_fit, read_json_document
+from dashpot.vibration.systems.multibody import Point
+from dashpot.workflow.json_archive import format_unexpected_kind, read_fit, read_json_document
 
 __all__ = ["DoorResult", "door_file", "open_door"]
 

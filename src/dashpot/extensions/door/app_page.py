@@ -9,16 +9,16 @@ from typing import Any
 
 from dashpot.base.errors import ReadError
 from dashpot.base.number_format import hertz, round_to_error
-from dashpot.base.parsing import parsed_toml
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.door.analyse_file import door_file
 from dashpot.extensions.door.figure import View, frf_panel, line_panel, shape_panels
 from dashpot.extensions.door.page import format_door_summary, lights_of, modes_of
 from dashpot.extensions.door.result import DoorResult
 from dashpot.plot.picture import Picture
+from dashpot.reading.toml import parsed_toml
 from dashpot.report.first_screen import Row
-from dashpot.report.page_content import AppCard, Group, KindPage
 from dashpot.report.page_frame import environment
+from dashpot.report.result_page import AppCard, Group, KindPage
 from dashpot.workflow.json_archive import to_json
 
 _HEIGHT = 300.0

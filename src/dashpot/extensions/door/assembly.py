@@ -9,12 +9,11 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.structure import FreeModes
 from dashpot.extensions.door.door_model import Door, RigidPart, Support
 from dashpot.extensions.door.mounts import line_mounts
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
-from dashpot.vibration.systems.bodies import Body, Mount
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import Body, Mount, System
 
 DOOR, BODY = "door", "body"
 _ALIKE = 0.01

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
-from dashpot.base.plausibility import SIZES
 from dashpot.base.units import format_quantity
+from dashpot.base.value_ranges import SIZES
 
 NOT_THERE = 0.3
 """m, beyond which shapes are not those of this door."""

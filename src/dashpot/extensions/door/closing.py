@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.seal_line import SealSection
 from dashpot.extensions.door.closing_forces import Chambers, PressedSeal
 from dashpot.extensions.door.closing_setup import ClosingSetup

@@ -13,10 +13,10 @@ from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.seal_line import SealLine
 from dashpot.extensions.door.closing import ELASTIC, STEPS, ClosingDoor, ClosingHistory, march
 from dashpot.extensions.door.closing_setup import ClosingSetup, Tolerances
 from dashpot.extensions.door.door_model import Door, RigidPart
+from dashpot.extensions.door.seal_line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FASTEST = 20.0

@@ -9,21 +9,9 @@ from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.door.closing_analysis import Closing, Scatter
 from dashpot.extensions.door.closing_result import ClosingResult
-from dashpot.plot.picture import (
-    FIT,
-    REF,
-    Area,
-    Line,
-    Mark,
-    Panel,
-    Pen,
-    Picture,
-    Rule,
-    Scale,
-    Tag,
-    compute_padded_limits,
-)
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.picture import FIT, REF, Area, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
+from dashpot.plot.plotted_data import compute_padded_limits
+from dashpot.plot.plotted_data import stamp as stamped
 from dashpot.plot.style import sequential
 
 _HALF = 0.36

@@ -8,7 +8,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.seal_line import SealSection
 from dashpot.extensions.door import air_flow
 from dashpot.extensions.door.closing_setup import Air, DoorPosition
-from dashpot.solids.constant_rate_step import EvenStep
+from dashpot.solids.moving_plate import EvenStep
 
 
 class PressedSeal:

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import format_quantity
-from dashpot.base.validators import require_nonnegative, require_positive, select_fields
+from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 
 Vector: TypeAlias = tuple[float, float, float]
 

@@ -7,8 +7,9 @@ from typing import TypeAlias
 
 from dashpot.base.arrays import EqualByValue
 from dashpot.base.provenance import Source
-from dashpot.datamodel.seal_line import LineFriction, SealLine
+from dashpot.datamodel.seal_line import LineFriction
 from dashpot.extensions.door.closing_setup import ClosingSetup
+from dashpot.extensions.door.seal_line import SealLine
 
 Vector: TypeAlias = tuple[float, float, float]
 

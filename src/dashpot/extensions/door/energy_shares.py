@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.vibration.systems.complex_modes import ComplexMode
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import System
+from dashpot.vibration.systems.state_space import ComplexMode
 
 
 @dataclass(frozen=True)

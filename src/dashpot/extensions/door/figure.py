@@ -25,13 +25,15 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
+)
+from dashpot.plot.plotted_data import (
     compute_padded_limits,
     compute_padded_log_limits,
     split_at_band,
 )
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import stamp as stamped
 from dashpot.plot.style import sequential
-from dashpot.vibration.systems.bodies import Point
+from dashpot.vibration.systems.multibody import Point
 
 SHOWN = 6
 """Modes that are drawn."""

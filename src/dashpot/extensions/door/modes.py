@@ -8,12 +8,12 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.serialisation import Serialisable
-from dashpot.datamodel.free_modes import FreeModes
 from dashpot.datamodel.seal_line import Shear
+from dashpot.datamodel.structure import FreeModes
 from dashpot.extensions.door.assembly import DOOR, Assembly
 from dashpot.extensions.door.energy_shares import EnergyShare, energy_shares
-from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes, newton_modes
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import System
+from dashpot.vibration.systems.state_space import ComplexMode, complex_modes, newton_modes
 
 _STATES = 1200
 """Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""

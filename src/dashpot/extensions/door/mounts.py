@@ -9,10 +9,11 @@ import numpy as np
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity
-from dashpot.datamodel.seal_line import LineDirection, SealLine, Stations
+from dashpot.datamodel.seal_line import LineDirection, Stations
+from dashpot.extensions.door.seal_line import SealLine
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.networks import spring
-from dashpot.vibration.systems.bodies import Mount
+from dashpot.vibration.systems.multibody import Mount
 
 SEAL = "seal"
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.number_format import duration, format_count, hertz, round_to_error
-from dashpot.base.sentences import sentence
+from dashpot.base.plain_text import sentence
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.door.closing_figure import (
     doors_panel,
@@ -32,13 +32,11 @@ from dashpot.extensions.door.modes import DoorMode
 from dashpot.extensions.door.mounts import SEAL
 from dashpot.extensions.door.result import DoorResult
 from dashpot.plot.picture import Panel, Picture
-from dashpot.plot.provenance_stamp import stamp
-from dashpot.report.attachments import Attachment, attachment
+from dashpot.plot.plotted_data import stamp
 from dashpot.report.figures import RenderedFigure, render_figure
 from dashpot.report.first_screen import NBSP, Light
-from dashpot.report.page_content import CollapsibleSection, Topic, lights
-from dashpot.report.page_frame import environment
-from dashpot.report.result_page import judgement, text_of
+from dashpot.report.page_frame import Attachment, attachment, environment
+from dashpot.report.result_page import CollapsibleSection, Topic, judgement, lights, text_of
 from dashpot.report.tables import TextTable
 
 _MODES = frozenset({"door_modes_informed", "modes_suffice", "shapes_known_there", "masses_agree"})

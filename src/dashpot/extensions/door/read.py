@@ -12,9 +12,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.plausibility import SIZES
 from dashpot.base.provenance import Source
-from dashpot.datamodel.seal_line import Joint, LineFriction, SealLine, Shear
+from dashpot.base.value_ranges import SIZES
+from dashpot.datamodel.seal_line import LineFriction, Shear
 from dashpot.extensions.door.door_model import (
     Door,
     DoorPoint,
@@ -24,9 +24,10 @@ from dashpot.extensions.door.door_model import (
     ShearChoice,
     Support,
 )
+from dashpot.extensions.door.named_columns import convert_column_to_si, read_named_columns
 from dashpot.extensions.door.read_closing import closing_of
+from dashpot.extensions.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.named_columns import convert_column_to_si, read_named_columns
 from dashpot.reading.toml import Section, Vector, tables_of
 
 LARGEST = SIZES["door"].hard[1]

@@ -9,9 +9,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension, Quantity, convert_to_si, parse_unit
-from dashpot.datamodel.free_modes import FreeModes
+from dashpot.datamodel.structure import FreeModes
+from dashpot.extensions.door.named_columns import convert_column_to_si, read_named_columns
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.named_columns import convert_column_to_si, read_named_columns
 from dashpot.reading.table import Column
 
 _NEEDED = ("mode", "frequency", "x", "y", "z")

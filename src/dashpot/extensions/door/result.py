@@ -15,11 +15,12 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.random_response import RandomResponse
-from dashpot.datamodel.seal_line import SealLine, SealSection, Stations
+from dashpot.datamodel.seal_line import SealSection, Stations
 from dashpot.extensions.door.assembly import Assembly
 from dashpot.extensions.door.door_model import Door, DoorPoint
 from dashpot.extensions.door.modes import DoorMode
 from dashpot.extensions.door.mounts import SEAL
+from dashpot.extensions.door.seal_line import SealLine
 
 
 @dataclass(frozen=True)

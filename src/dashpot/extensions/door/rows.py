@@ -24,7 +24,7 @@ EXTENSION = Extension(
         "predict open files": {"door": "dashpot.extensions.door.app_page:predict_open_files"},
         "figure cards": {"dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.app_page:list_cards"},
         "page": {"dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.app_page:page"},
-        "mounts": {"dashpot.datamodel.seal_line:SealLine": "dashpot.extensions.door.mounts:line_mounts"},
+        "mounts": {"dashpot.extensions.door.seal_line:SealLine": "dashpot.extensions.door.mounts:line_mounts"},
         "text": {
             "dashpot.extensions.door.closing_result:ClosingResult": "dashpot.extensions.door.closing_text:render_closing",
             "dashpot.extensions.door.result:DoorResult": "dashpot.extensions.door.text:door",

@@ -14,14 +14,14 @@ from dashpot.base import units
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
-from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.header_names import split_unit
-from dashpot.reading.columns.unit_factors import (
+from dashpot.extensions.formats.attribute_factors import (
     factors_among,
     names_factor,
     select_channel_words,
     words_of_name,
 )
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.table import Column, FileTable, make_loader
 
 _RATES = {

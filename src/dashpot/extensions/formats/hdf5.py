@@ -18,7 +18,7 @@ from dashpot.extensions.formats.array_table import (
     numbers,
     stated_rate,
 )
-from dashpot.reading.columns.unit_factors import (
+from dashpot.extensions.formats.attribute_factors import (
     factors_among,
     names_factor,
     stated_numbers,

@@ -12,16 +12,14 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.reading.columns.header_names import split_unit
-from dashpot.reading.raw_file import RawFile
+from dashpot.reading.columns.header_units import split_unit
+from dashpot.reading.raw_file import RawFile, TimeBudget
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import Column, Content, FileTable, LoadedColumns, Question
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import Mark
-from dashpot.reading.text.dialect import Dialect
-from dashpot.reading.text.encoding import decode_blocks, find_encoding
+from dashpot.reading.text.dialect import Dialect, decode_blocks, find_encoding
 from dashpot.reading.text.rows import load_rows
-from dashpot.reading.time_budget import TimeBudget
 
 _HEAD = 1 << 20
 _SURE = 1e-4

@@ -24,7 +24,7 @@ from dashpot.extensions.formats.array_table import (
     numbers,
     stated_rate,
 )
-from dashpot.reading.columns.unit_factors import factors_among, names_factor
+from dashpot.extensions.formats.attribute_factors import factors_among, names_factor
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits

@@ -20,7 +20,7 @@ from dashpot.extensions.formats.array_table import (
     stated_rate,
     window_line,
 )
-from dashpot.reading.columns.unit_factors import factors_among
+from dashpot.extensions.formats.attribute_factors import factors_among
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits

@@ -11,7 +11,7 @@ from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.extensions.modes.measured_modes import modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
-from dashpot.workflow.vibration.modes import Modes
+from dashpot.workflow.measured_frf import Modes
 
 
 def fit_modes(records: list[Any], *, band: Range | None = None) -> Modes:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.datamodel.frf_set import ModeShape
+from dashpot.datamodel.structure import ModeShape
 from dashpot.extensions.modes.stabilisation import Stabilisation
 
 STABLE = 5

@@ -11,28 +11,17 @@ from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind, Mode
-from dashpot.datamodel.frf_set import FRFSet
+from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.modes.mass_series import SeveralMasses
 from dashpot.extensions.modes.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
 from dashpot.extensions.modes.stabilisation import stabilisation as find_poles
-from dashpot.plot.picture import (
-    MEASURED,
-    Dots,
-    Line,
-    Mark,
-    Panel,
-    Pen,
-    Picture,
-    Rule,
-    Scale,
-    Tag,
-    compute_padded_limits,
-    compute_padded_log_limits,
-)
+from dashpot.plot.picture import MEASURED, Dots, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
+from dashpot.plot.plotted_data import compute_padded_limits, compute_padded_log_limits
 from dashpot.plot.style import sequential
 
 if TYPE_CHECKING:
     from dashpot.extensions.modes.mass_series_files import ModesByMass
+
 
 FOUND = Pen("fit", 1.2, (7, 4))
 BEHIND = Pen("line", 1.4)

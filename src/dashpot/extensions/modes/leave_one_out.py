@@ -16,15 +16,14 @@ import numpy as np
 
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.impact import ImpactTest
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.identification.identify import identify
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import predict_frf
-from dashpot.vibration.systems.operating_point import MassOnSeals
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, predict_frf
+from dashpot.workflow.frf_comparison import LeaveOneOut
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.vibration.impact_tests import LeaveOneOut
-from dashpot.workflow.vibration.measured_frf import average
+from dashpot.workflow.measured_frf import average
 
 _FEWEST, _MOST = 3, 8
 """Hits that are asked, of which one is left out."""

@@ -19,7 +19,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import Mode
-from dashpot.numerics.least_squares.nnls import solve_linear
+from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 STORAGE, LOSS = 0.003, 0.03

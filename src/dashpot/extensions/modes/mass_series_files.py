@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.datamodel.frf_set import FRFSet
+from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.modes.checks import one_solid
 from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
 from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes, modes_of

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.choices import OverBase
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import OverBase
 from dashpot.datamodel.frf import FRF, Mode
-from dashpot.datamodel.frf_set import FRFSet, ModeShape
+from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.extensions.modes.checks import modes_explain_lines, modes_stable, points_share_modes
 from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
@@ -24,11 +24,16 @@ from dashpot.vibration.impact.checks import (
     record_long_enough,
     resonance,
 )
-from dashpot.vibration.modal.modal_assurance import mac
-from dashpot.vibration.modal.multi_point import select_mode_band, shapes_of
-from dashpot.workflow.vibration.impact_tests import finite
-from dashpot.workflow.vibration.measured_frf import add_frf_checks, as_measured, with_polarity
-from dashpot.workflow.vibration.modes import ImpactMode, Modes
+from dashpot.vibration.modal.modes import select_mode_band, shapes_of
+from dashpot.vibration.modal.pole_fit import mac
+from dashpot.workflow.measured_frf import (
+    ImpactMode,
+    Modes,
+    add_frf_checks,
+    as_measured,
+    finite,
+    with_polarity,
+)
 
 _UNIT = 1.0
 """kg; the mass that a transmissibility leaves open."""

@@ -19,8 +19,8 @@ from dashpot.base.units import format_quantity
 from dashpot.datamodel.frf import Mode
 from dashpot.extensions.modes.mass_series_files import ModesByMass, modes_by_mass
 from dashpot.extensions.modes.measured_modes import MeasuredModes, modes_files
-from dashpot.report.page_content import AppCard, Group, JobPage, KindPage, Topic, lights
-from dashpot.report.result_pages.frf_pages import mode_rows
+from dashpot.report.result_page import AppCard, Group, JobPage, KindPage, Topic, lights
+from dashpot.report.solid_and_frf_pages import mode_rows
 from dashpot.report.tables import TextTable
 from dashpot.workflow.job import ModesJob
 

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.frf_set import FRFSet
-from dashpot.reading.columns.amplitude_phase_pairs import two_signals
-from dashpot.reading.columns.kind_detection import FileKind
+from dashpot.datamodel.structure import FRFSet
+from dashpot.reading.columns.kind_detection import FileKind, find_amplitude_phase_pairs
 from dashpot.reading.columns.role_assignment import score
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
@@ -92,7 +91,7 @@ def _groups(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
     options, columns = file.options, file.table.columns
     if options.segment or any(getattr(options, role) for role in chain(*PAIRS)):
         return []
-    if two_signals(file.table, options):
+    if find_amplitude_phase_pairs(file.table, options):
         return []  # a motion and what moves it are of one
     of = _find_role_columns(columns, options)
     for pair in PAIRS:

@@ -10,7 +10,7 @@ EXTENSION = Extension(
         },
         "fit job": {"dashpot.workflow.job:ModesJob": "dashpot.extensions.modes.page:fit_job"},
         "leave one out": {
-            "dashpot.datamodel.impact:ImpactTest": "dashpot.extensions.modes.leave_one_out:cross_validate_hits",
+            "dashpot.datamodel.vibration_tests:ImpactTest": "dashpot.extensions.modes.leave_one_out:cross_validate_hits",
         },
         "read record": {
             "frf": "dashpot.extensions.modes.api:read_frf_record",

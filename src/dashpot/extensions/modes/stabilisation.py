@@ -8,8 +8,8 @@ complex, so that the order is the number of poles in the band. With the first co
 denominator fixed, poles that only follow the noise grow instead of decaying, and are left out
 (Cauberghe et al. 2005). What a structure does stays where it is as the order rises.
 
-The chart knows nothing of the model that :mod:`.rational_fraction` fits, so it is a second opinion
-on each of its modes.
+The chart knows nothing of the model that `dashpot.vibration.modal.pole_fit` fits, so it is a
+second opinion on each of its modes.
 """
 
 from __future__ import annotations
@@ -20,11 +20,9 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.datamodel.frf import Mode
-from dashpot.datamodel.frf_set import FRFSet
-from dashpot.vibration.modal.frf_lines import FRFLines
-from dashpot.vibration.modal.modal_assurance import mac
-from dashpot.vibration.modal.multi_point import compute_rms_accelerance, lines_of, select_mode_band
-from dashpot.vibration.modal.pole_trial import MOST_DAMPED
+from dashpot.datamodel.structure import FRFSet
+from dashpot.vibration.modal.modes import compute_rms_accelerance, lines_of, select_mode_band
+from dashpot.vibration.modal.pole_fit import MOST_DAMPED, FRFLines, mac
 
 HIGHEST = 30
 ARC = 1.5 * np.pi

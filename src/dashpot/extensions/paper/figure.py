@@ -10,20 +10,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.plot.downsampling import downsample_to_extremes
-from dashpot.plot.picture import (
-    FIT,
-    REF,
-    SIMPLER,
-    Line,
-    Panel,
-    Pen,
-    Picture,
-    Rule,
-    Scale,
-    Tag,
-    compute_padded_limits,
-)
+from dashpot.plot.picture import FIT, REF, SIMPLER, Line, Panel, Pen, Picture, Rule, Scale, Tag
+from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_extremes
 
 DATA = Pen("measured", 2.4)
 CLOCK = "time from first contact, s"

@@ -24,11 +24,11 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.paper.equations import Coefficients
-from dashpot.numerics.exponential_sum import exponential_sum
+from dashpot.extensions.paper.exponential_sum import exponential_sum
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.ground_truth import stamp, truth_json
 from dashpot.simulation.impact import SimulatedImpact, simulate_impact
-from dashpot.simulation.relaxation import SimulatedRelaxation, simulate_relaxation
+from dashpot.simulation.motion import SimulatedRelaxation, simulate_relaxation
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.plugins.datamodel import PluggedFit
 from dashpot.plot.picture import FIT, Dots, Line, Panel, Picture, Scale
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import stamp as stamped
 
 _HEIGHT = 60.0
 

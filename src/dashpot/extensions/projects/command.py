@@ -9,16 +9,16 @@ from pathlib import Path
 import click
 
 from dashpot import workflow
-from dashpot.base.atomic import find_partial_files
 from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import ReadError
 from dashpot.base.number_format import format_count
-from dashpot.base.sentences import decapitalise_sentence
+from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command import group, opt, verb
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
+from dashpot.extensions.projects.partial_files import find_partial_files
 from dashpot.text_output.layout import Text
 
 

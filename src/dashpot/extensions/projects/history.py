@@ -17,8 +17,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import write_atomic
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import software
 
 GENESIS = "0" * 64

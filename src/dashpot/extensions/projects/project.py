@@ -26,14 +26,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import PART, validate_path, write_atomic
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.lock import open_exclusive_lock
-from dashpot.base.parsing import parsed_toml
+from dashpot.base.file_writing import PART, open_exclusive_lock, validate_path, write_atomic
 from dashpot.base.serialisation import Serialisable, to_plain_value
 from dashpot.extensions.projects.history import FileEntry, append, file_of, read_history, sha256
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.read_options import ReadOptions, dump_profile
+from dashpot.reading.toml import parsed_toml
 from dashpot.workflow.job import Job, with_paths
 from dashpot.workflow.json_archive import from_json, to_document, to_json
 from dashpot.workflow.study import Study, run

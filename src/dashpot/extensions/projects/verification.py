@@ -10,11 +10,11 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import find_partial_files, is_partial_file
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.serialisation import DIGEST
 from dashpot.base.version import software
+from dashpot.extensions.projects import verification_checks
 from dashpot.extensions.projects.history import (
     FileEntry,
     History,
@@ -22,6 +22,7 @@ from dashpot.extensions.projects.history import (
     read_history,
     sha256,
 )
+from dashpot.extensions.projects.partial_files import find_partial_files, is_partial_file
 from dashpot.extensions.projects.project import (
     NAME,
     OWN,
@@ -34,10 +35,8 @@ from dashpot.extensions.projects.project import (
     resolve_job_paths,
     resolve_project_path,
 )
-from dashpot.workflow import checks
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_archive import from_json
-from dashpot.workflow.json_validation import parts_of, require_unique_keys
+from dashpot.workflow.json_archive import from_json, parts_of, require_unique_keys
 from dashpot.workflow.study import Study, run
 
 _ROUNDED = 1.000001
@@ -67,9 +66,9 @@ def verify(
         resolve_project_path(project, name)
     history = read_history(project.folder)
     new_checks = [
-        checks.history_present(len(history.lines)),
-        checks.history_complete(len(history.lines), torn=bool(history.torn)),
-        checks.history_whole(
+        verification_checks.history_present(len(history.lines)),
+        verification_checks.history_complete(len(history.lines), torn=bool(history.torn)),
+        verification_checks.history_whole(
             len(history.lines),
             history.written,
             shortened=history.is_truncated,
@@ -79,33 +78,35 @@ def verify(
     if expect is not None:
         new_checks.append(_check_expected_hash(history, expect))
     for line, intact in zip(history.lines, history.intact, strict=True):
-        new_checks.append(checks.history_unchanged(line.line, whole=intact))
+        new_checks.append(verification_checks.history_unchanged(line.line, whole=intact))
         files = [_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
         new_checks += files
         if not any(check.failed for check in files):
             new_checks += _compare_with_rerun(project, line, page)
-    new_checks.append(checks.files_listed(_find_unlisted_files(project, history)))
+    new_checks.append(verification_checks.files_listed(_find_unlisted_files(project, history)))
     return (*new_checks, check_half_written_files(project.folder))
 
 
 def check_half_written_files(folder: Path) -> Check:
     """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
     paths = find_partial_files(folder)
-    return checks.nothing_half_written([path.relative_to(folder).as_posix() for path in paths])
+    return verification_checks.nothing_half_written(
+        [path.relative_to(folder).as_posix() for path in paths]
+    )
 
 
 def _check_expected_hash(history: History, expect: str) -> Check:
     hashes = [line.hash for line in history.lines]
     place = hashes.index(expect) if expect in hashes else None
-    return checks.history_expected(expect, place, len(hashes))
+    return verification_checks.history_expected(expect, place, len(hashes))
 
 
 def _file(project: Project, listed: FileEntry, number: int) -> Check:
     path = resolve_project_path(project, listed.file)
     if not path.is_file():
-        return checks.file_present(listed.file, number)
+        return verification_checks.file_present(listed.file, number)
     same = sha256(path.read_bytes()) == listed.sha256
-    return checks.file_unchanged(listed.file, number, same=same)
+    return verification_checks.file_unchanged(listed.file, number, same=same)
 
 
 def _find_unlisted_files(project: Project, history: History) -> list[str]:
@@ -130,7 +131,7 @@ def _compare_with_rerun(
     needed = {*paths_of(job), *profiles(job)}
     unlisted = sorted(needed - {entry.file for entry in (*line.inputs, *line.outputs)})
     if unlisted:
-        return [checks.inputs_listed(unlisted, line.line)]
+        return [verification_checks.inputs_listed(unlisted, line.line)]
     made = contents(run(resolve_job_paths(project, job)), page)
     retained = {
         _kind(output.file): resolve_project_path(project, output.file).read_bytes()
@@ -141,9 +142,15 @@ def _compare_with_rerun(
     names = {match[1] for output in line.outputs if (match := _NAMED.search(output.file))}
     other = retained.keys() != made.keys() or len(names) != 1
     if other or (alike and names != {name_of(line.job, retained["records/.json"])}):
-        return [checks.result_recomputed(float("inf"), "it keeps other files", line.line)]
+        return [
+            verification_checks.result_recomputed(float("inf"), "it keeps other files", line.line)
+        ]
     if any(entry.file not in needed for entry in line.inputs):
-        return [checks.result_recomputed(float("inf"), "its job reads fewer files", line.line)]
+        return [
+            verification_checks.result_recomputed(
+                float("inf"), "its job reads fewer files", line.line
+            )
+        ]
     worst, where = max(
         _json_difference(retained[place], made[place], place, words=alike)
         for place in retained
@@ -151,8 +158,8 @@ def _compare_with_rerun(
     )
     same = alike and same_page(retained["reports/.html"], made["reports/.html"])
     return [
-        checks.result_recomputed(worst, where, line.line),
-        checks.page_redrawn(line.line, same=same, alike=alike),
+        verification_checks.result_recomputed(worst, where, line.line),
+        verification_checks.page_redrawn(line.line, same=same, alike=alike),
     ]
 
 

@@ -13,11 +13,17 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import Kind, Mode
 from dashpot.datamodel.random_response import RandomLimits, RandomResponse
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.bodies import MOTIONS, Mount, Point, Vector, point_mass, unit_vector
-from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes
 from dashpot.vibration.systems.frf_prediction import model_modes
-from dashpot.vibration.systems.state_space import state_space
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.multibody import (
+    MOTIONS,
+    Mount,
+    Point,
+    System,
+    Vector,
+    point_mass,
+    unit_vector,
+)
+from dashpot.vibration.systems.state_space import ComplexMode, complex_modes, state_space
 
 _LINES = 4001
 _UNDAMPED, _STILL = 1e-10, 1e-15
@@ -66,7 +72,7 @@ def random_base(
         Hz, of a table; it is 0 outside.
     coupled : float
         Of mounts that weigh something, the mass that couples both ends, kg
-        (:mod:`dashpot.vibration.systems.mount_mass`).
+        (:mod:`dashpot.vibration.systems.frf_prediction`).
 
     Raises
     ------

@@ -13,9 +13,8 @@ from dashpot.extensions.random_vibration.base_response import (
     random_response,
 )
 from dashpot.extensions.random_vibration.read_psd import read_psd
-from dashpot.vibration.systems.bodies import Point, Vector
-from dashpot.vibration.systems.system import System
-from dashpot.workflow.response.frf_prediction import MountedMass, ShakenMass
+from dashpot.vibration.systems.multibody import Point, System, Vector
+from dashpot.workflow.frf_prediction import MountedMass, ShakenMass
 
 
 def shake_mass(on: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | None) -> ShakenMass:

@@ -7,13 +7,33 @@ import numpy as np
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Range, si_range
 from dashpot.datamodel.seal_line import Shear, Stations
-from dashpot.export.deck import Deck, DeckText
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.export.deck import CARRIERS, Deck, DeckText, format_stiffness_left_out
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
-from dashpot.export.nonlinear_elements import CARRIERS
 from dashpot.export.seal_line_springs import SpringRow, row_of
-from dashpot.export.temperature_shift_cards import ansys_shift
 from dashpot.export.unit_systems import format_tbdata, text
+from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+
+# How temperature moves a solid, in the words and the cards of solvers.
+
+
+def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
+    """Return the table ``TB,SHIFT`` beside ``TB,PRONY``, and what to say of it."""
+    law = None if shifts is None else shifts.law
+    if shifts is None or not isinstance(law, WLF | Arrhenius):
+        return [], []
+    row: tuple[float, ...]
+    if isinstance(law, WLF):
+        head, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
+    else:
+        head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS)
+    sentences = [
+        "TB,SHIFT: temperatures of the model are in K (TOFFST,0)",
+        *format_stiffness_left_out(shifts),
+    ]
+    return [head, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
+
 
 FORMS = ("arms", "table", "prony")
 SUFFIX = "mac"

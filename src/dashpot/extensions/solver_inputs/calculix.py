@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target

@@ -9,14 +9,14 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.checks.solid import ROUNDING, format_arm_count
-from dashpot.fitting.replicates import SAME_DEPTH, EndStiffness
-from dashpot.preprocessing.filters import Filter
+from dashpot.fitting.input_tests import SAME_DEPTH, EndStiffness
+from dashpot.preprocessing.signal_conditioning import Filter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # per factor e of time

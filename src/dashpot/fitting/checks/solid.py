@@ -6,10 +6,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.sentences import sentence
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
+from dashpot.base.plain_text import sentence
 from dashpot.base.units import format_quantity, get_display_unit
-from dashpot.datamodel.band_error import WELL_KNOWN, BandError
+from dashpot.datamodel.bounds import WELL_KNOWN, BandError
 from dashpot.numerics.inference.model_order import (
     MAX_SE_LN_TAU,
     MIN_K_OVER_SE,

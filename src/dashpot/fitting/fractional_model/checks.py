@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.status import Status
-from dashpot.datamodel.alternative_model import Alternative
+from dashpot.base.errors import Status
+from dashpot.datamodel.fit_diagnostics import Alternative
 
 #: frequencies at which parts of a car or a machine vibrate and are heard end about here, Hz
 HEARD = 100.0

@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.status import Status
-from dashpot.datamodel.band_error import WELL_KNOWN, BandError
+from dashpot.base.errors import Status
+from dashpot.datamodel.bounds import WELL_KNOWN, BandError
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.numerics.inference.model_order import DECISIVE, MAX_SE_LN_TAU
 

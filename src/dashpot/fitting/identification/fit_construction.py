@@ -1,21 +1,28 @@
-"""From an optimum to what a reader needs: a Fit with its errors, its nuisances, what moved."""
+"""From the optima of an identification to a Fit: family, errors, nuisances, what moved."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.reported_values import NORMAL
-from dashpot.datamodel.band_error import WELL_KNOWN, BandError
-from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.bounds import WELL_KNOWN, BandError, EndOfHold
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
-from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore, ParameterChange, Provenance
+from dashpot.datamodel.fit_diagnostics import (
+    Alternative,
+    Evidence,
+    OrderScore,
+    ParameterChange,
+    Provenance,
+)
 from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.machine import USUAL
 from dashpot.datamodel.parameter_estimate import (
     Nuisance,
     ParameterEstimate,
@@ -27,21 +34,204 @@ from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
+from dashpot.fitting.fractional_model.checks import (
+    element_explains,
+    families_told_apart,
+    slope_known,
+)
+from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, build_alternative
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agreement
-from dashpot.fitting.identification.family_selection import (
-    AlternativeCandidate,
-    family_checks,
-    is_at_bound,
-)
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
-from dashpot.fitting.identification.parametrisation import Arms
+from dashpot.fitting.identification.parametrisation import Arms, FractionalElement, is_at_edge
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.identification.unseen_rig import compute_hammer_rig_sensitivity
-from dashpot.fitting.known_band import find_loss_factor_band
 from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.valid_band import find_loss_factor_band
+from dashpot.numerics.inference.model_order import is_significant_fall
+from dashpot.numerics.least_squares import stack_real_rows
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
+
+# Arms or a fractional element, where a hammer has a say: which to take, and what the other is.
+#
+# The rule is that of tests alone (:mod:`dashpot.fitting.fractional_model.family_selection`): arms
+# keep their place unless BIC falls by more than 10, and what chance does not tell from the best is
+# told beside it.
+
+
+# what would tell families apart that explain a hammer alone, and with relaxation tests
+_ALONE, _JOINT = "a relaxation test of the seal", "a colder test or a hammer on another mass"
+
+
+class AlternativeCandidate(NamedTuple):
+    """The best candidate of the other family.
+
+    Attributes
+    ----------
+    best, other : Candidate
+    explains : bool
+        What it leaves may be chance, or BIC does not tell the two apart.
+    """
+
+    best: Candidate
+    other: Candidate
+    explains: bool
+
+    @property
+    def worst_misfit_ratio(self) -> float:
+        """Root of what the best leaves of a test over what the other does, of the worst test."""
+        mine, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
+        return float(np.sqrt(np.max(mine / np.maximum(other, 1e-300))))
+
+    def alternative(self, band: tuple[float, float]) -> Alternative:
+        """The other family as a fit keeps it; `band` is what the tests inform, Hz."""
+        problem, rise = self.best.problem, self.other.bic - self.best.bic
+        single = not problem.relaxations and problem.constraints.before is None
+        return build_alternative(
+            self.best.point.model, self.other.point.model, rise, band,
+            explains=self.explains, extra=_ALONE if single else _JOINT,
+        )  # fmt: skip
+
+
+def chosen_rival(
+    arms: Candidate, tried: Sequence[Candidate], candidate: Candidate, family: str
+) -> AlternativeCandidate:
+    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
+
+    Parameters
+    ----------
+    arms : Candidate
+        The number of arms taken.
+    tried : sequence of Candidate
+        Every one.
+    candidate : Candidate
+        The best element.
+    family : "fractional" or "auto"
+    """
+    several = [arms, *(other for other in tried if other.arms > arms.arms)]
+    better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
+    best, others = (candidate, several) if family == "fractional" or better else (arms, [candidate])
+    explain = [other for other in others if _explains(other, best)]
+    return AlternativeCandidate(best, (explain or others)[0], bool(explain))
+
+
+def reselect_family(
+    rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
+) -> AlternativeCandidate:
+    """The same two where what the tests contradict is free: else a wrong mass chooses the solid."""
+    best, other = free(rival.best), free(rival.other)
+    return AlternativeCandidate(best, other, _explains(other, best))
+
+
+def is_at_bound(candidate: Candidate) -> bool:
+    """True if a relaxation time or a slope stands at an end of what is sought."""
+    problem = candidate.problem
+    numbers = candidate.theta[: problem.sought.size]
+    return is_at_edge(problem.sought, numbers, problem.log_tau_range)
+
+
+def family_checks(
+    best: Candidate, rival: AlternativeCandidate | None, other: Alternative | None
+) -> list[Check]:
+    """Ask of an element whether it is known and explains the tests, of either for the other."""
+    answers = []
+    if isinstance(best.problem.sought, FractionalElement):
+        answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)))
+        if rival is not None:
+            answers.append(element_explains(rival.worst_misfit_ratio, rival.other.arms))
+    return answers if rival is None else [*answers, families_told_apart(other)]
+
+
+def _compute_misfits(candidate: Candidate) -> np.ndarray:
+    """Squared misfit of the lines, then of each relaxation test."""
+    return np.array([candidate.line_misfit, *candidate.relaxation_chi2])
+
+
+def _explains(other: Candidate, best: Candidate) -> bool:
+    more = len(best.theta) - len(other.theta)
+    rise = other.bic - best.bic
+    fall = rise + more * float(np.log(best.samples))
+    return rise < VERY_STRONG or not is_significant_fall(fall, max(more, 1))
+
+
+# What the rig of a hammer may add to a response that no channel shows.
+#
+# Each doubt is a stiffness :math:`\delta K(s)` beside the n seals, of which the accelerance
+# follows
+#
+# .. math:: \delta A = -\frac{A^2}{s^2}\,\delta K
+#
+# with the cables of accelerometers :math:`\epsilon K'` and, for their own loss,
+# :math:`j\epsilon\eta_c K'`, both of the seals at the resonance; a table that gives,
+# :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
+# :data:`~dashpot.datamodel.machine.USUAL`. A window whose decay a is known to :math:`\sigma_a`
+# adds
+# :math:`\sigma_a\,\partial A/\partial a`.
+#
+# A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
+
+
+# of the decay of a window, over which the response is differenced
+_DECAY_STEP = 1e-3
+
+
+def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArray:
+    """Return by how much the flat parameter vector follows each doubt, shape (p, d).
+
+    Parameters
+    ----------
+    best : Candidate
+        The optimum.
+    rig : HammerRig
+        With what its user says of the cables.
+    """
+    problem = best.problem
+    columns = (
+        stack_real_rows(_compute_rig_doubts(best, rig) / problem.frf_data.sd[:, None])
+        / problem.scale
+    )
+    first = sum(len(rows) for rows in best.model_prediction.tests)
+    slope = best.model_prediction.slope[first : first + len(columns)]
+    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
+    return np.asarray(covariance @ (slope.T @ columns))
+
+
+def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
+    """What each doubt adds to the predicted lines, one standard deviation a column."""
+    data, point = best.problem.frf_data, best.point
+    response = data.response(point.seal_under_hammer, point.mass)
+    s, accelerance = response.s, response.accelerance
+    seals = s**2 / accelerance - point.mass * s**2
+    there = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
+    cable, loss = rig.cable_sd * abs(there.real), USUAL["loss of the cable"].size
+    ones = np.ones_like(s)
+    added = np.column_stack((
+        cable * ones,
+        1j * cable * loss * ones,
+        -USUAL["table"].size * seals**2 / abs(there.real),
+        USUAL["mass that moves along"].size * point.mass * s**2,
+    ))  # fmt: skip
+    by = -(accelerance**2 / s**2)[:, None] * added
+    shown, *_ = data.slopes(response, point.gain, point.delay, by)
+    error = data.lines.shift_sd
+    if error <= 0:
+        return shown
+    step = _DECAY_STEP * error
+    after, before = (
+        replace(data, lines=replace(data.lines, shift=data.lines.shift + way)).predict(
+            replace(data, lines=replace(data.lines, shift=data.lines.shift + way)).response(
+                point.seal_under_hammer, point.mass
+            ),
+            point.gain,
+            point.delay,
+        )
+        for way in (step, -step)
+    )
+    return np.column_stack((shown, error * (after - before) / (2 * step)))
+
+
+# From an optimum to what a reader needs: a Fit with its errors, its nuisances, what moved.
+
 
 # arms nearer than this in ln tau are the same arm
 SAME = 1.0

@@ -10,25 +10,25 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.fitting.checks.solid import arms_enough
-from dashpot.fitting.fractional_model.family_selection import checked_family
-from dashpot.fitting.fractional_model.fractional_solver import ArmColumns
+from dashpot.fitting.fit_options import checked_family
+from dashpot.fitting.fractional_model.family_selection import ArmColumns
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.discrepancy_causes import (
     explain_discrepancy,
     refit_with_free_cause,
 )
-from dashpot.fitting.identification.family_selection import (
+from dashpot.fitting.identification.fit_construction import (
     AlternativeCandidate,
+    build_identified_fit,
     chosen_rival,
     reselect_family,
 )
-from dashpot.fitting.identification.fit_construction import build_identified_fit
 from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
 from dashpot.fitting.identification.likelihood import (
     Candidate,
@@ -52,12 +52,11 @@ from dashpot.fitting.identification.problem_inputs import (
     priors_of,
     seals_of,
 )
-from dashpot.fitting.pipeline import FURTHER, FitOptions
-from dashpot.fitting.replicates import refuse_copies
+from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
+from dashpot.fitting.order_selection import FURTHER, FitOptions
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit.variable_projection import solve_orders
+from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order
-from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

@@ -38,10 +38,10 @@ from dashpot.fitting.identification.parametrisation import (
 )
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.numerics import least_squares
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import bic_of_deviance, deviance
-from dashpot.numerics.least_squares import problem as least_squares
-from dashpot.numerics.least_squares.problem import (
+from dashpot.numerics.least_squares import (
     Optimum,
     Parameter,
     Rows,

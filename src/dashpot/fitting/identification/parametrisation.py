@@ -19,7 +19,7 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.fitting.fractional_model.checks import slope_known
-from dashpot.fitting.fractional_model.fractional_solver import ALPHA, BEYOND, SOUGHT, STEP
+from dashpot.fitting.fractional_model.family_selection import ALPHA, BEYOND, SOUGHT, STEP
 from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
 from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.fractional import FractionalZener, weights_at
@@ -140,7 +140,7 @@ class FractionalElement:
     """A fractional element: ln k_inf, ln of its own k, ln tau, alpha.
 
     At fixed relaxation times its column is a weighted sum of columns of arms, so each relaxation
-    test is asked once (:mod:`dashpot.fitting.fractional_model.fractional_solver`).
+    test is asked once (:mod:`dashpot.fitting.fractional_model.family_selection`).
 
     Attributes
     ----------

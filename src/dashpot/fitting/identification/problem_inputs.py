@@ -7,24 +7,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.fractional_model.family_selection import require_maxwell_family
-from dashpot.fitting.identification.likelihood import (
-    UNCHANGED,
-    Constraints,
-    NuisancePriors,
-)
+from dashpot.fitting.fit_options import require_maxwell_family
+from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.input_tests import temperatures_of
 from dashpot.fitting.nuisance_priors import Prior
-from dashpot.fitting.pipeline import FitOptions
+from dashpot.fitting.order_selection import FitOptions
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import relaxation_data
-from dashpot.fitting.tests_at_temperatures import temperatures_of
-from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.vibration.systems.frf_prediction import OperatingPoint, operating_point
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.fitting.nonlinear_ramp.goodness_of_fit import LinearFitQuality
+from dashpot.fitting.nonlinear_ramp.linearity import LinearFitQuality
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -15,19 +15,23 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import DepthStiffness, Evidence
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.check_suite import Residuals, run_relaxation_checks
+from dashpot.fitting.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known
-from dashpot.fitting.design_matrix import FitSetup, compress_tests
-from dashpot.fitting.fit_construction import SolidEstimate, build_fit, provenance_of
+from dashpot.fitting.fit_construction import (
+    Residuals,
+    SolidEstimate,
+    build_fit,
+    provenance_of,
+    run_relaxation_checks,
+)
+from dashpot.fitting.fit_data import FitSetup, compress_tests
 from dashpot.fitting.nonlinear_ramp import checks
-from dashpot.fitting.nonlinear_ramp.elastic_law_estimate import RampLaw
+from dashpot.fitting.nonlinear_ramp.elastic_law import RampLaw
 from dashpot.fitting.nuisance_priors import delay_prior, last_of_hold, significant_drift
+from dashpot.fitting.parameter_errors import compute_clock_sensitivity
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import build_hold_data
-from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
-from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.rig_sensitivity import compute_clock_sensitivity
-from dashpot.fitting.uncertainty.valid_band import informed_band
+from dashpot.fitting.valid_band import band_of_hold, informed_band
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 

@@ -18,25 +18,21 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.nonlinear_ramp.downsampling import DownsampledRows
-from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.weighted_least_squares import (
+from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     Bounds,
+    DownsampledRows,
     Nuisances,
+    QuasiLinear,
     Weighted,
     tau_bounds,
 )
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
-from dashpot.numerics.exponential_fit.variable_projection import (
-    Solution,
-    full_jacobian,
-    solve_orders,
-)
-from dashpot.numerics.inference.covariance import directions, noise_of, white
+from dashpot.numerics.exponential_fit import Solution, full_jacobian, solve_orders
+from dashpot.numerics.inference.correlated_noise import directions, noise_of, white
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import deviance
-from dashpot.numerics.least_squares.problem import Optimum
+from dashpot.numerics.least_squares import Optimum
 
 MAX_ARMS = 5
 _ROUNDS = 10
@@ -233,7 +229,7 @@ def rounding(rows: DownsampledRows, i: int) -> float:
 # -- and its ramp ---------------------------------------------------------------------------------
 
 
-def nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> Nuisances:
+def build_nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> Nuisances:
     r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
     names, columns, priors = [], [], []
     for i, prior in enumerate(rows.known):
@@ -277,7 +273,9 @@ def independent(hold: HoldEstimate) -> FloatArray:
 def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone as what follows the recorded history of a linear seal."""
     unmeasured = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
-    weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unmeasured, nuisances(rows))
+    weighted = Weighted(
+        QuasiLinear(rows, np.array([0.0, rows.depth])), unmeasured, build_nuisances(rows)
+    )
     return with_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
 
 
@@ -296,7 +294,7 @@ def fit_ramp_and_hold(
     own stiffnesses.
     """
     rows = solid.rows
-    value = nuisances(rows) if value is None else value
+    value = build_nuisances(rows) if value is None else value
     by_hold = independent(hold)
     for _ in range(_ROUNDS):
         weighted = Weighted(

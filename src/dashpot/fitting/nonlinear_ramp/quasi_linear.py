@@ -1,22 +1,211 @@
-r"""The force of a quasi-linear solid, linear in its stiffnesses and in the shape of its law.
-
-All arms answer the same elastic path p(x) (Y. C. Fung, *Biomechanics*, 1993, ch. 7):
-
-.. math:: F = k_\infty\,p(x) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,\frac{d\,p(x(u))}{du}\,du,
-    \qquad p(x) = \sum_m s_m B_m(x), \quad B_m(x) = \int_0^x h_m(v)\,dv
-
-with hats :math:`h_m` on the knots, so that the tangent :math:`p'` is linear between them and
-:math:`p' \ge 0` if and only if every :math:`s_m \ge 0`. The shape has the mean 1: p of the depth
-is the depth and the stiffnesses are secants there.
-"""
+"""Quasi-linear solids fitted to few rows of prepared tests by weighted least squares."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
-from dashpot.base.arrays import FloatArray
-from dashpot.fitting.nonlinear_ramp.downsampling import DownsampledRows
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, distinct, median
+from dashpot.base.errors import FitError
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.nuisance_priors import LoadCellPriors, Prior, priors
 from dashpot.numerics.design_matrices.recorded_motion import recursion
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
+from dashpot.preprocessing.denoising import denoise_displacement
+
+# Prepared tests as few rows: every sample near a corner, means of blocks away from it.
+#
+# A mean of c neighbours of a smooth curve is its value at their mean time, to a relative
+# :math:`w^2/(24\,\tau^2)` for a block of width w, and it is worth c samples. Blocks widen in
+# proportion to the time since the corner, as what relaxes after it slows down.
+
+
+# blocks per e-fold of the time since a corner
+_IN_RAMP, _IN_HOLD = 64, 26
+# the fewest samples that can show a ramp and a hold
+_FEWEST_ON_RAMP, _FEWEST = 3, 8
+# motion after the ramp, as a part of the depth, that a law of the ramp can bear
+_MOST_BY_RAMP_LAW = 0.15
+# a force that peaks this part of the hold late, by so many times its scatter and this part of
+# itself, had not seen the end of the ramp
+_SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class DownsampledRows:
+    """Several records as rows on top of each other.
+
+    Attributes
+    ----------
+    time : array, shape (M,)
+        Mean time of the samples of a row since the first sample of its record, s.
+    step : array, shape (M,)
+        Time since the row before, s; at the first row of a record the sampling interval.
+    displacement, force : array, shape (M,)
+        Means, m and N.
+    count : array, shape (M,)
+        Samples in a row.
+    record : array of int, shape (M,)
+        Which record a row is of.
+    ramp : array of bool, shape (M,)
+        Rows before the end of the ramp.
+    ends : tuple of float
+        End of each record's ramp on the clock of `time`, s.
+    depths : tuple of float
+        Compression held in each record, m.
+    noise : tuple of float
+        Scatter of each record's force from sample to sample, N.
+    known : tuple of Priors
+        Of each record's nuisance terms.
+    """
+
+    time: FloatArray
+    step: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    count: FloatArray
+    record: IndexArray
+    ramp: BoolArray
+    ends: tuple[float, ...]
+    depths: tuple[float, ...]
+    noise: tuple[float, ...]
+    known: tuple[LoadCellPriors, ...]
+
+    @property
+    def depth(self) -> float:
+        """The deepest compression held, m."""
+        return max(self.depths)
+
+    @cached_property
+    def first(self) -> IndexArray:
+        """The first row of each record."""
+        return np.flatnonzero(np.diff(self.record, prepend=-1))
+
+    def peak(self, record: int) -> float:
+        """The largest force of one record, N."""
+        return float(np.abs(self.force[self.record == record]).max())
+
+    def held(self, record: int) -> BoolArray:
+        """The rows of one record's hold."""
+        return np.asarray((self.record == record) & ~self.ramp)
+
+
+def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
+    """Return the rows of prepared tests, from contact to the end of the hold.
+
+    Raises
+    ------
+    FitError
+        If a test has no ramp or no hold to speak of.
+    """
+    parts, cell_priors = [], []
+    for number, test in enumerate(tests):
+        cell_priors.append(priors(test))
+        parts.append(_downsample_record(test, number, cell_priors[-1].first))
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    time, step, x, force, count, record, ramp = columns
+    return DownsampledRows(
+        time,
+        step,
+        x,
+        force,
+        count,
+        record.astype(np.intp),
+        ramp > 0,
+        tuple(test.ramp_end - float(test.time[0]) for test in tests),
+        tuple(test.depth for test in tests),
+        tuple(test.force_noise for test in tests),
+        tuple(cell_priors),
+    )
+
+
+def ramp_obstacle(test: RampHold) -> str | None:
+    """Return why a record shows no elastic law by its ramp, in a sentence; None if it may."""
+    corner, end = relaxes_from(test), test.hold.stop
+    climbing = corner - int(np.searchsorted(test.time, test.onset))
+    if climbing < _FEWEST_ON_RAMP or end - corner < _FEWEST:
+        return (
+            f"the record has {climbing} samples on the ramp and {end - corner} in the hold; an "
+            f"elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
+            "faster"
+        )
+    ratio = float(np.ptp(test.displacement[corner:end])) / test.depth
+    if ratio > _MOST_BY_RAMP_LAW:
+        return (
+            f"the displacement moves by {100 * ratio:.0f} % of the depth after the first ramp; an "
+            "elastic law from the ramp needs one ramp and its hold: cut the record to them"
+        )
+    return None
+
+
+def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
+    obstacle = ramp_obstacle(test)
+    if obstacle is not None:
+        raise FitError(obstacle)
+    x = denoise_displacement(test)[0]
+    time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
+    corner = relaxes_from(test)
+    on = median(np.diff(time[first:corner]))
+    after = median(np.diff(time[corner : corner + _FEWEST]))
+    cuts = distinct(np.concatenate((
+        _place_ramp_blocks(time[first:corner], on) + first,
+        _place_hold_blocks(time[corner:], after, _IN_HOLD) + corner,
+    )))  # fmt: skip
+    count = np.diff(np.append(cuts, len(x))).astype(float)
+    mean_time, mean_x, mean_force = (
+        np.add.reduceat(values, cuts) / count for values in (time, x, force)
+    )
+    step = np.diff(mean_time, prepend=mean_time[0] - on)
+    return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
+
+
+def relaxes_from(test: RampHold) -> int:
+    """The sample from which the force falls: the first of the hold, or the peak behind it.
+
+    A force that rises on after the plate is said to stand belongs to the ramp.
+    """
+    start = test.hold.start
+    window = min(test.ramp_time, _SOON * test.hold_time)
+    stop = int(np.searchsorted(test.time, test.ramp_end + window))
+    soon = test.force[start : max(stop, start + 1)]
+    peak = int(np.argmax(soon))
+    rise = float(soon[peak] - soon[0])
+    late = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
+    return int(start) + peak if late else int(start)
+
+
+def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
+    """Where blocks start that widen from both corners of a ramp."""
+    half = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
+    rising = _place_hold_blocks(time[:half], interval, _IN_RAMP)
+    falling = len(time) - _place_hold_blocks(-time[half:][::-1], interval, _IN_RAMP)[1:]
+    return np.concatenate((rising, [half], falling))
+
+
+def _place_hold_blocks(time: FloatArray, interval: float, blocks: int) -> IndexArray:
+    """Where blocks start that widen with the time since the first sample."""
+    span = float(time[-1] - time[0]) if len(time) else 0.0
+    last = np.ceil(blocks * np.log1p(span / (blocks * interval)))
+    edges = blocks * interval * np.expm1(np.arange(last + 1) / blocks)
+    cuts = distinct(np.searchsorted(time - time[0] if len(time) else time, edges))
+    return np.asarray(cuts[cuts < len(time)])
+
+
+# The force of a quasi-linear solid, linear in its stiffnesses and in the shape of its law.
+#
+# All arms answer the same elastic path p(x) (Y. C. Fung, *Biomechanics*, 1993, ch. 7):
+#
+# .. math:: F = k_\infty\,p(x) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,\frac{d\,p(x(u))}{du}\,du,
+#     \qquad p(x) = \sum_m s_m B_m(x), \quad B_m(x) = \int_0^x h_m(v)\,dv
+#
+# with hats :math:`h_m` on the knots, so that the tangent :math:`p'` is linear between them and
+# :math:`p' \ge 0` if and only if every :math:`s_m \ge 0`. The shape has the mean 1: p of the depth
+# is the depth and the stiffnesses are secants there.
 
 
 class QuasiLinear:
@@ -57,7 +246,7 @@ class QuasiLinear:
     def columns(self, log_tau: FloatArray) -> FloatArray:
         """Of k_inf and every k under each hat: its path, and each arm's elongation, (M, 1+N, P)."""
         _, mean, passed = self._steps(log_tau)
-        arms = _run(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
+        arms = _run_recursion(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
         return np.concatenate((self.hats[:, None, :], arms), axis=1)
 
     def slopes(self, log_tau: FloatArray, shape: FloatArray, arms: FloatArray) -> FloatArray:
@@ -65,7 +254,7 @@ class QuasiLinear:
         z, mean, passed = self._steps(log_tau)
         before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
         change = (self._moved @ shape)[:, None]
-        return _run(passed, passed * z * before + (mean - np.exp(-z)) * change)
+        return _run_recursion(passed, passed * z * before + (mean - np.exp(-z)) * change)
 
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Step of each row over tau, the mean decay within it, and what passes from row to row."""
@@ -96,5 +285,131 @@ def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
     return values
 
 
-def _run(decay: FloatArray, increments: FloatArray) -> FloatArray:
+def _run_recursion(decay: FloatArray, increments: FloatArray) -> FloatArray:
     return recursion(decay[1:], increments[1:], increments[0])
+
+
+# Weighted least squares of a quasi-linear solid: stiffnesses solved, ln tau and shape descended.
+#
+# .. math:: \min_{\tau,\,s,\,k \ge 0,\,z}\; \sum_i \frac{c_i}{\sigma_i^2}
+#     \Bigl(F_i - \Phi_i(\tau, s)\,k - Z_i z\Bigr)^2 + \sum_q \frac{(z_q - \mu_q)^2}{\sigma_q^2}
+#
+# Nuisance terms z (offset, drift, delay) carry priors. The shape has the mean 1, which is known as
+# well as the ramps tell their own size.
+
+
+_STEPS = 40
+# a fall of the cost, in units of noise variance, that is not worth a further step
+_FINISHED = 1e-5
+
+
+class Nuisances(NamedTuple):
+    """Columns of the load cells and clocks, shape (M, Q), and what is known of each."""
+
+    names: tuple[str, ...]
+    columns: FloatArray
+    priors: tuple[Prior, ...]
+
+
+class Bounds(NamedTuple):
+    """The window of ln tau: a sample of the ramp to the longest hold."""
+
+    low: float
+    high: float
+
+
+def tau_bounds(rows: DownsampledRows) -> Bounds:
+    """Return the relaxation times that ramp and hold could show, ln s."""
+    shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
+    holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ends)]
+    return Bounds(float(np.log(shortest)), float(np.log(max(holds))))
+
+
+class Weighted:
+    """A quasi-linear solid, the standard deviation of one sample of each row, and nuisances.
+
+    Theta is every ln tau, then the shape of a law that is not straight; beta every stiffness of
+    each set, then the nuisances. With `apart` each record has stiffnesses of its own; relaxation
+    times and shape stay shared.
+    """
+
+    def __init__(
+        self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances, *, separate: bool = False
+    ) -> None:
+        self.solid, self.nuisances = solid, nuisances
+        self._set = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
+        self.sets = int(self._set[-1]) + 1
+        self._member = (self._set[:, None] == np.arange(self.sets)) * 1.0
+        self.root = np.sqrt(solid.rows.count) / sd
+        mean, spread = np.array(nuisances.priors).T.reshape(2, -1)
+        data = self.root * solid.rows.force
+        # how far the mean of the shape is from 1 is the last row
+        self._size = float(np.linalg.norm(data[solid.rows.ramp]))
+        self.target = np.concatenate((data, mean / spread, [0.0]))
+        self._known = self._white(nuisances.columns)
+        self._known[len(sd) : -1] = np.diag(1.0 / spread)
+
+    def _white(self, columns: FloatArray) -> FloatArray:
+        """Columns of the rows in units of their noise, rows of zeros for what is known before."""
+        values = np.zeros((len(self.target), columns.shape[1]))
+        values[: len(columns)] = self.root[:, None] * columns
+        return values
+
+    def _expand_by_row(self, k: FloatArray) -> FloatArray:
+        """Stiffnesses of each row's own set, shape (M, 1 + N)."""
+        return np.asarray(k.reshape(self.sets, -1)[self._set])
+
+    def stiffnesses(self, best: Optimum) -> FloatArray:
+        """k_inf and every k of each set, N/m, shape (S, 1 + N)."""
+        return best.beta[: len(best.beta) - len(self.nuisances.names)].reshape(self.sets, -1)
+
+    def force(self, best: Optimum) -> FloatArray:
+        """Force of the solid alone, N, shape (M,)."""
+        log_tau, shape = self.solid.split_parameters(best.theta)
+        columns = self.solid.columns(log_tau) @ shape
+        return np.asarray(np.sum(columns * self._expand_by_row(self.stiffnesses(best)), axis=1))
+
+    def problem(self, arms: int) -> Problem:
+        """The problem of so many arms, their ln tau inside the window of the rows."""
+        solid, stiff = self.solid, self.sets * (1 + arms)
+        bends = solid.weights[solid.bends]
+
+        def model(theta: FloatArray) -> Rows:
+            log_tau, shape = solid.split_parameters(theta)
+            mean = float(solid.weights @ shape)
+            hats, shape = solid.columns(log_tau), shape / mean
+            columns = hats @ shape
+            value = (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
+            A = np.concatenate((self._white(value), self._known), axis=1)
+
+            def slope(beta: FloatArray) -> FloatArray:
+                k = self._expand_by_row(beta[:stiff])
+                by_tau = solid.slopes(log_tau, shape, columns[:, 1:]) * k[:, 1:]
+                force = np.sum(columns * k, axis=1)
+                by_shape = (np.einsum("mnp,mn->mp", hats[:, :, solid.bends], k)
+                            - np.outer(force, bends)) / mean  # fmt: skip
+                values = self._white(np.concatenate((by_tau, by_shape), axis=1))
+                values[-1, arms:] = self._size * bends
+                return values
+
+            y = self.target.copy()
+            y[-1] = self._size * (1.0 - mean)
+            return Rows(y, A, slope)
+
+        return Problem(
+            model,
+            [Parameter(*tau_bounds(solid.rows))] * arms + [Parameter(0.0)] * len(bends),
+            positive=np.arange(stiff + len(self.nuisances.names)) < stiff,
+            priors=len(self.nuisances.names) + 1,
+            gauge=self._normalise_shape if len(bends) else None,
+        )
+
+    def _normalise_shape(self, theta: FloatArray) -> FloatArray:
+        """The length of the shape is no parameter."""
+        log_tau, shape = self.solid.split_parameters(theta)
+        return np.concatenate((log_tau, shape / float(self.solid.weights @ shape)))
+
+    def descend(self, theta: FloatArray) -> Optimum:
+        """Return the nearest optimum, ln tau in the window of the rows, shape >= 0 of mean 1."""
+        problem = self.problem(len(self.solid.split_parameters(theta)[0]))
+        return require_optimum(problem, [theta], most=_STEPS, flat=_FINISHED / len(self.root))

@@ -26,17 +26,19 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, find_fast_length
 from dashpot.base.errors import FitError
-from dashpot.numerics.design_matrices.block import DataBlock, Evaluation, Rows
+from dashpot.numerics.design_matrices.block import (
+    DataBlock,
+    DelayedForce,
+    Evaluation,
+    MotionSteps,
+    Rows,
+    late_lags,
+    reverse_before_start,
+)
 from dashpot.numerics.design_matrices.data_compression import (
     DataCompression,
     make_sample_plan,
     uniform_step,
-)
-from dashpot.numerics.design_matrices.delayed_force import (
-    DelayedForce,
-    MotionSteps,
-    late_lags,
-    reverse_before_start,
 )
 
 #: relative sum of squares below which a Gram matrix holds rounding only

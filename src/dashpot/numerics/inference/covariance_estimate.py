@@ -2,7 +2,7 @@ r"""How well an optimum is known, and whatever follows from it: one sandwich for
 
 With J the derivative of the model by :math:`\theta` and :math:`\beta`, and
 :math:`\Gamma` the autocovariance of the residuals of each record
-(:mod:`dashpot.numerics.inference.covariance`),
+(:mod:`dashpot.numerics.inference.correlated_noise`),
 
 .. math:: C = (J'J)^{-1} J'\Gamma J\,(J'J)^{-1}, \qquad
           C_f = G\,C\,G', \quad G = \partial f / \partial(\theta, \beta)
@@ -21,9 +21,9 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
-from dashpot.numerics.inference.covariance import Noise, directions, noise_of, sandwich
+from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich
 from dashpot.numerics.inference.model_order import bic
-from dashpot.numerics.least_squares.problem import Optimum
+from dashpot.numerics.least_squares import Optimum
 
 #: of a profile interval: slices to a side, trials at most, and how close its ends come in quantiles
 _SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
@@ -241,7 +241,7 @@ def estimate(
     prior_variance : float, optional
         Of the rows of priors; by default the mean power of the noises.
     finely : bool
-        As :func:`~dashpot.numerics.inference.covariance.directions` has it.
+        As :func:`~dashpot.numerics.inference.correlated_noise.directions` has it.
     """
     free, count = optimum.free, optimum.problem.priors
     if held is not None:

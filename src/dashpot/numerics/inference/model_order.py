@@ -15,7 +15,7 @@ Where the noise is as slow as the arms, one :math:`M_\mathrm{eff}` is wrong for 
 arms meet little of that noise. And the slowest arm, which trades with the plateau, has an SE of
 ln tau above 0.5 however sure it is that something relaxes there: a Wald ratio falls as the
 estimate runs away. The same two questions are then put to the fits in the metric of the noise
-(:mod:`dashpot.numerics.inference.whitening`), whose SSE is a deviance :math:`\chi^2`:
+(:mod:`dashpot.numerics.inference.correlated_noise`), whose SSE is a deviance :math:`\chi^2`:
 
 * BIC, :math:`\chi^2 + p \ln M_\mathrm{eff}`;
 * significance, :math:`\chi^2_{n-1} - \chi^2_n` beyond what chance exceeds with probability 0.0027,

@@ -1,42 +1,292 @@
-r"""Profile likelihood: how bad the best fit becomes when one parameter is held at a value.
-
-.. math:: D(v) = \frac{\min_{\theta:\,g(\theta)=v} \mathrm{SSE}(\theta) - \mathrm{SSE}_{\min}}
-                      {\kappa s^2}
-
-compared with the square of Student's t. Unlike a standard error it sees that a likelihood is
-skewed, or open on one side. Source: D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
-and Its Applications* (1988), ch. 6.
-
-The noise of a correlated record has its own gain for each change of the model, and a profile that
-bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
-the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
-model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
-
-Everything else is fitted by variable projection: the linear parameters are solved exactly at each
-trial of the relaxation times. Both sides of every profile asked for walk together, so that one
-trial of all of them costs about what one of one costs; their columns are interpolated from a table.
-
-An arm so fast that none of its stiffness shows, or so slow that none of its b does, is no arm at
-all, and one slower than the record is a plateau. So however far k, tau or b of an arm go, and
-however low a plateau falls, it costs no more than to do without that arm, the others in their
-places,
-
-.. math:: D(v) \le D_0 = D(k = 0)
-
-and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
-"""
+"""Profile likelihood: how bad the best fit becomes with one parameter held at a value."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.numerics.exponential_fit.log_tau_descent import Stack
-from dashpot.numerics.exponential_fit.variable_projection import Solution
-from dashpot.numerics.inference.batched_descent import RIDGE, BatchedDescent, SolvedTrials
-from dashpot.numerics.inference.profile_tracing import Coordinate, ProfileTarget, ProfileTrace
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.numerics.exponential_fit import Solution
+from dashpot.numerics.log_tau_descent import Stack
+
+# One side of one profile: the values to try, and when enough is known.
+
+
+#: points of a walk, and how many of them may be too far: beyond there is a cliff
+_POINTS, _LEAPS = 20, 5
+#: an arm whose absence costs less deviance is one that the data do without
+_SPARE = 2.0
+#: the walk steps by a rise of the root of the deviance over which interpolation is good
+_RISE, _RISES = 0.7, 5.0
+
+
+class Coordinate(Enum):
+    """What is held while everything else is fitted again."""
+
+    LINEAR = "a linear parameter"
+    LOG_TAU = "ln tau of an arm"
+    LOG_B = "ln(k tau) of an arm"
+
+
+@dataclass(frozen=True)
+class ProfileTarget:
+    """A parameter whose profile is asked for.
+
+    Attributes
+    ----------
+    coordinate, index
+        Which parameter: of the linear ones for ``LINEAR``, of the relaxation times for
+        ``LOG_TAU``, of the arms' stiffnesses, group by group, for ``LOG_B``; from 0.
+    step : float
+        First distance from the optimum, about half a standard error.
+    scale : float
+        kappa s^2, what one unit of deviance costs in SSE.
+    relative_gain : callable, optional
+        How many times the noise at the optimum meets the way from there to linear parameters
+        and ln tau; once, if left out.
+    """
+
+    coordinate: Coordinate
+    index: int
+    step: float
+    scale: float
+    relative_gain: Callable[[FloatArray, FloatArray], float] | None = None
+
+
+class ProfileTrace:
+    """One side of one profile: where it stands and where it goes next."""
+
+    def __init__(
+        self,
+        target: ProfileTarget,
+        start: float,
+        sign: float,
+        limit: float,
+        ends: tuple[float, float],
+    ) -> None:
+        self.asked, self.start, self.limit, self.ends = target, start, limit, ends
+        self.sign = sign
+        self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
+        self.step, self.root, self.at = sign * target.step, 0.0, start
+        self.walked: list[tuple[float, float]] = []
+        self.leapt: list[tuple[float, float]] = []
+        self.trials = self.leaps = 0
+        self.ended, self.without = False, np.inf
+        self.goal = start
+        self._aim()
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        """Values and deviances on the way out."""
+        met = self.walked
+        if self.leapt and self.root <= np.sqrt(self.limit):
+            # a leap that the walk has passed says nothing of the way
+            passed = met and (self.leapt[0][0] - met[-1][0]) * self.step <= 0
+            met = met if passed else met + self.leapt
+        if not np.isfinite(self.without):
+            return met
+        far = self.ends[int(self.sign > 0)]
+        least = [(value, min(deviance, self.without)) for value, deviance in met]
+        there = far in (self.start, met[-1][0] if met else self.start)
+        return least if there else [*least, (far, self.without)]
+
+    def update_without_arm(self, without: float) -> None:
+        """Take note of the deviance without its arm, which no value of the arm's exceeds."""
+        if without < self.limit:
+            self.without = self.limit = without
+            self.ended = self.ended or without < _SPARE
+
+    def update_walk(self, deviance: float) -> bool:
+        """Take note of the deviance at the goal; True if the walk goes on from there."""
+        rise = float(np.sqrt(deviance)) - self.root
+        self.step *= min(max(self.rise / max(rise, 1e-3), 0.1), 3.0)
+        near = rise <= 2.0 * self.rise
+        if near:
+            self.walked.append((self.goal, deviance))
+            self.at, self.root = self.goal, self.root + rise
+        else:
+            # too far to interpolate to: walk towards it in smaller steps
+            self.leapt = [(self.goal, deviance)]
+            self.leaps += 1
+        self.ended = (near and deviance > self.limit) or self.leaps > _LEAPS
+        self._aim()
+        return near
+
+    def _aim(self) -> None:
+        self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
+        self.step = self.goal - self.at
+        self.ended = self.ended or self.trials >= _POINTS or self.step == 0.0
+        self.trials += 1
+
+
+# Descents of many small reduced least-squares problems, side by side.
+#
+# Each is of a few ln tau, everything linear solved. Gauss and Newton's curvature J'J leaves out
+# what
+# the residual adds, :math:`\sum_i r_i \nabla^2 r_i`, and descends slowly where the residual is no
+# noise. With it the step is Newton's; it is believed where it is a moderate part of J'J, so that
+# the
+# sum is a parabola that opens upward.
+
+
+_ITERATIONS = 8
+#: the longest move, and after one that failed, as a part of that
+_FARTHEST, _NEARER = 1.5, 0.25
+RIDGE = 1e-13
+#: the curvature of the residual that is believed, as parts of J'J
+_BENT = -0.9, 4.0
+#: an SSE whose fall is foretold to so many tolerances is taken as fallen: Newton is right to a few
+#: hundredths of it
+_LEAST_PROMISE = 50.0
+
+
+class SolvedTrials(NamedTuple):
+    """Trials of ln tau with everything linear solved.
+
+    SSE (A,), linear parameters (A, p), gradient J'r (A, N) and curvature J'J (A, N, N) of the
+    reduced residual by the free ln tau, and what the residual adds to the curvature (A, N, N).
+    """
+
+    sse: FloatArray
+    beta: FloatArray
+    gradient: FloatArray
+    curvature: FloatArray
+    bent: FloatArray
+
+
+class BatchedDescent:
+    """Where each of A descents stands, and where it goes next.
+
+    Parameters
+    ----------
+    start : array, shape (A, N)
+        ln tau.
+    linear : int
+        Linear parameters p.
+    tolerance : array, shape (A,)
+        A change of the SSE that does not matter.
+    """
+
+    def __init__(self, start: FloatArray, linear: int, tolerance: FloatArray) -> None:
+        count, arms = start.shape
+        self.here, self.tolerance = start.copy(), tolerance
+        self.known = SolvedTrials(
+            np.full(count, np.inf),
+            np.zeros((count, linear)),
+            np.zeros((count, arms)),
+            np.zeros((count, arms, arms)),
+            np.zeros((count, arms, arms)),
+        )
+        self.move = np.zeros_like(start)
+        self.promised, self.damping = np.zeros(count), np.full(count, 1e-6)
+        self.tried, self.reach = np.zeros(count, int), np.full(count, _FARTHEST)
+
+    def start(self, i: int, log_tau: FloatArray) -> None:
+        """Begin another problem like the last, or the same elsewhere."""
+        self.here[i], self.move[i], self.known.sse[i] = log_tau, 0.0, np.inf
+        self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _FARTHEST
+
+    def best(self, i: int) -> tuple[float, FloatArray]:
+        """The least SSE of one descent and its ln tau, a last move foretold if that is little."""
+        sse, promised = float(self.known.sse[i]), float(self.promised[i])
+        if promised < _LEAST_PROMISE * self.tolerance[i]:
+            return sse - promised, self.here[i] + self.move[i]
+        return sse, self.here[i]
+
+    def take(self, trial: FloatArray, trials: SolvedTrials, on: IndexArray) -> BoolArray:
+        """Learn from one trial each of the descents `on`; True where that is enough."""
+        solved_trials = self.known
+        gain = solved_trials.sse[on] - trials.sse
+        better = gain > 0
+        retained = on[better]
+        self.here[retained] = trial[better]
+        for mine, new in zip(solved_trials, trials, strict=True):
+            mine[retained] = new[better]
+        damping = self.damping[on]
+        self.damping[on] = np.where(better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
+        # where the parabola has failed it is believed nearby only
+        gone = np.abs(self.move[on]).max(axis=1, initial=0.0)
+        self.reach[on] = np.where(
+            better, np.minimum(2.0 * np.maximum(gone, self.reach[on]), _FARTHEST), _NEARER * gone
+        )
+        self.tried[on] += 1
+        self.move[on], self.promised[on] = self._step(on)
+        return np.asarray(
+            (np.abs(gain) < self.tolerance[on])
+            | (self.promised[on] < _LEAST_PROMISE * self.tolerance[on])
+            | (self.damping[on] > 1e6)
+            | (self.tried[on] >= _ITERATIONS)
+        )
+
+    def _step(self, on: IndexArray) -> tuple[FloatArray, FloatArray]:
+        """The next move (A, N), and by how much the SSE would fall if it were parabolic."""
+        curvature, gradient = self.known.curvature[on], self.known.gradient[on]
+        if not curvature.shape[1]:
+            return gradient, np.zeros(len(on))
+        arms = np.arange(curvature.shape[1])
+        size = curvature[:, arms, arms]
+        stretch = np.where(size > 0, size, 1.0)
+        curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
+        both = np.concatenate((self.known.bent[on], gradient[:, :, None]), axis=2)
+        solved = np.linalg.solve(curvature, both)
+        share, first = solved[..., :-1], solved[..., -1]
+        # what the move takes off the residual bends nothing where it leads
+        taken = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
+        remainder = np.maximum(1.0 - taken * taken, 0.0)[:, None, None]
+        believed = _moderate(remainder * share)[:, None, None]
+        curvature += np.where(believed, remainder, 0.0) * self.known.bent[on]
+        curvature[:, arms, arms] += stretch * self.damping[on][:, None]
+        move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
+        longest = np.abs(move).max(axis=1, keepdims=True)
+        move = move * np.minimum(1.0, self.reach[on][:, None] / np.maximum(longest, 1e-300))
+        return move, np.vecdot(move, gradient)
+
+
+def _moderate(share: FloatArray) -> BoolArray:
+    """Which of some curvatures of residuals, in parts of J'J, are moderate."""
+    # the eigenvalues of the ratio are real, and none is larger than the root of their squares
+    least, most = _BENT
+    believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-least, most) ** 2
+    if not believed.all():
+        doubted = np.linalg.eigvals(share[~believed]).real
+        believed[~believed] = (doubted.min(axis=1) > least) & (doubted.max(axis=1) < most)
+    return np.asarray(believed)
+
+
+# Profile likelihood: how bad the best fit becomes when one parameter is held at a value.
+#
+# .. math:: D(v) = \frac{\min_{\theta:\,g(\theta)=v} \mathrm{SSE}(\theta) - \mathrm{SSE}_{\min}}
+#                       {\kappa s^2}
+#
+# compared with the square of Student's t. Unlike a standard error it sees that a likelihood is
+# skewed, or open on one side. Source: D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
+# and Its Applications* (1988), ch. 6.
+#
+# The noise of a correlated record has its own gain for each change of the model, and a profile
+# that
+# bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
+# the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
+# model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
+#
+# Everything else is fitted by variable projection: the linear parameters are solved exactly at
+# each
+# trial of the relaxation times. Both sides of every profile asked for walk together, so that one
+# trial of all of them costs about what one of one costs; their columns are interpolated from a
+# table.
+#
+# An arm so fast that none of its stiffness shows, or so slow that none of its b does, is no arm at
+# all, and one slower than the record is a plateau. So however far k, tau or b of an arm go, and
+# however low a plateau falls, it costs no more than to do without that arm, the others in their
+# places,
+#
+# .. math:: D(v) \le D_0 = D(k = 0)
+#
+# and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
+
 
 #: a relaxation time is walked so far, as a factor, out of the window
 BEYOND = 20.0
@@ -45,7 +295,7 @@ _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
 _NODES_APART = 0.08
 #: a change of ln tau from one point of a walk to the next that may be foretold
-_FORETOLD = 0.7
+_FORETOLD_SHARE = 0.7
 _POWERS = np.arange(4.0)
 #: what each power of u gives to the powers of a cubic, of its slope and of its curve
 _DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
@@ -151,7 +401,8 @@ class _Together:
                     residual[i] = there
                 far = max(map(abs, foretold.tolist()), default=0.0)
                 descents.start(
-                    i, residual[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold
+                    i,
+                    residual[i] + min(1.0, _FORETOLD_SHARE / max(far, _FORETOLD_SHARE)) * foretold,
                 )
                 goal[i] = walk.goal
 

@@ -16,19 +16,85 @@ import numpy.typing as npt
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import Dimension
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.amplitude_phase_pairs import two_signals
-from dashpot.reading.columns.response_units import ratio
+from dashpot.reading.columns.header_units import parse_response_unit
 from dashpot.reading.columns.role_assignment import (
     accelerations,
     find_column,
     option_of,
+    score,
     score_columns,
 )
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
 from dashpot.registry import find_handler
+
+# Two signals over frequency, each by its amplitude and its phase: their ratio is a response.
+
+
+_PAIRED_MOTIONS: tuple[Dimension, ...] = ("acceleration", "length", "velocity")
+_NAMED_SCORE = 1.5
+_FEWEST_COLUMNS, _MOST_COLUMNS = 5, 64
+"""Columns of a controller's table."""
+
+
+class AmplitudePhaseColumns(NamedTuple):
+    """A signal by the columns of its amplitude and its phase; whether it is a force."""
+
+    size: int
+    phase: int
+    pushes: bool
+
+
+def find_amplitude_phase_pairs(
+    table: FileTable, options: ReadOptions
+) -> tuple[AmplitudePhaseColumns, AmplitudePhaseColumns] | None:
+    """Return the two signals of a table that holds two amplitudes with two phases over frequency.
+
+    None of any other, and where a column is a response already.
+    """
+    phases, sizes, lines = [], [], 0
+    if not _FEWEST_COLUMNS <= len(table.columns) <= _MOST_COLUMNS:
+        return None
+    for i, column in enumerate(table.columns):
+        if column.content != "number":
+            continue
+        word = column.unit or ""
+        if parse_response_unit(word) or any(
+            score(column, r, options) >= _NAMED_SCORE for r in ("real", "storage")
+        ):
+            return None
+        if score(column, "frequency", options) >= _NAMED_SCORE:
+            lines += 1
+        elif score(column, "phase", options) >= _NAMED_SCORE:
+            phases.append(i)
+        elif units.find_unit(word, "force") or any(
+            units.find_unit(word, motion) for motion in _PAIRED_MOTIONS
+        ):
+            sizes.append(i)
+    pushes = [bool(units.find_unit(table.columns[i].unit or "", "force")) for i in sizes]
+    if not lines or len(sizes) != 2 or len(phases) != 2 or all(pushes):
+        return None
+    if _has_reversed_phases(table, sizes, phases):
+        phases.reverse()
+    first, second = (
+        AmplitudePhaseColumns(*item) for item in zip(sizes, phases, pushes, strict=True)
+    )
+    return first, second
+
+
+def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) -> bool:
+    """Whether the names say that the first phase is that of the second amplitude."""
+    words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*sizes, *phases)}
+    entries = {i: words[i] - words[j] for i, j in (sizes, sizes[::-1])}
+    straight, across = (
+        sum(len(entries[i] & words[p]) for i, p in zip(sizes, order, strict=True))
+        for order in (phases, phases[::-1])
+    )
+    return across > straight
+
 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
@@ -229,7 +295,7 @@ class _NamedColumns:
 
     def has_signal_pair(self, *, pushed: bool) -> bool:
         """Whether there are two amplitudes with two phases, one of them a force or none."""
-        pair = two_signals(self.table, self.options)
+        pair = find_amplitude_phase_pairs(self.table, self.options)
         return pair is not None and pushed == any(columns.pushes for columns in pair)
 
     def has_motion_ratio(self) -> bool:
@@ -404,7 +470,9 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     named = _NamedColumns(table, options)
     swept = named.swept()
     meant = named.names("force", "displacement", "acceleration")
-    peaks = None if swept or meant or two_signals(table, options) else cycle_peaks(table)
+    peaks = (
+        None if swept or meant or find_amplitude_phase_pairs(table, options) else cycle_peaks(table)
+    )
     if peaks:
         return "not-a-test", peaks
     stated = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
@@ -472,7 +540,7 @@ ONE_FREQUENCY = 0.02
 
 def _over_motion(unit: str) -> bool:
     """Whether a unit is that of a motion over a motion, such as g/g or mm/g."""
-    new_ratio = ratio(unit)
+    new_ratio = parse_response_unit(unit)
     return new_ratio is not None and new_ratio.kind.over_base
 
 

@@ -17,8 +17,12 @@ from dashpot.base.arrays import cache_on_record
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.response_units import ratio
-from dashpot.reading.columns.unit_factors import parse_unit_multiple, split_factor, times
+from dashpot.reading.columns.header_units import (
+    format_unit_multiple,
+    parse_response_unit,
+    parse_unit_multiple,
+    split_factor,
+)
 from dashpot.reading.columns.vocabulary import DIMENSION, OF_A_PART, Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import Column, Content, FileTable, Question
@@ -271,7 +275,7 @@ def _fits(word: str, role: Role) -> bool | None:
     """Whether a unit word is one of a role: None where it measures something else."""
     dimension = DIMENSION.get(role)
     if role == "magnitude":
-        return ratio(word) is not None
+        return parse_response_unit(word) is not None
     if dimension is None:
         return False
     if units.find_unit(word, dimension) or _find_part_unit(word, role):
@@ -506,7 +510,7 @@ def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> N
     if not result or not unit or sensitivity(word, dimension, None):
         return
     factor, plain = result[0], unit.word
-    more, less = times(unit, factor), times(unit, 1 / factor)
+    more, less = format_unit_multiple(unit, factor), format_unit_multiple(unit, 1 / factor)
     raise ReadError(
         f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain} as they "
         f'stand, add --units "{role}={plain}"; if {factor:g} times each is, --units '

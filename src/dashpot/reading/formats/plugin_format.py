@@ -11,7 +11,7 @@ from dashpot.base import plugins
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.plugins import Plugin
-from dashpot.reading.columns.header_names import split_unit
+from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count

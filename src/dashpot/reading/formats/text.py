@@ -20,11 +20,12 @@ from dashpot.reading.text.dialect import (
     LONGEST,
     Dialect,
     decimals,
+    decode_blocks,
     find_dialect,
+    find_encoding,
     is_overlong,
     most_cells,
 )
-from dashpot.reading.text.encoding import decode_blocks, find_encoding
 from dashpot.reading.text.header import Header, read_header
 from dashpot.reading.text.rows import Heading, load_rows, title
 
@@ -88,7 +89,10 @@ def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
     """The file with two cells for each complex one, and its encoding; as it is without any."""
     if raw.size > _MOST_COMPLEX or not _IMAGINARY.search(raw.head(_HEADS[0])):
         return raw, encoding
-    from dashpot.reading.text.complexes import holds_complex, parted_cells  # few need them
+    from dashpot.reading.text.cells import (
+        holds_complex,
+        parted_cells,  # few need them
+    )
 
     try:
         if not holds_complex(raw.head(_HEADS[0]).decode(encoding, "replace")):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.datamodel.base_excitation import ShakenTest
+from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     accelerations,

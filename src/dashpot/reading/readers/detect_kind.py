@@ -21,7 +21,7 @@ from dashpot.reading.read_options import PROFILE, ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.relaxation import load_signals, moving_columns
-from dashpot.signals.load_history import classify_load_history, held_throughout
+from dashpot.signals.segments import classify_load_history, held_throughout
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
 _HEAD = 1 << 16

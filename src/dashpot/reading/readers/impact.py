@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.datamodel.impact import ImpactTest, same_rate
+from dashpot.datamodel.vibration_tests import ImpactTest, same_rate
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     acceleration_question,
@@ -22,7 +22,7 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, cleaning, size_checks
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.stated_window import window_rate
+from dashpot.reading.readers.header_metadata import window_rate
 from dashpot.reading.table import LoadedColumns
 
 HITS = "hits, a hammer force and an acceleration, are"

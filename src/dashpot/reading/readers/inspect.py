@@ -25,19 +25,18 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.raw_file import add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels, cleaning
-from dashpot.reading.readers.amplitude_phase import as_a_ratio
 from dashpot.reading.readers.base_excitation import find_mass_motions
 from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
 from dashpot.reading.readers.detect_kind import (
     Recognised,
     get_kind_command,
     open_or_identify,
     recognise_opened,
 )
-from dashpot.reading.readers.frf import determine_frf_columns
-from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
+from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
+from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
 from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
-from dashpot.reading.readers.time_columns import find_separate_clocks, since_the_step
 from dashpot.reading.table import FileTable, LoadedColumns, Question
 from dashpot.registry import find_handler
 

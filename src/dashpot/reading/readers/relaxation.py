@@ -1,4 +1,4 @@
-"""From a file to a relaxation test."""
+"""From a file to a relaxation test, or to its motion alone."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
-from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.relaxation import RelaxationTest, Trajectory
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.columns.kind_detection import SWEEPS, FileKind
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, cleaning, size_checks
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.header_specimen import add_specimen_temperature, stated_rest
-from dashpot.reading.readers.time_columns import find_separate_clocks, interpolate_to_force_clock
+from dashpot.reading.readers.cleaning import find_separate_clocks, interpolate_to_force_clock
+from dashpot.reading.readers.header_metadata import add_specimen_temperature, stated_rest
 from dashpot.reading.table import LoadedColumns
-from dashpot.signals.clock import Leap, lasting_change
+from dashpot.signals.recording_faults import Leap, lasting_change
+
+# From a file to a relaxation test.
 
 
 def read_relaxation(
@@ -276,3 +278,28 @@ def check_joined_segments(time: FloatArray, loaded: LoadedColumns) -> str:
                 f"{loaded.format_row_position(start)}; choose one, for example --part segment=1"
             )
     return f"{len(names)} segments joined into one record: {listed}"
+
+
+# From a file to a motion: the columns of time and displacement, whatever else it holds.
+
+
+def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:
+    """Return the motion in a record or in a list of set-points; ``-`` is stdin.
+
+    Rows without a number are left out, and said in the notes of its source.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit.
+    """
+    with channels.open_file(path, options) as file:
+        channels.refuse_other_rate(file)
+        rate = file.options.rate
+        chosen = channels.choose(file, channels.add_time_role(file, "displacement"))
+        rows, sentences = channels.select_complete_rows(channels.load_test(file, chosen, 2))
+        values = channels.convert_signals_to_si(rows, chosen)
+        time = np.arange(len(rows)) / rate if rate else values["time"]
+        notes = [*file.table.notes, *sentences]
+        source = channels.source(file, [c.says for c in chosen], notes)
+        return Trajectory(time, values["displacement"], source=source)

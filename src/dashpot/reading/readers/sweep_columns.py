@@ -23,7 +23,7 @@ from dashpot.reading.columns.role_assignment import (
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.header_specimen import temperatures_of_segments
+from dashpot.reading.readers.header_metadata import temperatures_of_segments
 from dashpot.reading.table import LoadedColumns, Question
 
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")

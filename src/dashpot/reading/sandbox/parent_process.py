@@ -16,7 +16,7 @@ from typing import BinaryIO, TypeVar, cast
 
 from dashpot.base.errors import ReadError
 from dashpot.base.subprocesses import get_single_thread_env, interpreter
-from dashpot.reading import time_budget
+from dashpot.reading import raw_file
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, message_protocol
@@ -52,7 +52,7 @@ def run_in_child(
     ReadError
         What the function raises there; and where the process dies, or takes too long.
     """
-    seconds = time_budget.seconds_for(raw.size)
+    seconds = raw_file.compute_time_allowed(raw.size)
     request = {
         "format": what, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),

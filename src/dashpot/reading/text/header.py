@@ -11,7 +11,7 @@ from itertools import zip_longest
 from dashpot.base import units
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.header_names import add_factor_to_unit, is_unit_of, split_unit
+from dashpot.reading.columns.header_units import add_factor_to_unit, is_unit_of, split_unit
 from dashpot.reading.table import Column, Content
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.dialect import LONGEST, Dialect

@@ -18,12 +18,12 @@ from dashpot.base.checks import (
     criterion,
     format_short_message,
 )
-from dashpot.base.sentences import clip_sentences
+from dashpot.base.plain_text import clip_sentences
 from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import Peak
-from dashpot.vibration.systems.operating_point import OperatingPoint
+from dashpot.vibration.systems.frf_prediction import OperatingPoint
 
 # limits of the verdict: a frequency within 5 % is stiffness within 10 %
 FREQUENCY_LIMIT = 0.05

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, cache_on_record
-from dashpot.base.choices import Method, get_choice_values
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.base.units import GRAVITY, Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
@@ -17,8 +17,13 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.comparison.checks import checks, format_conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak
-from dashpot.vibration.systems.frf_prediction import accelerance, mass_for_peak, model_modes
-from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.vibration.systems.frf_prediction import (
+    OperatingPoint,
+    accelerance,
+    mass_for_peak,
+    model_modes,
+    operating_point,
+)
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
@@ -63,7 +68,7 @@ def compare(
         The solid behind the prediction; `seals` times it carries the mass.
     fit : Fit, optional
         Where the solid came from: gives `model`, the tangent where the mass rests
-        (:mod:`~dashpot.vibration.systems.operating_point`), and tells which arms the relaxation
+        (:mod:`~dashpot.vibration.systems.frf_prediction`), and tells which arms the relaxation
         test saw.
     mass : float, optional
         kg; with a solid known but no mass given, the mass inside `predicted` is used. A

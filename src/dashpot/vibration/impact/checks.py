@@ -11,15 +11,15 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.number_format import with_error
 from dashpot.base.units import GRAVITY, format_quantity
-from dashpot.datamodel.base_excitation import ShakenTest
 from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.numerics.inference.covariance_estimate import estimate as knowledge
 from dashpot.numerics.inference.covariance_estimate import white_noise
-from dashpot.numerics.least_squares.problem import solve_ordinary
+from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
-from dashpot.vibration.impact.hit_quality import HitQuality
+from dashpot.vibration.impact.hits import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 
 NO_TURN = 0.95

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.datamodel.impact import ImpactTest
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.hits import GUARD, HitBlock
 
 EVIDENT = 0.5

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.frf_lines import FLOOR, FRFLines, kernel
-from dashpot.vibration.modal.rational_fraction import find_poles, residues_at
+from dashpot.vibration.modal.pole_fit import FLOOR, FRFLines, find_poles, pole_kernel, residues_at
 
 ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes
 FEWEST = 12  # lines for that
@@ -84,7 +83,7 @@ def null_rocking(
         lines, hits = lines.only(near), hits[:, :, near]
         poles = poles[(poles.imag > min(pair) / ABOUT) & (poles.imag < max(pair) * ABOUT)]
     residues = residues_at(lines, poles)[:, :2]
-    tall = [float(np.abs(kernel(lines, p)).max()) for p in (bounce, rocking)]
+    tall = [float(np.abs(pole_kernel(lines, p)).max()) for p in (bounce, rocking)]
 
     def ratio(w: FloatArray) -> float:
         heights = np.abs(w @ residues) * tall

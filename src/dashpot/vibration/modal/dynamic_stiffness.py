@@ -10,11 +10,35 @@ from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArra
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
-from dashpot.vibration.modal.sensitivity import compute_stiffness_change
+
+# What a small error of a test does to storage and loss factor.
+
+
+def compute_stiffness_change(
+    slope: ComplexArray, loss_factor: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    r"""Relative change of the storage, and change of the loss factor, by a small :math:`d\ln K^*`.
+
+    .. math::
+
+        \frac{dK'}{K'} = \mathrm{Re}\,d\ln K^* - \eta\,\mathrm{Im}\,d\ln K^*, \qquad
+        d\eta = (1 + \eta^2)\,\mathrm{Im}\,d\ln K^*
+
+    Parameters
+    ----------
+    slope : complex array, shape (n,)
+        :math:`d\ln K^*`.
+    loss_factor : array, shape (n,)
+    """
+    return (
+        np.asarray(slope.real - loss_factor * slope.imag),
+        np.asarray(slope.imag * (1 + loss_factor**2)),
+    )
+
 
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3

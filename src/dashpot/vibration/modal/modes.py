@@ -1,30 +1,129 @@
-r"""Natural frequencies, damping ratios and residues of a measured FRF.
-
-By a rational fraction, or by reading a single resonance the classical ways: peak, half-power
-width, circle and logarithmic decrement look at the highest peak and know nothing of a record that
-was cut: a truncated decay reads as damping. With an exponential window they see the pole
-:math:`p - a`; the a is added back, which is exact, since the window moves the poles of any linear
-solid by that much.
-"""
+"""Natural frequencies, damping ratios and residues of FRFs of one or several points."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
-from dashpot.datamodel.frf import FRF, Mode
-from dashpot.datamodel.frf_set import FRFSet
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
-from dashpot.numerics.least_squares.problem import solve_ordinary
-from dashpot.vibration.modal.multi_point import mode_at, select_mode_band, shapes_of
-from dashpot.vibration.modal.peaks import run_about
+from dashpot.numerics.least_squares import solve_ordinary
+from dashpot.vibration.modal.peaks import mount_band, run_about
+from dashpot.vibration.modal.pole_fit import FRFLines, find_poles
 
-FEWEST_LINES = 5  # in the half-power band, for its width to be read
+# Modes common to the FRFs of several points.
+
+
+FEWEST_BAND_LINES = 8
+MOST_MODES, MOST_OF_A_SET = 6, 24
+"""Modes sought in one FRF, about a mount's resonance, and in a set of them."""
+
+
+def compute_rms_accelerance(points: FRFSet) -> FRF:
+    """What all points do: the root mean square of their accelerances, each over its own size.
+
+    Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
+    """
+    value = points.accelerance
+    size = np.abs(value) ** 2
+    base = size.mean(axis=1, keepdims=True)
+    whole = np.sqrt((size / base).mean(axis=0) * base.mean())
+    first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
+    sd = None if scatter is None else np.sqrt((scatter**2 / base).mean(axis=0) * base.mean())
+    return FRF(first.frequency, whole.astype(complex), sd=sd, units="SI")
+
+
+def lines_of(points: FRFSet) -> FRFLines:
+    """The accelerances of a set as lines to be fitted, a row for each point."""
+    first = points.frfs[0].to(Kind.ACCELERANCE)
+    return FRFLines.measured(
+        first.s, points.accelerance, points.sd, record=first.record, pulse=first.pulse
+    )
+
+
+def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet:
+    """The lines where modes are sought, by default about where the points together move most.
+
+    Raises
+    ------
+    DataError
+        If they are fewer than 8.
+    """
+    all_of_them = compute_rms_accelerance(points)
+    f = all_of_them.frequency
+    low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
+    keep = (f >= low) & (f <= high) & (f > 0)
+    if np.count_nonzero(keep) < FEWEST_BAND_LINES:
+        raise DataError(
+            f"{np.count_nonzero(keep)} lines between {low:g} and {high:g} Hz; modes need at least "
+            f"{FEWEST_BAND_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: "
+            "give a band within, or record longer"
+        )
+    accelerances = tuple(frf.to(Kind.ACCELERANCE).only(keep) for frf in points.frfs)
+    return replace(points, frfs=accelerances)
+
+
+def find_shapes(
+    points: FRFSet, *, band: tuple[float, float] | None = None, count: int | None = None
+) -> tuple[ModeShape, ...]:
+    """Poles that all points share and each point's residues; see :meth:`.FRFSet.modes`."""
+    return shapes_of(select_mode_band(points, band), count)
+
+
+def shapes_of(near: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
+    """Modes on all lines of accelerances, by `find_poles`; the largest motion first."""
+    most = MOST_MODES if len(near.frfs) == 1 else MOST_OF_A_SET
+    fit = find_poles(lines_of(near), most=most, count=count)
+    if fit is None:
+        return ()
+    # a window spreads each line's noise over its neighbours, which then count less
+    first = near.frfs[0]
+    fall = 0.5 * first.shift * (first.record or 0.0)
+    spread = float(np.sqrt(fall / np.tanh(fall))) if fall > 0 else 1.0
+    se = spread * np.sqrt(np.diag(fit.covariance))
+    shapes = []
+    for i, p in enumerate(fit.poles):
+        residues, errors = fit.residues[:, i], spread * fit.residue_se[:, i]
+        top = int(np.argmax(np.abs(residues)))
+        values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
+        mode = mode_at(complex(p), complex(residues[top]), values, "rational")
+        shapes.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
+    return tuple(sorted(shapes, key=lambda shape: -float(np.linalg.norm(shape.residues))))
+
+
+def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], method: str) -> Mode:
+    """Turn a pole and the accelerance's residue into a mode, errors of sigma and omega and all."""
+    sigma_se, omega_se, residue_se = errors
+    size = abs(p)
+    return Mode(
+        frequency=size / (2 * np.pi),
+        damping_ratio=-p.real / size,
+        residue=residue / p**2,
+        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se)) / size / (2 * np.pi),
+        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se)) * p.imag / size**3,
+        residue_se=residue_se / size**2,
+        method=str(method),
+    )
+
+
+# Natural frequencies, damping ratios and residues of a measured FRF.
+#
+# By a rational fraction, or by reading a single resonance the classical ways: peak, half-power
+# width, circle and logarithmic decrement look at the highest peak and know nothing of a record
+# that
+# was cut: a truncated decay reads as damping. With an exponential window they see the pole
+# :math:`p - a`; the a is added back, which is exact, since the window moves the poles of any
+# linear
+# solid by that much.
+
+
+FEWEST_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
 HEIGHT = np.sqrt(0.5)
 
 
@@ -143,13 +242,14 @@ def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
     top = _top(accelerance)
     omega = s.imag
     lines, low, high = _width(omega, accelerance, top)
-    if lines < FEWEST_LINES:
+    if lines < FEWEST_HALF_POWER_LINES:
         step = float(np.median(np.diff(omega))) / (2 * np.pi)
         width = max((high - low) / (2 * np.pi), step)
         raise FitError(
-            f"half-power damping needs at least {FEWEST_LINES} lines in the half-power band, but "
-            f"only {lines}, {step:.3g} Hz apart, lie there about {omega[top] / (2 * np.pi):.5g} "
-            f"Hz; record {FEWEST_LINES / width:.2g} s at the least, or fit its poles "
+            f"half-power damping needs at least {FEWEST_HALF_POWER_LINES} lines in the half-power "
+            f"band, but only {lines}, {step:.3g} Hz apart, lie there about "
+            f"{omega[top] / (2 * np.pi):.5g} Hz; record "
+            f"{FEWEST_HALF_POWER_LINES / width:.2g} s at the least, or fit its poles "
             "(Python: method='rational')"
         )
 

@@ -1,11 +1,11 @@
-"""A mass on a viscoelastic solid: its poles, its FRF, and what a record of finite length shows."""
+"""A mass on a viscoelastic solid: where it rests, its poles, its FRF."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,14 +13,146 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import SIZES, format_quantity_short
+from dashpot.base.provenance import Step
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
-from dashpot.base.validators import require_nonnegative, require_positive
+from dashpot.base.value_ranges import (
+    SIZES,
+    format_quantity_short,
+    require_nonnegative,
+    require_positive,
+)
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.solids.elastic import require_plausible_compression
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.checks import seal_mass_negligible
-from dashpot.vibration.systems.operating_point import operating_point
+
+# Where a mass rests on seals, and what small vibration feels there.
+#
+# At rest n seals carry the weight, :math:`n F_e(x) = m g`; vibration about that compression feels
+# the
+# tangent of the elastic law, :math:`F_e'(x)/k` times every stiffness of the solid that a test
+# found,
+# k its secant stiffness at the depth tested (Fung: all arms answer :math:`F_e(x(t))`).
+
+
+@dataclass(frozen=True)
+class MassOnSeals:
+    """A mass on so many equal seals.
+
+    Attributes
+    ----------
+    mass : float
+        With what moves of the seals, kg.
+    seals : float
+        How many carry it.
+    compression : float or None
+        Of the seals, m; by default where :math:`n F_e(x) = m g`.
+    coupled : float
+        Of seals that weigh something, the mass that couples both ends, kg
+        (:mod:`dashpot.vibration.systems.frf_prediction`).
+    """
+
+    mass: float
+    seals: float = 1.0
+    compression: float | None = None
+    coupled: float = 0.0
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        """The mass, seals and compression as arguments of what predicts or identifies them."""
+        return {"mass": self.mass, "seals": self.seals, "compression": self.compression}
+
+    def scaled_down(self, scale: float) -> MassOnSeals:
+        """Return masses so many times as small on the same seals."""
+        return replace(self, mass=self.mass / scale, coupled=self.coupled / scale)
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """A compression, and what the seal is there.
+
+    Attributes
+    ----------
+    compression : float
+        m; infinite where nothing carries the weight at rest.
+    depth : float or None
+        The deepest compression tested, m; None if the fit has no elastic law.
+    factor, factor_se : float
+        Tangent stiffness over the fit's, and its standard error.
+    linear : bool
+        The fit's elastic law is a straight line, or it has none: the factor is 1.
+    given : bool
+        The compression was given; else it is that of the weight.
+    """
+
+    compression: float
+    depth: float | None
+    factor: float = 1.0
+    factor_se: float = 0.0
+    linear: bool = True
+    given: bool = False
+
+    @property
+    def beyond(self) -> bool:
+        """Deeper than tested: there the last tangent goes on."""
+        return self.depth is not None and self.compression > self.depth
+
+    def solid(self, fit: Fit) -> Solid:
+        """One seal as small vibration feels it."""
+        return fit.solid if self.linear else self.factor * fit.solid
+
+
+def operating_point(
+    fit: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
+) -> OperatingPoint:
+    r"""The compression of a mass's weight, or one given, and the tangent there.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    mass : float
+        kg.
+    seals : float
+        How many carry it.
+    compression : float, optional
+        m; by default where :math:`n F_e(x) = m g`.
+
+    Raises
+    ------
+    DataError
+        If a number cannot be, the fit is of a material, no compression carries the weight, or
+        the seal would be pressed beyond its height or ten times as deep as it was tested.
+    """
+    require_positive(mass=mass, seals=seals)
+    require_positive(compression=compression, optional=True)
+    if fit.unit != "N/m":
+        raise DataError(
+            f"the fit is of a material's modulus, in {fit.unit}; a mass rests on a part. Give its "
+            'shape: --shape disc:20mm,20mm (Python: fit.part("disc:20mm,20mm"))'
+        )
+    law, provided = fit.elastic_law, compression is not None
+    bent = law is not None and law.kind != "linear"
+    if compression is None:
+        k_inf = fit.model.k_inf
+        compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
+        if law is not None and bent:
+            compression = law.compression(mass * GRAVITY / seals)
+    require_plausible_compression(
+        compression, law, fit.specimen.height, carried=None if provided else mass / seals
+    )
+    if law is None or not bent:
+        depth = None if law is None else law.depth
+        return OperatingPoint(float(compression), depth, given=provided)
+    factor, error = float(law.factor(compression)), float(law.factor_se(compression))
+    return OperatingPoint(
+        float(compression), law.depth, factor, error, linear=False, given=provided
+    )
+
+
+# A mass on a viscoelastic solid: its poles, its FRF, and what a record of finite length shows.
+
 
 ROUNDING = 1e-14
 """A frequency that falls by no more, relatively, has been found."""
@@ -63,7 +195,7 @@ def predict_frf(
     ----------
     model : Solid or Fit
         All the seals together: two equal seals are ``2 * model``. Of a fit, which is of one seal,
-        the tangent solid where the mass rests (:mod:`.operating_point`).
+        the tangent solid where the mass rests (:func:`operating_point`).
     mass : float
         kg.
     frequency : array_like, shape (n,), optional
@@ -520,3 +652,59 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
             f"{format_quantity(block, 'g')}: check the mass of one seal and its unit"
         )
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)
+
+
+# What mounts that weigh something, and a sensor between both ends, do to a transmissibility.
+
+
+def compute_coupled_mass(seal: float | None, seals: float) -> float:
+    r"""Mass of the mounts that couples the mass to its base, kg: a sixth of theirs.
+
+    The consistent mass matrix of a rod, of mass :math:`m_r`, is :math:`m_r/6\,(2\;1;\,1\;2)`: a
+    third moves with either end, and a sixth between them.
+    """
+    return 0.0 if seal is None else seals * seal / 6
+
+
+def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
+    r"""The transmissibility to a mass, as mounts that weigh something make of it.
+
+    .. math:: K + \omega^2\mu = T\,(K - \omega^2 M), \qquad T - 1 = (T_0 - 1)\,(1 + \mu / M)
+
+    with T_0 that of mounts without mass under the moving mass M, and :math:`\mu` the mass that
+    couples it to the base (:func:`compute_coupled_mass`). Good to the second resonance of the
+    mounts: within 0.2 % of K up to twice the natural frequency where they weigh a tenth of the
+    mass.
+
+    Parameters
+    ----------
+    frf : FRF
+        A transmissibility, or a relative one.
+    mass, coupled : float
+        M, a third of the mounts included, and :math:`\mu`, kg.
+    """
+    return _scale_relative_motion(frf, 1 + coupled / mass)
+
+
+def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
+    """A measured transmissibility as mounts without mass would show it: the other way round."""
+    if coupled == 0:
+        return frf
+    step = Step("on_light_mounts", (("mass", f"{mass!r} kg"), ("coupled", f"{coupled!r} kg")))
+    motion = _scale_relative_motion(frf, 1 / (1 + coupled / mass))
+    return replace(motion, steps=(*frf.steps, step))
+
+
+def _scale_relative_motion(frf: FRF, factor: float) -> FRF:
+    """The motion relative to the base, so many times, as the kind that it was."""
+    if not frf.quantity.over_base:
+        raise DataError(f"the FRF is a {frf.quantity}; expected a transmissibility")
+    relative = frf.to(Kind.RELATIVE_TRANSMISSIBILITY)
+    sd = None if relative.sd is None else factor * relative.sd
+    return replace(relative, value=factor * relative.value, sd=sd).to(frf.quantity)
+
+
+def as_relative(frf: FRF) -> FRF:
+    """The same numbers, of a sensor on both ends: mass less base, over the base."""
+    step = Step("as_relative", (), "the motion of the mass was measured relative to the base")
+    return replace(frf, quantity=Kind.RELATIVE_TRANSMISSIBILITY, steps=(*frf.steps, step))

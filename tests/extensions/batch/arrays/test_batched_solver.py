@@ -13,7 +13,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import (
     recorded_family,
 )
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.exponential_fit.variable_projection import solve
+from dashpot.numerics.exponential_fit import solve
 
 TIME = np.arange(3001) / 100
 X = 8e-3 * np.minimum(TIME, 1.0)

@@ -7,8 +7,7 @@ import pytest
 from kit.fits import formal_errors, of_noise
 from scipy.signal import lfilter
 
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, FitError, Status
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.extensions.batch.arrays.fit_many import fit_many
 from dashpot.fitting.relaxation import fit

@@ -17,14 +17,11 @@ from dashpot.extensions.curves.creep.fit import fit_creep as fit
 from dashpot.extensions.curves.creep.load_noise import load_sensitivity
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.read import read_creep
+from dashpot.extensions.curves.creep.retardation_spectrum import relaxation_sensitivity
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.solids.demo_seals import PAPER
-from dashpot.solids.interconversion import (
-    CreepSpectrum,
-    relaxation_sensitivity,
-    relaxation_spectrum,
-)
+from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import creep_of, from_creep
 from dashpot.workflow import fit_files

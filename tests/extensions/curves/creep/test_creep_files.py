@@ -13,7 +13,7 @@ from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
-from dashpot.workflow.fit_bench_tests import read_test
+from dashpot.workflow.bench_tests import read_test
 from tests.kit.kinds import csv
 
 TIME = np.geomspace(0.02, 60.0, 40)

@@ -12,11 +12,11 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.curves.creep.fit import fit_creep as fit
 from dashpot.extensions.curves.creep.simulation import simulate_creep
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.axis import Axis
 from dashpot.simulation.ground_truth import stamp, truth_json
 from dashpot.simulation.rig import Rig
+from dashpot.simulation.robot import Axis
 from dashpot.solids.demo_seals import PAPER
-from dashpot.workflow.fit_bench_tests import read_test
+from dashpot.workflow.bench_tests import read_test
 
 
 def test_the_seal_answers_the_force_it_felt() -> None:

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from kit.fits import failed
 
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, FitError, Status
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.curves.checks import kramers_kronig
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
@@ -21,7 +20,7 @@ from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.relaxation_spectrum import passive_misfit
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_json

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from kit.shell import ran
 
-from dashpot.base.errors import DataError, ReadError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, ReadError, Status
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.extensions.curves.modulus.read import read_modulus

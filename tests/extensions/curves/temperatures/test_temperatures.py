@@ -16,15 +16,15 @@ from kit.foreign.truths import Seal as ForeignSeal
 from kit.slopes import hold_slopes
 
 import dashpot as dp
-from dashpot.base.choices import Vertical
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
+from dashpot.base.option_fields import Vertical
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
+from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.workflow.json_archive import from_json, to_json
 

@@ -22,9 +22,8 @@ from dashpot.report import html
 from dashpot.simulation.impact import simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow import EXAMPLES, fit_files, predict_files
-from dashpot.workflow.job import Job
+from dashpot.workflow.job import Job, ShiftChoices
 from dashpot.workflow.json_archive import from_json, to_json
-from dashpot.workflow.shift_options import ShiftChoices
 from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once

@@ -12,7 +12,7 @@ from kit.fits import failed
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.cld.preprocess import cld
-from dashpot.preprocessing.strokes import LEAST_STROKE, strokes_of
+from dashpot.extensions.materials.strokes import LEAST_STROKE, strokes_of
 
 SPECIMEN = dp.Specimen(length=LENGTH)
 ELASTIC = {"arms": (), "softening": 0.0}

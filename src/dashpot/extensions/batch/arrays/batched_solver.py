@@ -6,7 +6,7 @@ the descent is arithmetic on small matrices, one per record.
 Where a relaxation time is not known to 10 %, other peaks of the grid search are descended from too;
 whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
 is solved again one by one, so that the result is that of
-:func:`dashpot.numerics.exponential_fit.variable_projection.solve`.
+:func:`dashpot.numerics.exponential_fit.solve`.
 """
 
 from __future__ import annotations
@@ -23,9 +23,8 @@ from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, Shar
 from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, points_at
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import PLAIN
-from dashpot.numerics.exponential_fit.arm_insertion import DOUBT
-from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+from dashpot.numerics.exponential_fit import DOUBT, Solution, solve
+from dashpot.numerics.log_tau_descent import StackTrial
 
 CHUNK = 128
 #: further peaks of the grid search that are tried where a relaxation time is not well known

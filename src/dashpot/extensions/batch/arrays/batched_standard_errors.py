@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray, block_means
 from dashpot.extensions.batch.arrays.batched_solver import ManySolutions
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns
-from dashpot.numerics.inference.covariance import autocovariance, geyer_cuts
+from dashpot.numerics.inference.correlated_noise import autocovariance, geyer_cuts
 
 # about so many means stand for a record
 MEANS = 1000

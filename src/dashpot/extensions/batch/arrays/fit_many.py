@@ -12,9 +12,8 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, FrozenArrays, increasing, samples
 from dashpot.base.checks import status_of
-from dashpot.base.choices import Method
-from dashpot.base.errors import DataError
-from dashpot.base.status import Status
+from dashpot.base.errors import DataError, Status
+from dashpot.base.option_fields import Method
 from dashpot.extensions.batch.arrays.batched_solver import (
     ManySolutions,
     solve_many,
@@ -28,8 +27,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import (
     shares_correlation,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
 
 # fewer records than this are done sooner one by one than what they share is made
 _STACK = 4

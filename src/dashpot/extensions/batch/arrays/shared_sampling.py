@@ -26,8 +26,7 @@ from dashpot.numerics.design_matrices.displacement_correlation import (
     correlate_displacement,
     upper_factor,
 )
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
 
 #: samples compressed together
 AT_ONCE = 400_000
@@ -106,7 +105,7 @@ def hold_family(
     time: FloatArray, *, depth: float, ramp_time: float, ramp: bool = False
 ) -> CompressedFamily:
     """Holds after an ideal ramp, or with it
-    (:func:`~dashpot.numerics.design_matrices.hold.hold_block`).
+    (:func:`~dashpot.numerics.design_matrices.recorded_motion.hold_block`).
     """
     make = partial(hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
     if not ramp:

@@ -6,8 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
-from dashpot.numerics.exponential_fit.log_tau_descent import StackTrial
-from dashpot.numerics.least_squares.levenberg_marquardt import (
+from dashpot.numerics.least_squares import (
     FINISHED,
     LINEAR,
     LONGEST_STEP,
@@ -15,6 +14,7 @@ from dashpot.numerics.least_squares.levenberg_marquardt import (
     has_converged,
     is_step_acceptable,
 )
+from dashpot.numerics.log_tau_descent import StackTrial
 
 
 def points_at(
@@ -22,7 +22,7 @@ def points_at(
 ) -> StackTrial:
     """Return one trial of each record, ln tau (R, N).
 
-    As :func:`~dashpot.numerics.exponential_fit.log_tau_descent.point_at`.
+    As :func:`~dashpot.numerics.log_tau_descent.point_at`.
     """
     q = family.fixed_count
     p = q + log_tau.shape[1]
@@ -45,7 +45,7 @@ def descend_together(
 ) -> tuple[StackTrial, BoolArray]:
     """Descend from the start of every record; where each ended, and whether at an optimum.
 
-    As :func:`~dashpot.numerics.exponential_fit.log_tau_descent.descend`.
+    As :func:`~dashpot.numerics.log_tau_descent.descend`.
     """
     low, high = family.template.bounds
     here = points_at(family, start.copy(), reduced)

@@ -14,11 +14,12 @@ from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import format_arm_count
 from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
 from dashpot.preprocessing.contact import MIN_BASELINE
-from dashpot.signals.frozen import frozen_runs
+from dashpot.signals.recording_faults import frozen_runs
 
 if TYPE_CHECKING:
     from dashpot.extensions.curves.datamodel.creep import LoadHold
     from dashpot.solids.interconversion import CreepSpectrum
+
 
 # of the travel, before the load: k_inf is then about half as wrong
 MAX_STIR = 0.01

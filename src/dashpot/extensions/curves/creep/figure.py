@@ -10,21 +10,13 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.creep.compliance import fitted_displacement
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, LoadHold
 from dashpot.extensions.curves.time_curve_figure import answer_panels
-from dashpot.plot.downsampling import downsample_to_extremes
-from dashpot.plot.picture import (
-    BENEATH,
-    FIT,
-    REF,
-    UPON,
-    Line,
-    Panel,
-    Picture,
-    Rule,
-    Scale,
+from dashpot.plot.picture import BENEATH, FIT, REF, UPON, Line, Panel, Picture, Rule, Scale
+from dashpot.plot.plotted_data import (
     compute_padded_limits,
+    downsample_to_extremes,
+    format_fit_stamp,
     unit_of,
 )
-from dashpot.plot.provenance_stamp import format_fit_stamp
 
 SINCE = "time since the load began, s"
 

@@ -21,11 +21,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import Step, sources_of
-from dashpot.base.sentences import decapitalise_sentence
 from dashpot.base.units import format_quantity
-from dashpot.datamodel.band_error import BandError
-from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.machine import Machine
@@ -35,7 +34,22 @@ from dashpot.extensions.curves.checks import plateau_told
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.creep.load_noise import load_rows
 from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
-from dashpot.extensions.curves.creep.retardation_spectrum import FLOW, GLASS, Retarded, spectrum_of
+from dashpot.extensions.curves.creep.retardation_spectrum import (
+    FLOW,
+    GLASS,
+    Retarded,
+    make_retardation_block,
+    spectrum_of,
+)
+from dashpot.extensions.curves.curve_uncertainty import (
+    DOUBTED,
+    ENOUGH,
+    CurveData,
+    band_of_curve,
+    curve_data,
+    end_of_curve,
+    spectra_of_curve,
+)
 from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import shared_spectrum_if_needed
@@ -50,9 +64,8 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design_matrix import NUISANCE, regularise_clock
 from dashpot.fitting.fit_construction import build_fit
-from dashpot.fitting.fit_data import DOUBTED, FitData, max_determinable_arms
+from dashpot.fitting.fit_data import NUISANCE, FitData, max_determinable_arms, regularise_clock
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
 from dashpot.fitting.nuisance_priors import (
     ROUNDING,
@@ -61,21 +74,18 @@ from dashpot.fitting.nuisance_priors import (
     delay_prior,
     estimate_channel_zero,
 )
-from dashpot.fitting.pipeline import FitOptions, SelectedModel, select_order, validate_arm_count
-from dashpot.fitting.relaxation_likelihood import noise_power
-from dashpot.fitting.uncertainty.band_limits import band_of_curve
-from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
-from dashpot.fitting.uncertainty.solution_covariance import (
-    SolutionEstimate,
-    estimate_covariance,
-    rounding,
+from dashpot.fitting.order_selection import (
+    FitOptions,
+    SelectedModel,
+    select_order,
+    validate_arm_count,
 )
-from dashpot.fitting.uncertainty.valid_band import informed_band
-from dashpot.numerics.design_matrices.block import DataBlock, retarding
-from dashpot.numerics.design_matrices.hold import hold_block
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding
+from dashpot.fitting.relaxation_likelihood import noise_power
+from dashpot.fitting.valid_band import informed_band
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.exponential_fit import Solution, solve
 from dashpot.numerics.inference.model_order import MIN_K_OVER_SE, bic, significant
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.signals.segments import find_segments
@@ -198,7 +208,7 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     baseline = estimate_preload_baseline(record)
     time = regularise_clock(record.time - record.time[0])
     window = slice(baseline.first, None)
-    block = retarding(
+    block = make_retardation_block(
         recorded_block(
             time, record.load, record.displacement, window=window,
             offset="offset", drift="drift", k_inf=GLASS,
@@ -669,5 +679,5 @@ def _curve_block(
     flows: bool,
 ) -> DataBlock:
     block = hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
-    block = retarding(replace(block, window=(window[0], 10 * window[1])), GLASS)
+    block = make_retardation_block(replace(block, window=(window[0], 10 * window[1])), GLASS)
     return block.with_column(FLOW, weight * t) if flows else block

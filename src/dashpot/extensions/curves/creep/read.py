@@ -20,9 +20,9 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.header_specimen import add_specimen_temperature
+from dashpot.reading.readers.cleaning import since_the_step
+from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.readers.relaxation import load_signals
-from dashpot.reading.readers.time_columns import since_the_step
 
 _CURVE: tuple[Role, ...] = ("time", "creep_compliance")
 _MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")

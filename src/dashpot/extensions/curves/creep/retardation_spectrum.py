@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,15 +11,86 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.fit_diagnostics import OrderScore
 from dashpot.datamodel.parameter_estimate import CreepEstimate, Profile
-from dashpot.fitting.pipeline import SelectedModel
-from dashpot.numerics.exponential_fit.variable_projection import Solution
+from dashpot.fitting.order_selection import SelectedModel
+from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
+from dashpot.numerics.exponential_fit import Solution
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
-from dashpot.solids.interconversion import (
-    CreepSpectrum,
-    relaxation_sensitivity,
-    relaxation_spectrum,
-)
+from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+def make_retardation_block(block: DataBlock, whole: str) -> DataBlock:
+    r"""The block with each arm turned into a retardation: what a force has yet to move.
+
+    An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
+
+    .. math:: \int_0^t \bigl(1 - e^{-(t-u)/\lambda}\bigr)\,dF(u) = F(t) - q(t)
+
+    Parameters
+    ----------
+    block : DataBlock
+        Of arms under the input F.
+    whole : str
+        Name of the fixed column that is F.
+    """
+    at = block.fixed_names.index(whole)
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        evaluation = block.rows(log_tau, derivative)
+        arms = evaluation.fixed[:, [at]] - evaluation.arms
+        return evaluation._replace(arms=arms, d_arms=-evaluation.d_arms if derivative else arms)
+
+    return replace(
+        block,
+        rows=rows,
+        sampling=None,
+        full=None if block.full is None else lambda: make_retardation_block(block.exact, whole),
+        widen=lambda name, column: make_retardation_block(block.with_column(name, column), whole),
+        delayed=None,
+    )
+
+
+def relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatArray:
+    r"""How the relaxation spectrum moves with the creep spectrum, exactly.
+
+    Each arm is a zero :math:`-\rho_j` of the compliance J(s) with
+    :math:`k_j = -1 / (\rho_j J'(-\rho_j))`, so that, with all of J at :math:`s = -\rho`,
+
+    .. math:: d\rho = \frac{J_\theta}{J'}\,d\theta, \qquad
+        d\ln k = -\frac{d\rho}{\rho} - \frac{J'_\theta\,d\theta - J''\,d\rho}{J'}
+
+    Parameters
+    ----------
+    creep : CreepSpectrum
+    tau : sequence of float
+        Relaxation times of :func:`relaxation_spectrum`, s.
+
+    Returns
+    -------
+    array, shape (2 + 2 arms, 2 + 2 retardations)
+        Rows: k_inf, every k, every ln tau, b; columns: glass, every D, every ln lambda, flow.
+    """
+    d, lam = np.array(creep.d, dtype=float), np.array(creep.lam, dtype=float)
+    rho, x, n = 1 / np.array(tau, dtype=float), 1 / lam, len(lam)
+    above, row = x - rho[:, None], np.ones((len(rho), 1))
+    weight = d * x
+    value = np.hstack((row, x / above, weight * rho[:, None] / above**2, -row / rho[:, None]))
+    slope = np.hstack((
+        0 * row, -x / above**2, -weight * (x + rho[:, None]) / above**3, -row / rho[:, None] ** 2,
+    ))  # fmt: skip
+    first = -creep.flow / rho**2 - (weight / above**2).sum(axis=1)
+    second = -2 * creep.flow / rho**3 + 2 * (weight / above**3).sum(axis=1)
+    ratio = value / first[:, None]
+    log_k = -ratio / rho[:, None] - (slope - second[:, None] * ratio) / first[:, None]
+    k = -1 / (rho * first)
+    at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
+    viscous = np.concatenate(([0.0], x, -weight, [1.0]))
+    k_inf = 0.0 if creep.flow > 0 else 1 / creep.equilibrium
+    b = 0.0 if creep.glass > 0 else 1 / (creep.flow + float(weight.sum()))
+    return np.vstack(
+        (-(k_inf**2) * at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
+    )
+
 
 GLASS, FLOW = "glass", "flow"
 """Names of the columns of what a part gives at once, and of its flow."""

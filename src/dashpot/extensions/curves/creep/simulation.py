@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.base.validators import require_nonnegative, require_positive
+from dashpot.base.value_ranges import require_nonnegative, require_positive
 from dashpot.extensions.curves.datamodel.creep import CreepTest
 from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell

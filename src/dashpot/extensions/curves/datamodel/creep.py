@@ -8,25 +8,31 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.array_units import (
+from dashpot.base.arrays import (
     Dimensions,
+    EqualByValue,
+    FloatArray,
     convert_arrays_to_si,
+    hold_measured,
     make_units_field,
+    median,
     resolve_unit,
 )
-from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.plausibility import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Dimension, Quantity, convert_to_si, format_quantity
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import refuse_absurd_record, require_positive
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.shift_factors import has_several_temperatures
 from dashpot.datamodel.specimen import Specimen
-from dashpot.datamodel.step_response import curve_at, described_curve, since_a_step
+from dashpot.extensions.curves.datamodel.sample_temperatures import (
+    describe_step_response,
+    has_several_temperatures,
+    select_temperature,
+    validate_step_response,
+)
 
 STRAIGHT = 16
 """Corners of a load that is ramps and holds, at most."""
@@ -154,7 +160,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
         of: Dimensions = ("material compliance", "compliance")
         arrays = convert_arrays_to_si(self, time="time", compliance=of, temperature="temperature")
         resolve_unit(self, arrays, "compliance")
-        since_a_step(self, "compliance")
+        validate_step_response(self, "compliance")
         _require_unit(self.unit, COMPLIANCES.values())
 
     def at(self, temperature: Quantity) -> CreepCompliance:
@@ -165,7 +171,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
         DataError
             If there are none, or two at the same time.
         """
-        return curve_at(self, "compliance", convert_to_si(temperature, "temperature"))
+        return select_temperature(self, "compliance", convert_to_si(temperature, "temperature"))
 
     @property
     def several_temperatures(self) -> bool:
@@ -187,7 +193,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
-        return described_curve(self, "compliance")
+        return describe_step_response(self, "compliance")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,31 +6,29 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.array_units import (
-    Dimensions,
-    convert_arrays_to_si,
-    make_units_field,
-    resolve_unit,
-)
 from dashpot.base.arrays import (
     BoolArray,
     ComplexArray,
+    Dimensions,
     EqualByValue,
     FloatArray,
     IndexArray,
+    convert_arrays_to_si,
     hold_measured,
+    make_units_field,
+    resolve_unit,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.datamodel.shift_factors import (
+from dashpot.datamodel.specimen import Specimen, tested_at
+from dashpot.extensions.curves.datamodel.sample_temperatures import (
     find_near_samples,
     format_temperature_range,
     has_several_temperatures,
 )
-from dashpot.datamodel.specimen import Specimen, tested_at
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dashpot.base.array_units import (
+from dashpot.base.arrays import (
     Dimensions,
+    EqualByValue,
+    FloatArray,
     convert_arrays_to_si,
     make_units_field,
     resolve_unit,
 )
-from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.datamodel.shift_factors import has_several_temperatures
 from dashpot.datamodel.specimen import Specimen
-from dashpot.datamodel.step_response import curve_at, described_curve, since_a_step
+from dashpot.extensions.curves.datamodel.sample_temperatures import (
+    describe_step_response,
+    has_several_temperatures,
+    select_temperature,
+    validate_step_response,
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,7 +72,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
             convert_arrays_to_si(self, time="time", modulus=of, temperature="temperature"),
             "modulus",
         )
-        since_a_step(self, "modulus")
+        validate_step_response(self, "modulus")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
 
@@ -79,7 +84,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
         DataError
             If there are none, or two at the same time.
         """
-        return curve_at(self, "modulus", convert_to_si(temperature, "temperature"))
+        return select_temperature(self, "modulus", convert_to_si(temperature, "temperature"))
 
     @property
     def several_temperatures(self) -> bool:
@@ -94,4 +99,4 @@ class RelaxationModulus(EqualByValue, HasSummary):
     @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
-        return described_curve(self, "modulus")
+        return describe_step_response(self, "modulus")

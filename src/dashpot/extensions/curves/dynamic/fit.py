@@ -10,12 +10,11 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked, require_choice
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked, require_choice
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.datamodel.band_error import BandError
-from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import Residual
@@ -29,6 +28,15 @@ from dashpot.extensions.curves.checks import (
     loss_positive,
     plateau,
     storage_rises,
+)
+from dashpot.extensions.curves.curve_uncertainty import (
+    DOUBTED,
+    ENOUGH,
+    band_of_curve,
+    curve_data,
+    end_of_curve,
+    fit_single_test,
+    spectra_of_curve,
 )
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
@@ -48,27 +56,79 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design_matrix import FitSetup, compress_tests
 from dashpot.fitting.fit_construction import build_fit
-from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
+from dashpot.fitting.fit_data import FitData, FitSetup, compress_tests
+from dashpot.fitting.fit_options import checked_family, require_maxwell_family
 from dashpot.fitting.fractional_model.family_selection import (
-    SWEEPS,
     FractionalFit,
-    checked_family,
     chosen_family,
     describe_fit,
-    require_maxwell_family,
 )
-from dashpot.fitting.pipeline import FitOptions, SelectedModel, select_order, validate_arm_count
-from dashpot.fitting.replicates import refuse_copies
-from dashpot.fitting.uncertainty.band_limits import band_of_curve
-from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
-from dashpot.fitting.uncertainty.valid_band import informed_band
-from dashpot.numerics.design_matrices.block import DataBlock, frequency_block
+from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
+from dashpot.fitting.order_selection import (
+    FitOptions,
+    SelectedModel,
+    select_order,
+    validate_arm_count,
+)
+from dashpot.fitting.valid_band import informed_band
+from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.preprocessing.checks import check_temperature
-from dashpot.preprocessing.prepare_tests import Tests, ramp_holds
 from dashpot.solids.maxwell import Solid
+
+
+def frequency_block(
+    omega: FloatArray,
+    stiffness: FloatArray,
+    *,
+    weights: tuple[FloatArray, FloatArray] | None = None,
+    dashpot: bool = False,
+) -> DataBlock:
+    r"""Storage and loss stiffness at given frequencies as one block of real rows.
+
+    .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
+        + j\omega b
+
+    Parameters
+    ----------
+    omega : array, shape (m,)
+        rad/s, > 0, any order.
+    stiffness : complex array, shape (m,)
+        K' + jK'', N/m.
+    weights : (array, array), optional
+        1/sd of K' and of K'', each shape (m,); 1 by default.
+    dashpot : bool
+        Add the column of a parallel dashpot, named ``b``.
+    """
+    omega = np.asarray(omega, dtype=float)
+    stiffness = np.asarray(stiffness, dtype=complex)
+    ones = np.ones(len(omega))
+    weight = np.concatenate(weights if weights is not None else (ones, ones))
+    spring = np.concatenate((ones, 0 * omega))
+    damper = np.concatenate((0 * omega, omega))
+    names = ("k_inf", "b") if dashpot else ("k_inf",)
+    fixed = np.column_stack((spring, damper)[: len(names)]) * weight[:, None]
+
+    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+        x = omega[:, None] * tau
+        arms = np.concatenate((x * x, x)) / np.tile(1 + x * x, (2, 1)) * weight[:, None]
+        if not derivative:
+            return arms, arms
+        # d/d ln tau of jx/(1+jx) is jx/(1+jx)^2
+        slope = np.concatenate((2 * x * x, x * (1 - x * x))) / np.tile((1 + x * x) ** 2, (2, 1))
+        return arms, slope * weight[:, None]
+
+    return design_block(
+        target=np.concatenate((stiffness.real, stiffness.imag)) * weight,
+        fixed=fixed,
+        fixed_names=names,
+        columns=columns,
+        window=(0.1 / float(omega.max()), 10 / float(omega.min())),
+    )
+
+
+BY_SWEEPS = "a sweep to higher frequencies or a colder one"
+
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
@@ -162,7 +222,7 @@ def fit_dynamic(
     # relaxation tests beside it see further
     if not records:
         end, band, band_error = _end(data, sets[0], selection, both.arms.model.tau, band)
-    other = both.alternative(band, SWEEPS)
+    other = both.alternative(band, BY_SWEEPS)
     of_data = (
         kramers_kronig(passive_misfit(data)),
         loss_positive(data),

@@ -12,7 +12,7 @@ from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
-from dashpot.reading.readers.header_specimen import (
+from dashpot.reading.readers.header_metadata import (
     add_specimen_temperature,
     temperatures_of_segments,
 )

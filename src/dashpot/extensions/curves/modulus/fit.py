@@ -10,14 +10,23 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import Source, Step, sources_of
-from dashpot.base.sentences import decapitalise_sentence
-from dashpot.datamodel.band_error import BandError
-from dashpot.datamodel.bounds import EndOfHold
+from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.checks import modulus_falls, plateau
+from dashpot.extensions.curves.curve_uncertainty import (
+    DOUBTED,
+    ENOUGH,
+    BeforeCurve,
+    band_of_curve,
+    curve_data,
+    end_of_curve,
+    fit_single_test,
+    spectra_of_curve,
+)
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import dense_spectrum_if_needed, master_curve
@@ -31,13 +40,10 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
 )
 from dashpot.fitting.fit_construction import build_fit
-from dashpot.fitting.fit_data import DOUBTED, FitData, fit_single_test
-from dashpot.fitting.pipeline import FitOptions, select_order, validate_arm_count
-from dashpot.fitting.uncertainty.band_limits import BeforeCurve, band_of_curve
-from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
-from dashpot.fitting.uncertainty.end_of_hold_limits import end_of_curve, spectra_of_curve
+from dashpot.fitting.fit_data import FitData
+from dashpot.fitting.order_selection import FitOptions, select_order, validate_arm_count
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.hold import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

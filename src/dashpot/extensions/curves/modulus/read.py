@@ -10,21 +10,21 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
-from dashpot.datamodel.shift_factors import has_several_temperatures
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.curves.datamodel.sample_temperatures import has_several_temperatures
 from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, format_column
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.header_specimen import (
+from dashpot.reading.readers.cleaning import since_the_step
+from dashpot.reading.readers.header_metadata import (
     add_specimen_temperature,
     temperatures_of_segments,
 )
 from dashpot.reading.readers.relaxation import check_joined_segments
-from dashpot.reading.readers.time_columns import since_the_step
 
 
 def read_modulus(

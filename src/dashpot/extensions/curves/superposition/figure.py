@@ -13,7 +13,6 @@ from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.superposition import Superposition
 from dashpot.extensions.curves.time_curve_figure import TIME
-from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
 from dashpot.plot.picture import (
     FIT,
     REF,
@@ -27,12 +26,15 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Tag,
+)
+from dashpot.plot.plotted_data import (
+    FREQUENCY,
     compute_padded_limits,
     compute_padded_log_limits,
+    format_fit_stamp,
     read_as,
 )
-from dashpot.plot.provenance_stamp import format_fit_stamp
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import stamp as stamped
 from dashpot.plot.style import SEQUENTIAL, sequential
 from dashpot.solids.maxwell import Solid
 

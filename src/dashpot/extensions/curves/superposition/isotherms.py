@@ -25,10 +25,10 @@ from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, sources_of
 from dashpot.base.units import celsius
-from dashpot.datamodel.shift_factors import ONE_TEMPERATURE
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
+from dashpot.extensions.curves.datamodel.sample_temperatures import ONE_TEMPERATURE
 
 Measured: TypeAlias = DynamicTest | RelaxationModulus | CreepCompliance
 Domain: TypeAlias = Literal["frequency", "time", "creep"]

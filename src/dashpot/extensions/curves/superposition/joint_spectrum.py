@@ -1,7 +1,7 @@
 r"""One positive spectrum of many isotherms, and their shifts, by variable projection.
 
 At given shifts the spectrum is a convex problem on a grid of reduced relaxation times; the shifts
-descend with it (:mod:`dashpot.numerics.least_squares.problem`). Nothing smooths the spectrum;
+descend with it (:mod:`dashpot.numerics.least_squares`). Nothing smooths the spectrum;
 smoothing doubles the errors. Each step between neighbours has a prior as wide as their window: flat
 isotherms, of a glass or a plateau, would else be thrown decades apart for a hundredth of a standard
 deviation.
@@ -16,16 +16,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
-from dashpot.numerics.inference.covariance import white
+from dashpot.numerics.inference.correlated_noise import white
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.inference.model_order import bic, deviance
-from dashpot.numerics.least_squares.problem import (
-    Optimum,
-    Parameter,
-    Problem,
-    Rows,
-    require_optimum,
-)
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 
 _LN10 = float(np.log(10.0))
 # relaxation times per decade: fewer make the errors of shifts too small; the last descent has more,

@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.extensions.curves.superposition.checks import OVERLAP
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
 from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, grid_of
-from dashpot.numerics.least_squares.problem import Problem
+from dashpot.numerics.least_squares import Problem
 
 _LN10 = float(np.log(10.0))
 _STEP, _FARTHEST, _LEAST = 0.2, 4.0, 0.3

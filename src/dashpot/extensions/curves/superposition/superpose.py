@@ -11,13 +11,14 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import ShiftLaw, VerticalAsked, require_choice
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import ShiftLaw, VerticalAsked, require_choice
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, celsius, convert_to_si
-from dashpot.datamodel.shift_factors import ONE_TEMPERATURE, Shift, TemperatureShifts, shifts_with
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
+from dashpot.extensions.curves.datamodel.sample_temperatures import ONE_TEMPERATURE, shifts_with
 from dashpot.extensions.curves.datamodel.superposition import Superposition
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.superposition.checks import (

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.base.units import celsius
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.shift_factors import CONTRADICT, TemperatureShifts

@@ -10,9 +10,12 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.curves.superposition.figure import shift_panel
-from dashpot.plot.downsampling import downsample_to_extremes
-from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale, compute_padded_limits
-from dashpot.plot.provenance_stamp import format_fit_stamp
+from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale
+from dashpot.plot.plotted_data import (
+    compute_padded_limits,
+    downsample_to_extremes,
+    format_fit_stamp,
+)
 from dashpot.plot.relaxation import SINCE, fitted_force
 from dashpot.plot.style import sequential
 

@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.choices import RampLawAsked
-from dashpot.datamodel.band_error import BandError
-from dashpot.datamodel.bounds import EndOfHold
+from dashpot.base.option_fields import RampLawAsked
+from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, parameter_names
@@ -38,7 +37,7 @@ from dashpot.extensions.curves.temperatures.result import (
     provenance,
     shifts_of,
 )
-from dashpot.fitting.check_suite import RelaxationWindow, Residuals, run_solid_checks
+from dashpot.fitting.admissible_spectra import compute_end_limits, spectra_of_holds
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import (
     arms_enough,
@@ -47,18 +46,21 @@ from dashpot.fitting.checks.solid import (
     optimum_found,
     order_agreed,
 )
-from dashpot.fitting.design_matrix import FitSetup, block_of, bound
-from dashpot.fitting.fit_construction import SolidEstimate, build_fit
-from dashpot.fitting.fit_data import FitData, data_of, weighed
-from dashpot.fitting.linearity import HoldBlocks, assess_linearity
-from dashpot.fitting.pipeline import FURTHER, FitOptions, compute_certificate
+from dashpot.fitting.fit_construction import (
+    RelaxationWindow,
+    Residuals,
+    SolidEstimate,
+    build_fit,
+    run_solid_checks,
+)
+from dashpot.fitting.fit_data import FitData, FitSetup, block_of, bound, data_of, weighed
+from dashpot.fitting.input_tests import end_stiffnesses
+from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks, assess_linearity
+from dashpot.fitting.order_selection import FURTHER, FitOptions, compute_certificate
 from dashpot.fitting.relaxation_likelihood import relaxation_data
-from dashpot.fitting.replicates import end_stiffnesses
-from dashpot.fitting.uncertainty.band_limits import band_of_hold
-from dashpot.fitting.uncertainty.end_of_hold_limits import compute_end_limits, spectra_of_holds
-from dashpot.fitting.uncertainty.valid_band import find_single_test_band, informed_band
+from dashpot.fitting.valid_band import band_of_hold, find_single_test_band, informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit.variable_projection import Solution, solve
+from dashpot.numerics.exponential_fit import Solution, solve
 from dashpot.numerics.inference.model_order import Shortage, chi2_sf
 from dashpot.preprocessing.checks import check_records
 
@@ -101,9 +103,7 @@ def _fit_single_test(
     bend = law == "nonlinear"
     if law == "linear" or record.loading_start is not None or (gate.sound and not bend):
         return SingleTemperatureTest.from_first_fit(record, kelvin, gate.first, None)
-    from dashpot.fitting.nonlinear_ramp.elastic_law_selection import (
-        select_elastic_law,  # a sound linear fit needs none
-    )
+    from dashpot.fitting.nonlinear_ramp.elastic_law import select_elastic_law
 
     bent = select_elastic_law([record], law=law)
     if bent.sound and not bend:

@@ -18,9 +18,14 @@ from dashpot.extensions.curves.temperatures.joint_problem import (
 )
 from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
 from dashpot.fitting.fit_construction import nuisances
-from dashpot.fitting.uncertainty.encoder_resolution import Encoder, Kernel, encoder_rows
-from dashpot.fitting.uncertainty.solution_covariance import ParameterCovariance, rounding
-from dashpot.numerics.inference.covariance import Noise, directions, noise_of, sandwich
+from dashpot.fitting.parameter_errors import (
+    Encoder,
+    Kernel,
+    ParameterCovariance,
+    encoder_rows,
+    rounding,
+)
+from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 

@@ -20,12 +20,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.base.choices import Vertical
+from dashpot.base.option_fields import Vertical
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.inference.covariance import white
+from dashpot.numerics.inference.correlated_noise import white
 from dashpot.numerics.inference.model_order import significant
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, require_optimum
+from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # target, columns of k_inf and k, and the derivative by theta

@@ -23,8 +23,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import shifted_log_tau
-from dashpot.fitting.design_matrix import first_sample, motion
-from dashpot.fitting.fit_data import InitialFit
+from dashpot.fitting.fit_data import InitialFit, first_sample, motion
 from dashpot.fitting.nuisance_priors import (
     NuisanceTerms,
     kind_of,
@@ -34,9 +33,9 @@ from dashpot.fitting.nuisance_priors import (
 )
 from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, select_motion_samples
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
-from dashpot.numerics.design_matrices.relaxation_kernels import compact_block
-from dashpot.numerics.inference.whitening import marginal
-from dashpot.signals.rig_disturbances import warming
+from dashpot.numerics.design_matrices.data_compression import compact_block
+from dashpot.numerics.inference.correlated_noise import marginal
+from dashpot.signals.noise import warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import ShiftLaw, Vertical
+from dashpot.base.option_fields import ShiftLaw, Vertical
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Provenance
-from dashpot.datamodel.shift_factors import TemperatureShifts, shifts_with
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.extensions.curves.datamodel.sample_temperatures import shifts_with
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.temperatures.joint_covariance import (
     build_test_nuisances,

@@ -13,9 +13,9 @@ from dashpot.extensions.curves.superposition.pairwise_shifts import chain_shifts
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
 from dashpot.extensions.curves.temperatures.marginalised_data import shift_block
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.exponential_fit.variable_projection import solve_orders
+from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.model_order import bic_of_deviance
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows
+from dashpot.numerics.least_squares import Parameter, Problem, Rows
 
 # decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
 _FARTHEST, _BACK, _STEP = 4.0, 0.5, 0.1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import FormData, FormField
+from dashpot.base.option_fields import FormData, FormField
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.cld.fit_files import Pieces, cld_files
 from dashpot.reading.read_options import ReadOptions

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from math import pi
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.status import Status
+from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.cld.datamodel import ProcessCapability
-from dashpot.preprocessing.zero_point import MOST_PRELOAD
+from dashpot.extensions.materials.cld.zero_point import MOST_PRELOAD
 
 SETTLED = 0.02
 DEEPER = 1.02

@@ -7,15 +7,20 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from dashpot.base.array_units import convert_arrays_to_si, make_units_field
-from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured
+from dashpot.base.arrays import (
+    EqualByValue,
+    FloatArray,
+    convert_arrays_to_si,
+    hold_measured,
+    make_units_field,
+)
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.plausibility import refuse_absurd_record
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import format_quantity
+from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell

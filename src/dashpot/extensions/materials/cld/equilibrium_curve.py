@@ -23,12 +23,11 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, Branch, RelaxedLaw
-from dashpot.extensions.materials.cld.local_stiffness import WINDOW, fit_local_slope
+from dashpot.extensions.materials.cld.local_stiffness import WINDOW, fit_local_slope, taken_later
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.nuisance_priors import taken_later
-from dashpot.fitting.parameters import memory_of, off_by_error
+from dashpot.fitting.prediction_bounds import memory_of, off_by_error
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate
-from dashpot.numerics.least_squares.problem import solve_ordinary
+from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.solids.elastic import ElasticLaw
 
 KNOTS = (2, 3, 5, 9, 13, 17)

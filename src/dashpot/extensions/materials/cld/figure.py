@@ -11,25 +11,14 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED, Branch, Cycle
-from dashpot.plot.downsampling import downsample_to_extremes
-from dashpot.plot.picture import (
-    REF,
-    Line,
-    Mark,
-    Panel,
-    Pen,
-    Picture,
-    Rule,
-    Scale,
-    Span,
-    Tag,
-    compute_padded_limits,
-)
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.picture import REF, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span, Tag
+from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_extremes
+from dashpot.plot.plotted_data import stamp as stamped
 from dashpot.plot.style import sequential
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.cld.fit_files import Pieces
+
 
 _FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.materials.cld.datamodel import AtCompression, Branch, Cycle
 from dashpot.numerics.inference.covariance_estimate import estimate
-from dashpot.numerics.least_squares.problem import solve_ordinary
+from dashpot.numerics.least_squares import solve_ordinary
 
 WINDOW = 0.04
 """Half of the compressions taken, as a part of the depth."""
@@ -94,3 +94,8 @@ def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
     speed = float(t @ change) / float(t @ t)
     remainder = change - change.mean() - speed * t
     return abs(speed), float(np.abs(remainder).max()) / abs(high - low)
+
+
+def taken_later(time: FloatArray, values: FloatArray, by: float) -> FloatArray:
+    """Return a channel as it reads if it comes so much later, s; its ends rest."""
+    return np.asarray(np.interp(time - by, time, values))

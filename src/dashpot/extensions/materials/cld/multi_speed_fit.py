@@ -32,18 +32,13 @@ from dashpot.extensions.materials.cld.equilibrium_curve import (
     law_of,
     mean_slope,
 )
+from dashpot.extensions.materials.cld.local_stiffness import taken_later
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.nuisance_priors import Prior, taken_later
+from dashpot.fitting.nuisance_priors import Prior
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recursion
 from dashpot.numerics.inference.covariance_estimate import estimate, score
-from dashpot.numerics.least_squares.problem import (
-    Optimum,
-    Parameter,
-    Problem,
-    Rows,
-    require_optimum,
-)
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13

@@ -11,7 +11,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.fit_files import Pieces
 from dashpot.report.first_screen import NBSP, Row
-from dashpot.report.page_content import (
+from dashpot.report.result_page import (
     CollapsibleSection,
     Group,
     KindPage,

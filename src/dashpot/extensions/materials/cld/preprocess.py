@@ -27,11 +27,12 @@ from dashpot.extensions.materials.cld.local_stiffness import (
     WINDOW,
     evaluate_cycle,
     fit_local_slope,
+    taken_later,
     unevenness,
 )
-from dashpot.fitting.nuisance_priors import Prior, error_by_delay, taken_later
-from dashpot.preprocessing.strokes import Stroke, inward, strokes_of
-from dashpot.preprocessing.zero_point import Zero, find_later_contact, zero_of
+from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, zero_of
+from dashpot.extensions.materials.strokes import Stroke, inward, strokes_of
+from dashpot.fitting.nuisance_priors import Prior, error_by_delay
 from dashpot.signals.segments import resolution_of
 
 _SMOOTHED, _RARE = 5, 4.0

@@ -30,13 +30,7 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns
 from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.inference.model_order import bic
-from dashpot.numerics.least_squares.problem import (
-    Optimum,
-    Parameter,
-    Problem,
-    Rows,
-    require_optimum,
-)
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 
 DAMPING_KNOTS = 7
 MOST_ARMS = 2

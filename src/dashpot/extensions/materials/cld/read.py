@@ -16,7 +16,7 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.header_specimen import add_specimen_temperature
+from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.readers.relaxation import signals
 
 _SIGNALS: tuple[Role, Role] = ("displacement", "force")

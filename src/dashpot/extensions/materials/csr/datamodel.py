@@ -7,8 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dashpot.base.array_units import convert_arrays_to_si, make_units_field
-from dashpot.base.arrays import EqualByValue, FloatArray, IndexArray, same_length, validate_measured
+from dashpot.base.arrays import (
+    EqualByValue,
+    FloatArray,
+    IndexArray,
+    convert_arrays_to_si,
+    make_units_field,
+    same_length,
+    validate_measured,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count

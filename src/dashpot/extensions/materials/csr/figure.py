@@ -9,7 +9,7 @@ from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.law import FIRST
 from dashpot.extensions.materials.csr.lifetime_prediction import Aged
 from dashpot.plot.picture import FIT, PREDICTED, Area, Dots, Line, Panel, Picture, Scale
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import stamp as stamped
 
 
 def csr(aging: Aging, *, stamp: str = "") -> Picture:

@@ -23,7 +23,7 @@ from dashpot.extensions.materials.csr.datamodel import Aging, CounterforceTest, 
 from dashpot.extensions.materials.csr.law import BOUND, AgingLaw, retained_fraction
 from dashpot.extensions.materials.csr.preprocess import Readings, readings_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
-from dashpot.numerics.least_squares.problem import Parameter, Problem, Rows, require_optimum
+from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
 from dashpot.solids.shift_laws import GAS
 
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from dashpot.base.choices import ElasticKindAsked
 from dashpot.base.errors import ReadError
+from dashpot.base.option_fields import ElasticKindAsked
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
@@ -27,7 +27,7 @@ def fit_stress_strain(
 ) -> HyperelasticFit:
     """Fit an elastic law to tests of stress over strain."""
     from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
-    from dashpot.fitting.parameters import memory_of
+    from dashpot.fitting.prediction_bounds import memory_of
 
     return fit_hyperelastic(
         records,

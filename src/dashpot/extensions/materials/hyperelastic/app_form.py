@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import FormData, FormField
+from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 from dashpot.extensions.materials.hyperelastic.options import MODES

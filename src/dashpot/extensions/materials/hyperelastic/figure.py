@@ -22,9 +22,9 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Span,
-    compute_padded_limits,
 )
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import compute_padded_limits
+from dashpot.plot.plotted_data import stamp as stamped
 
 _MARGIN = 0.08
 _AXES = (

@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import ElasticKind, ElasticKindAsked
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import ElasticKind, ElasticKindAsked
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.materials.hyperelastic import checks
@@ -38,7 +38,7 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
     direction,
 )
 from dashpot.numerics.inference.covariance_estimate import estimate, score
-from dashpot.numerics.least_squares.problem import solve_ordinary
+from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_TERMS = 3

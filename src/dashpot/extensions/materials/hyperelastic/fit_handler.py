@@ -5,9 +5,9 @@ from __future__ import annotations
 import click
 
 from dashpot import workflow
-from dashpot.base.choices import ElasticKindAsked
+from dashpot.base.option_fields import ElasticKindAsked
 from dashpot.cli._command_io import CommandResult, format_command
-from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 
 

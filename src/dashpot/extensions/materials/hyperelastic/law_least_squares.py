@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import ElasticKind
+from dashpot.base.option_fields import ElasticKind
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve
 from dashpot.extensions.materials.hyperelastic.strain_energy import (
     POWERS,
@@ -27,16 +27,16 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
     power_column,
     power_slope,
 )
-from dashpot.numerics.least_squares.levenberg_marquardt import triangle
-from dashpot.numerics.least_squares.nnls import solve_linear
-from dashpot.numerics.least_squares.problem import (
+from dashpot.numerics.least_squares import (
     Optimum,
     Parameter,
     Problem,
     Rows,
     require_optimum,
     solve_ordinary,
+    triangle,
 )
+from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 EXPONENTS = (-12.0, -6.0, -3.0, -1.5, 1.5, 3.0, 6.0, 12.0, 24.0)
 """Starts of a descent."""

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from dashpot.base.choices import Measure, require_choice
-from dashpot.base.option_fields import option
+from dashpot.base.option_fields import Measure, option, require_choice
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.hyperelastic.strain_energy import Mode

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dashpot.base.number_format import format_count, round_to_error
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
-from dashpot.report.attachments import DeckTerms
-from dashpot.report.page_content import (
+from dashpot.report.page_frame import DeckTerms
+from dashpot.report.result_page import (
     CollapsibleSection,
     KindPage,
     Topic,

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, StressStrainTest
-from dashpot.preprocessing.strokes import Stroke, strokes_of
+from dashpot.extensions.materials.strokes import Stroke, strokes_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_POINTS = 100

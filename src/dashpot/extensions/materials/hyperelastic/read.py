@@ -20,7 +20,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.relaxation import signals
-from dashpot.reading.readers.rubber_limits import refuse_sizes_of_rubber
+from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
 from dashpot.reading.table import Column
 
 _MIXED = 0.05

@@ -33,8 +33,8 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import ElasticKind, require_choice
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import ElasticKind, require_choice
 
 Mode: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "volumetric"]
 SHEARING: tuple[Mode, ...] = ("uniaxial", "equibiaxial", "planar")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.choices import ImpactLawAsked
 from dashpot.base.errors import FitError, ReadError
+from dashpot.base.option_fields import ImpactLawAsked
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.registry import KINDS, load_object
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import FormData, FormField
+from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit_files import indent_file
 from dashpot.extensions.materials.indentation.indenter import Indenter

@@ -32,7 +32,7 @@ from dashpot.extensions.materials.indentation.contact_law import (
     ViscousContact,
 )
 from dashpot.extensions.materials.indentation.datamodel import Motion
-from dashpot.numerics.least_squares.problem import Parameter
+from dashpot.numerics.least_squares import Parameter
 
 _SLIGHT = np.array([0.02, 1.0])
 """Of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record

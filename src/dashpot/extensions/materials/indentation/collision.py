@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact
 
 _STEP, _RELAXING_STEP = 0.03, 0.05

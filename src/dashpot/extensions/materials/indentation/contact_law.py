@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 
 SPHERE = 1.5
 """Exponent of a sphere on a half-space."""

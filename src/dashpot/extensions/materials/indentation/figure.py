@@ -7,19 +7,9 @@ import numpy as np
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.indentation.datamodel import UNITS, IndentationFit
-from dashpot.plot.picture import (
-    FIT,
-    REF,
-    Dots,
-    Line,
-    Panel,
-    Picture,
-    Rule,
-    Scale,
-    Span,
-    compute_padded_limits,
-)
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale, Span
+from dashpot.plot.plotted_data import compute_padded_limits
+from dashpot.plot.plotted_data import stamp as stamped
 
 
 def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:

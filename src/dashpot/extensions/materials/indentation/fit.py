@@ -20,12 +20,12 @@ from itertools import product
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.choices import ImpactLawAsked, require_choice
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.plausibility import SIZES
+from dashpot.base.option_fields import ImpactLawAsked, require_choice
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import get_display_unit
+from dashpot.base.value_ranges import SIZES
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.materials.indentation import checks
 from dashpot.extensions.materials.indentation.candidate_laws import (
@@ -44,9 +44,9 @@ from dashpot.extensions.materials.indentation.contact_law import (
 )
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
-from dashpot.numerics.inference.covariance import noise_of
+from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
 _ABOUT = 1.0
 """How much of the flights is taken to either side, in times of the contact."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dashpot.base.choices import ImpactLawAsked
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.option_fields import ImpactLawAsked
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit import fit_indentation
 from dashpot.extensions.materials.indentation.indenter import Indenter

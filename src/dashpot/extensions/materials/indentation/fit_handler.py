@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import click
 
-from dashpot.base.choices import ImpactLawAsked
+from dashpot.base.option_fields import ImpactLawAsked
 from dashpot.cli._command_io import CommandResult
-from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.indentation.fit_files import indent_file
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
-from dashpot.base.plausibility import SIZES
 from dashpot.base.units import GRAVITY, si_fields
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import SIZES, require_positive
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dashpot.base.number_format import duration, format_with_error, round_to_error
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
-from dashpot.report.page_content import (
+from dashpot.report.result_page import (
     KindPage,
     Topic,
     group,

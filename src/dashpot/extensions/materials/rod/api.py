@@ -6,8 +6,8 @@ from dataclasses import fields
 from typing import Any
 
 from dashpot.api.fit import Arms, frf_of, shape_words
-from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.part_geometry import Block, Disc

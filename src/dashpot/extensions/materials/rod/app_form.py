@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dashpot.base.errors import DataError
-from dashpot.base.form_fields import FormData, FormField
+from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import RodChoices

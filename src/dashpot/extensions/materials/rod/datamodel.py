@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, IndexArray
 from dashpot.base.checks import Check
-from dashpot.vibration.modal.sensitivity import compute_stiffness_change
+from dashpot.vibration.modal.dynamic_stiffness import compute_stiffness_change
 
 
 @dataclass(frozen=True)

@@ -9,20 +9,9 @@ import numpy as np
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.rod.datamodel import RodModulus
-from dashpot.plot.dynamic_stiffness_figure import FREQUENCY
-from dashpot.plot.picture import (
-    FIT,
-    Area,
-    Dots,
-    Line,
-    Mark,
-    Panel,
-    Picture,
-    Scale,
-    Span,
-    compute_padded_limits,
-)
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span
+from dashpot.plot.plotted_data import FREQUENCY, compute_padded_limits
+from dashpot.plot.plotted_data import stamp as stamped
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.rod.fit_files import Rod

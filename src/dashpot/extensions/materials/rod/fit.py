@@ -18,13 +18,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.rod.checks import ROD_LINES
 from dashpot.extensions.materials.rod.datamodel import RodModulus
-from dashpot.fitting.parameters import values
+from dashpot.fitting.prediction_bounds import get_parameter_values
 from dashpot.registry import find_handler
 
 FitModulus: TypeAlias = Callable[..., Fit]
@@ -65,7 +65,7 @@ def fit_rod(
         find_handler("fit complex modulus", "dma"), frequency, specimen=specimen
     )
     fit = fit_modulus(modulus, arms=arms, family=family)
-    here = values(fit)
+    here = get_parameter_values(fit)
     if here is None:  # a dense spectrum has no errors of its own
         return fit
     added = np.zeros_like(fit.covariance)
@@ -92,7 +92,7 @@ def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) ->
         other = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:
         return None
-    return values(other) if other.parameters == fit.parameters else None
+    return get_parameter_values(other) if other.parameters == fit.parameters else None
 
 
 def _order(fit: Fit) -> int | Literal["auto"]:

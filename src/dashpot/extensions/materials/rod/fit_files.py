@@ -11,8 +11,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.provenance import Step
 from dashpot.base.result_mixins import HasVerdict, Series, collect_arrays
 from dashpot.base.serialisation import Serialisable, to_plain_value
@@ -26,9 +26,9 @@ from dashpot.extensions.materials.rod.wave_equation import rod_modulus
 from dashpot.reading.read_options import ReadOptions
 from dashpot.solids.part_geometry import Block, Disc
 from dashpot.vibration.impact.checks import scatter_known
+from dashpot.workflow.frf_prediction import parse_part_shape
 from dashpot.workflow.job import HammerChoices, RodChoices
-from dashpot.workflow.response.part_factor import pad
-from dashpot.workflow.vibration.measured_frf import read_measured
+from dashpot.workflow.measured_frf import read_measured
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
@@ -235,4 +235,8 @@ def _part(rod: RodChoices) -> Disc | Block:
             "a rod's shape turns motion into a modulus: give "
             "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
         )
-    return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
+    return (
+        parse_part_shape("disc", rod.disc)
+        if rod.block is None
+        else parse_part_shape("block", rod.block)
+    )

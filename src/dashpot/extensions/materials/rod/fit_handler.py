@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import ReadError
+from dashpot.base.option_fields import FamilyAsked
 from dashpot.cli._command_io import CommandResult, format_command, grams
-from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 
 

@@ -8,8 +8,8 @@ from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.materials.rod.fit_files import Rod
 from dashpot.report.first_screen import NBSP
-from dashpot.report.page_content import Group, KindPage, Topic, lights, row
-from dashpot.report.result_pages.solid_page import OF_LOSS, OF_REST, make_solid_groups
+from dashpot.report.result_page import Group, KindPage, Topic, lights, row
+from dashpot.report.solid_and_frf_pages import OF_LOSS, OF_REST, make_solid_groups
 
 
 def page(rod: Rod) -> KindPage:

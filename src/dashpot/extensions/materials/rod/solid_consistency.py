@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.materials.rod.datamodel import RodModulus
-from dashpot.numerics.least_squares.nnls import solve_linear
+from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 _PER_DECADE, _BEYOND = 12, 30.0
 """Of relaxation times, and how many bands beyond the lines they go."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.rod.fit_files import Rod
 from dashpot.text_output import results as text_of
-from dashpot.text_output.frequency_table import sensitive
 from dashpot.text_output.layout import Text
-from dashpot.text_output.results import hertz
+from dashpot.text_output.results import format_error_sensitivity, hertz
 
 _ROWS = 8
 """Lines of a rod that are shown."""
@@ -43,4 +42,4 @@ def rod(rod: Rod) -> Text:
 
 
 def _lines(rod: Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
-    return sensitive(rod.modulus, errors=errors, unit="Pa", shown=shown)
+    return format_error_sensitivity(rod.modulus, errors=errors, unit="Pa", shown=shown)

@@ -26,7 +26,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.materials.rod.checks import (
     PLANE,

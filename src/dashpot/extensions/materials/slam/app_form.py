@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.base.form_fields import FormData, FormField
+from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.slam.datamodel import SlamFit
 from dashpot.extensions.materials.slam.fit_files import slam_files
 from dashpot.reading.read_options import ReadOptions

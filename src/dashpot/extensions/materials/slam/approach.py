@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY, Quantity, parse_quantity
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 
 
 @dataclass(frozen=True)

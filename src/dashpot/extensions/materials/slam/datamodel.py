@@ -6,8 +6,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.array_units import convert_arrays_to_si, make_units_field
-from dashpot.base.arrays import EqualByValue, FloatArray, hold_measured, median
+from dashpot.base.arrays import (
+    EqualByValue,
+    FloatArray,
+    convert_arrays_to_si,
+    hold_measured,
+    make_units_field,
+    median,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count

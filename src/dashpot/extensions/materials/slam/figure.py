@@ -8,7 +8,7 @@ from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.slam.datamodel import SlamFit
 from dashpot.extensions.materials.slam.prediction import Slam
 from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
-from dashpot.plot.provenance_stamp import stamp as stamped
+from dashpot.plot.plotted_data import stamp as stamped
 
 _MOST = 6
 """Slams that a figure shows."""

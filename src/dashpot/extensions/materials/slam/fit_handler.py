@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.cli._command_io import CommandResult, format_command, grams
-from dashpot.cli.fit_handlers._request import FitRequest
+from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.slam.fit_files import slam_files
 
 

@@ -15,8 +15,8 @@ from dashpot.datamodel.parameter_estimate import parameter_names
 from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
 from dashpot.extensions.materials.slam.motion import Masses, integrate_impact
 from dashpot.extensions.materials.slam.preprocess import RecordedSlam
-from dashpot.fitting.parameters import memory_of, own
-from dashpot.numerics.least_squares.problem import Optimum, Parameter, Problem, Rows
+from dashpot.fitting.prediction_bounds import get_solid_parameters, memory_of
+from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
 STEPS = 240
 """Of a contact: right to 3e-5 of the largest force."""
@@ -61,7 +61,7 @@ class Memory:
             return cls()
         solid = memory_of(fit.model)
         g, tau, arms = np.array(solid.k), np.array(solid.tau), solid.arms
-        names, _, covariance = own(fit)
+        names, _, covariance = get_solid_parameters(fit)
         if names != parameter_names(arms) or not np.isfinite(covariance).all() or not arms:
             return cls(g, tau, np.zeros((0, 2 * arms)), fit)
         # of g = k / k_inf

@@ -5,7 +5,7 @@ r"""A mass that meets a piece of seal at a speed, and is thrown back.
 
 with p the pull along the way (gravity, for a fall) and u the path of the elastic law: the quasi-
 linear seal (Fung). It ends where F falls to zero. Steps are Verlet's, of second order, with the
-arms exact within each (:mod:`dashpot.solids.constant_rate_step`); any number of masses are marched
+arms exact within each (:mod:`dashpot.solids.moving_plate`); any number of masses are marched
 side by side.
 """
 
@@ -20,10 +20,10 @@ import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.validators import require_positive
-from dashpot.solids.constant_rate_step import EvenStep
+from dashpot.base.value_ranges import require_positive
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.moving_plate import EvenStep
 
 _FINE, _ROUGH = 4000, 60
 """Steps of a contact: its numbers are right to 1e-7, or its length to a few per cent."""

@@ -15,12 +15,12 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
-from dashpot.base.validators import require_positive
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.slam import checks
 from dashpot.extensions.materials.slam.approach import Approach
 from dashpot.extensions.materials.slam.motion import SlamMotion, simulate_impacts
-from dashpot.fitting.parameters import off_by_error
+from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 
 _STRAIGHT = 1e-3

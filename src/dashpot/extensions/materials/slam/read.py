@@ -18,7 +18,7 @@ from dashpot.reading.columns.role_assignment import (
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
-from dashpot.reading.readers.header_specimen import add_specimen_temperature
+from dashpot.reading.readers.header_metadata import add_specimen_temperature
 
 
 def read_slams(

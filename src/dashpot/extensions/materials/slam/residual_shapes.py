@@ -25,9 +25,9 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.extensions.materials.slam.elastic_law import POWERS
 from dashpot.extensions.materials.slam.least_squares_problem import Slams
 from dashpot.extensions.materials.slam.motion import Masses, integrate_impact
-from dashpot.numerics.inference.covariance import noise_of
-from dashpot.numerics.least_squares.problem import Optimum
-from dashpot.solids.constant_rate_step import EvenStep
+from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.least_squares import Optimum
+from dashpot.solids.moving_plate import EvenStep
 
 _REACH, _FOOT = 0.03, 0.08
 """Parts of the depth over which friction turns round, and a piece that tilts is met."""

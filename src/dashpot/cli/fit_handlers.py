@@ -1,0 +1,421 @@
+"""What ``dashpot fit`` does with each kind of records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from math import ceil, floor
+from pathlib import Path
+from typing import Any
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.errors import FitError
+from dashpot.base.option_fields import FamilyAsked, Method, get_choice_values
+from dashpot.cli._command_io import (
+    PAGE_SUFFIXES,
+    CommandResult,
+    format_command,
+    format_json,
+    grams,
+    is_json,
+    write,
+    write_figure,
+)
+from dashpot.cli._options import get_typed_options as typed_again
+from dashpot.cli._param_types import format_suggestion
+from dashpot.cli._terminal import to_stderr
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import KINDS, load_object
+from dashpot.text_output import results as text_of
+from dashpot.workflow.bench_tests import BenchFitOptions
+from dashpot.workflow.job import HammerChoices
+
+# What the user said to ``dashpot fit``: the records, what each was taken for, and the options.
+
+
+@dataclass(frozen=True)
+class FitRequest:
+    """The records of a fit and its options.
+
+    Attributes
+    ----------
+    files : tuple of str
+    kinds : mapping of str to str
+        What each file was taken for.
+    said : mapping
+        The options by name, in SI.
+    """
+
+    files: tuple[str, ...]
+    kinds: Mapping[str, str]
+    said: Mapping[str, Any]
+
+    def __getitem__(self, name: str) -> Any:
+        return self.said[name]
+
+    def some(self, *names: str) -> dict[str, Any]:
+        """Return these options by name."""
+        return {name: self.said[name] for name in names}
+
+    def select_files(self, *kinds: str) -> tuple[str, ...]:
+        """Return the files of these kinds, in their order."""
+        return tuple(path for path in self.files if self.kinds[path] in kinds)
+
+    def model(self, choice: Any, usual: str = "auto") -> Any:
+        """Return the word of ``--model``, one of a choice.
+
+        Raises
+        ------
+        click.UsageError
+            If it is another.
+        """
+        named = self.said["model"] or usual
+        values = get_choice_values(choice)
+        if named not in values:
+            raise click.UsageError(
+                f"--model: '{named}' is unknown. {format_suggestion(named, values)}"
+            )
+        return named
+
+    @property
+    def mass(self) -> float | None:
+        """The one mass that was given, kg."""
+        masses = self.said["mass"]
+        if len(masses) > 1:
+            raise click.UsageError(
+                f"--mass was given {len(masses)} times. Give it once, for these files together."
+            )
+        return masses[0] if masses else None
+
+    @property
+    def reading(self) -> ReadOptions:
+        """What was said of the files."""
+        options: ReadOptions = self.said["options"]
+        return options
+
+    @property
+    def hammer(self) -> HammerChoices:
+        """How hits are averaged."""
+        choices: HammerChoices = self.said["hammer"]
+        return choices
+
+    @property
+    def output(self) -> str | None:
+        """Where the result goes."""
+        path: str | None = self.said["output"]
+        return path
+
+    @property
+    def specimen(self) -> Specimen:
+        """The specimen, with the one temperature of all files."""
+        warmth = self.said["temperatures"]
+        if len(warmth) > 1:
+            raise click.UsageError(
+                f"--temperature was given {len(warmth)} times; these records have one."
+            )
+        from dataclasses import replace
+
+        specimen: Specimen = self.said["specimen"]
+        return replace(specimen, temperature=warmth[0]) if warmth else specimen
+
+    def refuse_polarity(self) -> None:
+        """Refuse a sign of FRFs where none is heeded: a mass or a level does not depend on it.
+
+        Raises
+        ------
+        click.UsageError
+        """
+        if self.hammer.polarity is not None:
+            raise click.UsageError(
+                "--polarity is for hits, or for FRFs whose modes or solid are sought. Leave it out."
+            )
+
+    def check_output_suffix(self, *suffixes: str, what: str) -> str | None:
+        """Return the suffix of the file that keeps the result or its page; None where none is.
+
+        Raises
+        ------
+        click.UsageError
+            If such a result is not written so.
+        """
+        if self.output is None:
+            return None
+        suffix = Path(self.output).suffix.lower()
+        if suffix in (*suffixes, *PAGE_SUFFIXES) or not suffix:
+            return suffix or suffixes[0]
+        text = " or ".join((*suffixes, PAGE_SUFFIXES[0]))
+        raise click.UsageError(f"-o {self.output}: {what} is written as {text}, not as {suffix}.")
+
+    def draw(self, figure: Any) -> None:
+        """Draw the figure that a function makes, if it was asked for."""
+        if self.said["picture"]:
+            write_figure(self.said["picture"], figure())
+
+    @property
+    def page(self) -> bool:
+        """Whether the result goes to a page."""
+        return bool(self.output) and str(self.output).lower().endswith(PAGE_SUFFIXES)
+
+    def keep(self, result: Any, **figures: Any) -> None:
+        """Write what is kept of a result, or its page, if it was asked for.
+
+        `figures` are what the page may show beside the result's own, each made when it is needed.
+        """
+        if not self.output:
+            return
+        if not self.page:
+            write(self.output, format_json(result.kept) + "\n")
+            return
+        made = {name: make() for name, make in figures.items()}
+        write(self.output, workflow.html(result, **made))
+
+    def told(
+        self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
+    ) -> CommandResult:
+        """Draw and keep a result as was asked, and return what is told of it."""
+        self.draw(figure or result.plot)
+        self.keep(result)
+        return CommandResult.from_result(result, follow=follow)
+
+    @property
+    def result_path(self) -> str:
+        """The file that the result can be read back from; empty where there is none."""
+        return "" if self.output in {None, "-"} or self.page else str(self.output)
+
+    def get_option_words(self, *but: str) -> list[str]:
+        """Return the options as they were typed."""
+        return typed_again(but=("picture", "output", *but))
+
+
+# Tests of one part on a bench: the solid behind them.
+
+
+def run_bench_tests(request: FitRequest) -> CommandResult:
+    """Fit a solid to relaxation tests, creep, sweeps or a modulus."""
+    request.check_output_suffix(".json", what="a fit")
+    elastic = request["elastic"]
+    fit, records = workflow.fit_files(
+        request.files,
+        depth_law=elastic == "by-depth",
+        law="auto" if elastic == "by-depth" else elastic,
+        family=request.model(FamilyAsked, "maxwell"),
+        options=request.reading,
+        **request.some("arms", "method", "thorough", "filter", "cuts", "machine", "specimen",
+                     "temperatures", "shifting"),
+    )  # fmt: skip
+    request.draw(lambda: _draw_bench_tests(fit, records))
+    if request["save_shifts"]:
+        write(request["save_shifts"], format_shift_table(fit))
+    request.keep(fit, **_make_bench_figures(fit, records))
+    return CommandResult(
+        fit,
+        text_of.fit(fit, asked=request["arms"]),
+        fit.checks,
+        verdict=fit.verdict,
+        follow=_format_bench_next_steps(request, fit),
+    )
+
+
+def format_shift_table(fit: dp.Fit) -> str:
+    """Return the shift factors of a fit of several temperatures as CSV."""
+    from dashpot.reading.write import write_shifts
+
+    if fit.temperatures is None:
+        raise FitError("one temperature has no shift factors; leave out --save-shifts")
+    stamp = ["simulated"] if any(source.simulated for source in fit.source) else []
+    return write_shifts(fit.temperatures, comments=stamp)
+
+
+def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
+    if not request.output or request.page:
+        why = "keeps it for predict, compare, export"
+        return format_command(
+            "fit", *request.files, *request.get_option_words(), "-o", "fit.json", why=why
+        )
+    if not request.result_path:
+        return ""
+    if fit.unit == "Pa":  # no mass rests on a material
+        deck = (
+            "export",
+            request.result_path,
+            "--to",
+            "abaqus",
+            "--form",
+            "prony",
+            "--unit-system",
+            "mm-t-s",
+        )
+        missing = ("--temperature", "TEMPERATURE") if fit.specimen.temperature is None else ()
+        return format_command(*deck, *missing)
+    return format_command("predict", request.result_path, "--mass", "MASS", "--seals", 2)
+
+
+def _make_bench_figures(fit: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
+    """What a page of the fit shows: the answer, with what the test leaves open, and the test."""
+    first = records[0]
+    drawn = partial(_draw_bench_tests, fit, records)
+    if fit.temperatures is not None and not isinstance(first, dp.RampHold):
+        return {"lead": drawn, "beside": lambda: (fit.plot(),)}
+    return {
+        "lead": lambda: workflow.over_frequency(fit, records),
+        "beside": lambda: (drawn(),),
+    }
+
+
+def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
+    others: list[dp.Fit] = []
+    if len(records) == 1 and isinstance(records[0], dp.RampHold):
+        method: Method = "hold" if fit.method == "hold" else "full"
+        others = [workflow.fit_fixed_order(records[0], n, method=method) for n in (1, 2)]  # Fig. 4
+    return dp.plot.bench(fit, records, alternatives=others)
+
+
+# A kind whose fit takes what its row of the register says, and no more.
+
+
+def run_generic_kind(request: FitRequest) -> CommandResult:
+    """Fit the files as the row of their kind says."""
+    row = KINDS[request.kinds[request.files[0]]]
+    request.check_output_suffix(".json", what="this fit")
+    result = load_object(row.fit)(
+        request.files, options=request.reading, **request.some(*row.takes)
+    )
+    follow = (request.result_path if part == "FILE" else part for part in row.follow.split())
+    return request.told(
+        result, follow=format_command(*follow) if request.result_path and row.follow else ""
+    )
+
+
+# Hits, or a base that is shaken: an FRF that one can trust, and its modes.
+
+
+FRF_SUFFIXES = (".csv", ".uff", ".unv")
+
+
+def run_hits(value: FitRequest) -> CommandResult:
+    """Cut records into hits, judge each, and average them into an FRF."""
+    value.check_output_suffix(*FRF_SUFFIXES, ".json", what="the FRF of hits")
+    mass = value.mass
+    result, reason = workflow.impact_files(
+        value.files, file=value.output, hammer=value.hammer, options=value.reading, mass=mass,
+        band=value["band"],
+    )  # fmt: skip
+    if reason:
+        to_stderr(f"no mode: {reason}")
+    if value.page:
+        value.keep(result)
+    elif value.output:
+        write_frf(result, result.frf, value.output)
+    value.draw(
+        lambda: dp.plot.frf(
+            result.frf, labels=("measured",), stamp=dp.plot.stamp(result.frf.source, mass=mass)
+        )
+    )
+    block = "MASS" if mass is None else grams(mass)
+    return CommandResult.from_result(
+        result,
+        follow=format_command("compare", "FIT", *value.files, "--mass", block, "--seals", 2,
+                     *value.get_option_words("mass", "seals"), why="tests the fit of a relaxation "
+                                                                   "test"),
+    )  # fmt: skip
+
+
+def write_frf(result: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
+    """Write the result as JSON, or its FRF as CSV or UFF 58, by how the file's name ends."""
+    from dashpot.reading.write import frf_uff, write_frf
+
+    ends = path.lower()
+    if ends.endswith(".json"):
+        write(path, format_json(result) + "\n")
+    else:
+        write(path, frf_uff(frf) if ends.endswith((".uff", ".unv")) else write_frf(frf))
+
+
+# Vibration under a known mass, alone or with tests on a bench: one solid for all.
+
+
+_A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
+VIBRATION = ("impact", "frf", "transmissibility")
+
+
+def run_joint(request: FitRequest) -> CommandResult:
+    """Identify the solid under a mass from hits or FRFs, and from tests of it on a bench."""
+    request.check_output_suffix(".json", *FRF_SUFFIXES, what="a fit")
+    if request.mass is None:
+        raise click.UsageError(
+            "A test and a hammer file are fitted together under a mass. "
+            "Give the mass of the block: --mass 104g"
+        )
+    measured = request.select_files(*VIBRATION)
+    extras = [path for path in request.files if path not in measured]
+    fits = [path for path in extras if is_json(path)]
+    reading = request.reading
+    if request["elastic"] == "by-depth":
+        raise click.UsageError(
+            "--elastic by-depth is for relaxation tests of several depths without a hammer. Fit "
+            "them first, then the fit with the hammer."
+        )
+    result = workflow.identify_files(
+        measured,
+        fits=[workflow.read_fit(path) for path in fits],
+        tests=[path for path in extras if path not in fits],
+        options=reading.without(reading.of_bench),
+        options_with=reading.only(("units", *reading.of_bench)),
+        mass=request.mass,
+        family=request.model(FamilyAsked, "maxwell"),
+        seals_assumed="--seals" not in request.get_option_words(),
+        bench=BenchFitOptions(
+            law=request["elastic"],
+            **request.some("method", "cuts", "filter", "thorough", "shifting", "machine",
+                         "specimen"),
+        ),
+        **request.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
+                     "known", "band", "temperatures", "hammer"),
+    )  # fmt: skip
+    request.draw(lambda: dp.plot.stiffness(result.fit))
+    if request["save_shifts"]:
+        write(request["save_shifts"], format_shift_table(result.fit))
+    if request["stiffness_table"]:
+        write(request["stiffness_table"], result.direct.table)
+    if request.output and request.output.lower().endswith(FRF_SUFFIXES):
+        if result.vibration is None:
+            raise click.UsageError(
+                f"-o {request.output}: of tests and a hammer together a fit is written."
+            )
+        write_frf(result.vibration, result.vibration.frf, request.output)
+    else:
+        request.keep(result)
+    return CommandResult.from_result(result, follow=_format_joint_next_steps(request, result.fit))
+
+
+def _format_joint_next_steps(request: FitRequest, fit: dp.Fit) -> str:
+    output = None if request.page else request.output
+    if output == "-":
+        return ""
+    if output:
+        return (
+            format_command("export", output, *_make_deck_words(fit))
+            if output.endswith(".json")
+            else ""
+        )
+    again = request.get_option_words("stiffness_table")
+    return format_command(
+        "fit", *request.files, *again, "-o", "joint.json", why="keeps it for export"
+    )
+
+
+def _make_deck_words(fit: dp.Fit) -> list[str]:
+    """The options of a deck in the valid band, with what the fit does not know to be filled in."""
+    piece = fit.specimen
+    requested: tuple[tuple[str, Any], ...] = (
+        ("--temperature", piece.temperature), ("--length", piece.length),
+    )  # fmt: skip
+    missing = [name for name, item in requested if item is None]
+    low, high = max(1, ceil(fit.band[0])), floor(fit.band[1])
+    rows = ("--band", f"{low}:{high}Hz") if low < high else ()
+    return [*_A_DECK, *rows, *(word for name in missing for word in (name, name[2:].upper()))]

@@ -1,0 +1,393 @@
+"""A measured curve as data: what it does not reject, limits at its end, its valid band."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.datamodel.bounds import BandError, Ended, EndOfHold
+from dashpot.datamodel.parameter_estimate import Interval
+from dashpot.fitting.admissible_spectra import (
+    AdmissibleSpectra,
+    compute_nonnegative_limits,
+    compute_upper_limit,
+    deviance_limit,
+)
+from dashpot.fitting.fit_data import find_largest_target, max_determinable_arms, solid_of
+from dashpot.fitting.nuisance_priors import ROUNDING, NuisanceTerms
+from dashpot.fitting.parameter_errors import estimate_covariance
+from dashpot.fitting.relaxation_data import RelaxationRows
+from dashpot.fitting.valid_band import ErrorsAbout, find_loss_factor_band, has_loss_band
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit import solve_orders
+from dashpot.numerics.inference.correlated_noise import (
+    JacobianColumns,
+    ResidualSeries,
+    marginal,
+    noise_of,
+)
+from dashpot.numerics.log_tau_descent import Stack
+from dashpot.numerics.nonnegative_least_squares import solve_linear
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+# A curve, or a creep test, as data to be explained by all the spectra that it does not reject.
+#
+# A published curve states no errors. They are
+#
+# .. math:: \sigma_i^2 = S, \qquad
+#     \mathrm{cov}_{ij} = c^2 s_i s_j \sum_n h_n(\lg t_i)\, h_n(\lg t_j)
+#
+# with S the power of what the nearest non-negative spectrum leaves, by the rule of noise of every
+# fit (:func:`~dashpot.numerics.inference.correlated_noise.noise_of`), s the size of that spectrum,
+# and h_n
+# straight lines between knots a quarter of a decade apart: what neighbours have in common - a load
+# cell, a thermostat, grips, smoothing - is not seen in a residual.
+
+
+#: what neighbours have in common, one standard deviation relative to their size
+COMMON = 2e-3
+# knots to a decade between which it changes
+KNOTS = 4
+# no value of a curve is better than this part of its size: it has four digits
+DIGITS = 1e-4
+# of the grid on which the nearest spectrum is sought
+PER_DECADE = 12
+#: a curve of fewer values is not asked
+ENOUGH = 8
+_SPRINGS, _DASHPOTS = {"k_inf", "glass"}, {"b", "flow"}
+
+
+@dataclass(frozen=True, eq=False)
+class CurveData:
+    """Rows in units of their noise, and what is doubted besides.
+
+    Attributes
+    ----------
+    block : DataBlock
+        A spring and a dashpot among its fixed columns, of stiffness or of compliance.
+    window : (float, float)
+        Shortest and longest relaxation time that is asked about, s.
+    dof : float
+        Degrees of freedom of the noise.
+    common : array, shape (n, d)
+        What rows have in common, in units of the noise.
+    terms : Terms
+        What is known of the other fixed columns, and unseen in those of the solid.
+    """
+
+    block: DataBlock
+    window: tuple[float, float]
+    dof: float
+    common: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    terms: NuisanceTerms = field(default_factory=lambda: NuisanceTerms({}))
+
+    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+        """Everything that depends on the solid, whitened for all that is doubted."""
+        evaluation = self.block.evaluate(log_tau, slopes)
+        names = self.block.fixed_names
+        doubts, mean = self.terms.doubts(evaluation.fixed, names)
+        every = np.hstack((doubts, self.common)) if self.common.size else doubts
+        white = marginal(np.zeros((len(mean), 0)), every)
+
+        def column(kinds: set[str]) -> FloatArray:
+            there = [i for i, name in enumerate(names) if name in kinds]
+            return white(evaluation.fixed[:, there].sum(axis=1))
+
+        return RelaxationRows(
+            target=white(evaluation.target - mean),
+            spring=column(_SPRINGS),
+            dashpot=column(_DASHPOTS),
+            arms=white(evaluation.arms),
+            slopes=white(evaluation.d_arms),
+        )
+
+
+def curve_data(
+    block: DataBlock, at: FloatArray, *, window: tuple[float, float], common: float = COMMON
+) -> CurveData:
+    """Weigh a curve by what the nearest of all non-negative spectra leaves of it.
+
+    Parameters
+    ----------
+    block : DataBlock
+        A row a value, in units in which the errors of each part of it are alike.
+    at : array, shape (n,)
+        Times or frequencies, > 0, of each of its parts: one, or storage and loss.
+    window : (float, float)
+        Relaxation times that are asked about, s.
+    common : float
+        What neighbours have in common, one standard deviation relative to their size.
+    """
+    n, low, high = len(at), *np.log(window)
+    grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1)
+    rows = block.evaluate(grid, False)
+    columns = np.concatenate((rows.fixed, rows.arms), axis=1)
+    best, _ = solve_linear(columns, rows.target, positive=True)
+    nearest = columns @ best
+    active = np.linalg.qr(columns[:, best > 0])[0]
+    weight, worth = np.empty(len(nearest)), 0.0
+    for start in range(0, len(nearest), n):
+        part = slice(start, start + n)
+        # a spring has no loss
+        size = nearest[part] if nearest[part].any() else nearest
+        least = DIGITS * float(np.sqrt(np.mean(size**2)))
+        series = ResidualSeries(rows.target[part] - nearest[part])
+        noise = noise_of(series, JacobianColumns(active[part], shared=True), rounding=least)
+        weight[part] = 1 / np.sqrt(max(noise.power, least**2))
+        worth += noise.effective
+    hats = common * np.kron(np.eye(len(nearest) // n), _hats(np.log10(at)))
+    return CurveData(
+        block.transform_rows(lambda part: (weight * part.T).T),
+        window,
+        worth - np.count_nonzero(best),
+        hats * (weight * nearest)[:, None],
+    )
+
+
+def _hats(at: FloatArray) -> FloatArray:
+    """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
+    count = int(np.ceil(KNOTS * float(np.ptp(at)))) + 1
+    knots = float(at.min()) + np.arange(count) / KNOTS
+    return np.asarray(np.maximum(1 - KNOTS * np.abs(at[:, None] - knots), 0.0))
+
+
+# Where stiffness and loss factor are known, over every spectrum that a test does not reject.
+#
+# At a line :math:`\omega` the limits of the loss factor :math:`\eta = K''/K'` follow by
+# Dinkelbach's
+# iteration (*Management Science* 13, 1967), which starts from that of the fit. Those of
+# :math:`|K^*|` are of its part along that of the fit,
+#
+# .. math:: |K^*| \cos(\phi - \phi_0) = K'\cos\phi_0 + K''\sin\phi_0,
+#
+# which is linear in the spectrum, over the cosine of the widest angle that the loss factor allows.
+# Of
+# creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
+#
+# The valid band ends where the loss factor is not known to 30 %, above or below a gap of the data,
+# too: there an arm may stand that nothing shows.
+
+
+#: lines over the band of a curve, at least
+FEWEST_LINES = 3
+#: lines to a decade of a curve, which may have gaps
+LINES_PER_DECADE = 3
+#: arms are as fast as this part of the first time of a curve
+EARLIER = 0.1
+#: what relaxes before the first time of a curve, over its modulus there, at least
+LITTLE = 0.01
+#: a dashpot beside a curve counts so many times as much as an arm of its first time
+UNSHOWN = 100.0
+
+
+def band_of_curve(
+    spectra: AdmissibleSpectra,
+    solid: Solid,
+    band: tuple[float, float],
+    *,
+    creep: bool = False,
+) -> tuple[tuple[float, float], BandError | None]:
+    """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
+
+    The parameters are those of :func:`band_of_hold`; `creep` where the spectra are of compliance.
+    """
+    if not has_loss_band(solid, band):
+        return band, None
+    count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
+    lines = np.geomspace(*band, max(count, FEWEST_LINES)).tolist()
+    errors = ErrorsAbout(spectra.reduce_grid(0.0), solid, creep)
+    return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
+
+
+@dataclass(frozen=True, eq=False)
+class BeforeCurve:
+    """A relaxation modulus, and what may relax before its first value.
+
+    No value shows an arm that is faster than the first time. All of them together are as stiff as
+    what the curve shows of its first decade, one standard deviation; a part of `LITTLE` at least.
+
+    Attributes
+    ----------
+    data : CurveData
+    first : float
+        The first time after the step, s.
+    solid : GeneralizedMaxwell
+        The fit.
+    """
+
+    data: CurveData
+    first: float
+    solid: GeneralizedMaxwell
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Shortest and longest relaxation time that is asked about, s."""
+        return EARLIER * self.first, self.data.window[1]
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom of the noise."""
+        return self.data.dof
+
+    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+        """Those of the curve, and one of what may relax before it."""
+        rows = self.data.rows(log_tau, slopes=slopes)
+        start, later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
+        weight = 1 / max(start - later, LITTLE * start)
+        # how much of an arm is gone at the first time
+        before = -np.expm1(-self.first / np.exp(log_tau)) * weight
+        relaxed = float(self.solid.relaxation(0.0)) - start
+        return rows._replace(
+            target=np.append(rows.target, relaxed * weight),
+            spring=np.append(rows.spring, 0.0),
+            # a dashpot is no arm that a curve can show
+            dashpot=np.append(rows.dashpot, UNSHOWN * weight / self.first),
+            arms=np.vstack((rows.arms, before)),
+            slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if slopes else rows.slopes,
+        )
+
+
+# What a test says of the stiffness when it ends, and of where that ends.
+#
+# An arm slower than every hold is a spring there: no record bounds k_inf from below. What it knows
+# is
+#
+# .. math:: k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}
+#
+# at the time T that it was held, and less and less of it at 3 T, and how steeply it still falls,
+# :math:`-dk/d\ln t`: all over every spectrum that the tests do not reject
+# (:mod:`dashpot.fitting.admissible_spectra`). Of a sweep it knows the storage at its
+# lowest line, and less of it below; of creep the compliance.
+
+
+# so many T later a compliance is asked for its most stiffness at rest: one that flows has no end
+AT_REST = 100.0
+
+
+def spectra_of_curve(
+    data: CurveData | BeforeCurve, *, time: float, extra: Sequence[float], level: float = 0.95
+) -> AdmissibleSpectra:
+    """Return the spectra that a curve does not reject; the parameters of :func:`end_of_curve`."""
+    return AdmissibleSpectra(
+        [data], fastest=1 / time, limit=deviance_limit(level, data.dof), extra=extra
+    )
+
+
+def end_of_curve(
+    data: CurveData,
+    ended: Ended,
+    *,
+    time: float,
+    model: GeneralizedMaxwell,
+    extra: Sequence[float],
+    level: float = 0.95,
+    spectra: AdmissibleSpectra | None = None,
+) -> EndOfHold:
+    """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
+
+    They hold the fit itself.
+
+    Parameters
+    ----------
+    data : CurveData
+    ended : str
+        What it is of: a modulus over time, storage and loss, or a compliance.
+    time : float
+        T, s; of a sweep 1/omega of its lowest line.
+    model : GeneralizedMaxwell
+        The fit.
+    extra : sequence of float
+        Its relaxation times, of creep its retardation times, s.
+    level : float
+        Coverage of each limit, nearly.
+    spectra : AdmissibleSpectra, optional
+        Those of :func:`spectra_of_curve`, where they are known already.
+    """
+    if spectra is None:
+        spectra = spectra_of_curve(data, time=time, extra=extra, level=level)
+
+    def reach(times: float) -> Interval:
+        return _compute_curve_limits(spectra, ended, times * time)
+
+    k_end, rest = reach(1), reach(AT_REST if ended == "creep" else np.inf)
+    if ended == "creep":
+        # k = 1/J falls by J'/J^2
+        falling = compute_upper_limit(spectra, spectra.creeping_at(time)) * k_end[1] ** 2
+    else:
+        falling = compute_upper_limit(spectra, spectra.falling_at(time))
+    end = EndOfHold(
+        time=time,
+        k_end=k_end,
+        k_3end=reach(3),
+        k_10end=reach(10),
+        k_inf=(0.0, rest[1]),
+        falling=falling,
+        ended=ended,
+    )
+    return end.holding(model)
+
+
+def _compute_curve_limits(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
+    """Limits of k(t), K'(1/t) or 1/J(t)."""
+    if ended == "sweep":
+        return compute_nonnegative_limits(spectra, spectra.stiffness_at(1 / time)[0])
+    if ended == "creep":
+        least, most = compute_nonnegative_limits(spectra, spectra.crept_to(time))
+        return (1 / most if most > 0 else np.inf), (1 / least if least > 0 else np.inf)
+    return compute_nonnegative_limits(spectra, spectra.relaxed_to(time))
+
+
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+DOUBTED = 0.1
+
+
+# -- data weighted by their own scatter -----------------------------------------------------------
+
+
+class SingleTestFit(NamedTuple):
+    """The best that one test allows: its solid, and the scatter that each of its records leaves.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+    scatter : tuple of float
+        Spread of one independent residual (rms times root kappa) of each record, for the freedom
+        that the fit took; never below the rounding of the data.
+    freedom : tuple of float
+        Degrees of freedom that the fit left of each record.
+    """
+
+    model: GeneralizedMaxwell
+    scatter: tuple[float, ...]
+    freedom: tuple[float, ...]
+
+
+def fit_single_test(
+    blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int
+) -> SingleTestFit:
+    """Fit one test with as many arms as it bears, up to `most`."""
+    most = min(most, max_determinable_arms(blocks))
+    best = solve_orders(blocks, most)[-1]
+    peaks = [find_largest_target(block) for block in samples]
+    estimate = estimate_covariance(best, samples, peak=max(peaks))
+    # thirteen parameters of 32 values leave a third less than their scatter
+    model = solid_of(best)
+    count = sum(len(residual) for residual in estimate.residuals)
+    taken = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
+    ratio = max(count - taken, 1) / count
+    spreads = [
+        float(np.sqrt(np.mean(residual**2) * noise.kappa / ratio))
+        for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
+    ]
+    return SingleTestFit(
+        model,
+        tuple(
+            max(spread, ROUNDING * (peak or 1.0))
+            for spread, peak in zip(spreads, peaks, strict=True)
+        ),
+        tuple(ratio * len(residual) for residual in estimate.residuals),
+    )

@@ -1,0 +1,159 @@
+"""The best sum of exponentials in arrays of numbers, without a start: the bare engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, FrozenArrays, same_length, samples
+from dashpot.base.errors import DataError, FitError
+from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.exponential_fit import OptimalityCertificate, certificate, solve
+
+
+@dataclass(frozen=True, eq=False)
+class ExponentialSum(FrozenArrays):
+    r"""The least-squares :math:`y = c + \sum_j a_j e^{-r_j x}`.
+
+    Attributes
+    ----------
+    amplitudes, rates : array, shape (terms,)
+        a and r, ascending in r. Fewer than asked for if the data reject a further positive term.
+    constant : float
+        c; 0 if none was asked for.
+    sse : float
+        (Weighted) sum of squared residuals.
+    amplitude_errors, rate_errors : array, shape (terms,)
+        Standard errors for white residuals, from the spread of the residuals.
+    constant_error : float
+    converged : bool
+    certificate : Optimality or None
+        How far the best positive sum with any number of terms could be below; None if amplitudes
+        of either sign were allowed.
+    """
+
+    amplitudes: FloatArray
+    rates: FloatArray
+    constant: float
+    sse: float
+    amplitude_errors: FloatArray
+    rate_errors: FloatArray
+    constant_error: float
+    converged: bool
+    certificate: OptimalityCertificate | None
+
+    def __call__(self, x: npt.ArrayLike) -> FloatArray:
+        """The sum at x."""
+        at = np.asarray(x, dtype=float)
+        return np.asarray(self.constant + np.exp(-at[..., None] * self.rates) @ self.amplitudes)
+
+
+def exponential_sum(
+    x: npt.ArrayLike,
+    y: npt.ArrayLike,
+    *,
+    terms: int,
+    constant: bool = False,
+    signed: bool = False,
+    weights: npt.ArrayLike | None = None,
+) -> ExponentialSum:
+    r"""Fit a sum of decaying exponentials to data, with no starting values.
+
+    .. math:: y = c + \sum_{j=1}^{n} a_j e^{-r_j x}, \qquad r_j > 0
+
+    Rates are sought where the data can tell them: 1/r from twice the finest step of x to ten
+    times its span.
+
+    Parameters
+    ----------
+    x, y : array_like, shape (M,)
+        Any order, any spacing; no x twice.
+    terms : int
+        n >= 1.
+    constant : bool
+        Fit c, of either sign.
+    signed : bool
+        Let amplitudes have either sign; else a_j > 0.
+    weights : array_like, shape (M,), optional
+        1/sd of each y.
+
+    Returns
+    -------
+    ExponentialSum
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer values than parameters, or an x comes twice.
+    FitError
+        If `terms` is less than one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = np.arange(24) / 20
+    >>> y = 0.0951 * np.exp(-x) + 0.8607 * np.exp(-3 * x) + 1.5576 * np.exp(-5 * x)
+    >>> exponential_sum(x, y, terms=3).rates.round(6)
+    array([1., 3., 5.])
+    """
+    if terms < 1:
+        raise FitError(f"terms = {terms}; expected at least one exponential")
+    at, values = samples("x", x, minimum=3), samples("y", y)
+    root = None if weights is None else samples("weights", weights)
+    same_length(x=at, y=values, weights=root)
+    if len(at) < 2 * terms + constant:
+        raise DataError(
+            f"{len(at)} samples cannot determine {2 * terms + constant} parameters; fit fewer terms"
+        )
+    order = np.argsort(at, kind="stable")
+    at, values = at[order], values[order]
+    root = None if root is None else root[order]
+    if (np.diff(at) == 0).any():
+        twice = at[int(np.argmin(np.diff(at)))]
+        raise DataError(f"x = {twice:g} comes twice; average its values or shift one")
+    origin = float(at[0])
+    name = "constant" if constant else None
+    block = hold_block(at - origin, values, k_inf=name, weights=root)
+    solution = solve([block], terms, signed=signed)
+    proof = None if signed else certificate([block], solution)
+    rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
+    growth = np.exp(rates * origin)
+    rows = _sensitivity(at - origin, rates, local, root, constant=constant)
+    n = len(rates)
+    # a = A e^{r origin}, so da = e^{r origin} (dA + A origin dr)
+    rows[:n] = growth[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
+    spare = max(len(at) - len(rows), 1)
+    spread = np.linalg.norm(rows, axis=1) * np.sqrt(solution.sse / spare)
+    return ExponentialSum(
+        amplitudes=local * growth,
+        rates=rates,
+        constant=solution.coefficient("constant") if constant else 0.0,
+        sse=solution.sse,
+        amplitude_errors=spread[:n],
+        rate_errors=spread[n : 2 * n],
+        constant_error=float(spread[-1]) if constant else 0.0,
+        converged=solution.converged,
+        certificate=proof,
+    )
+
+
+def _sensitivity(
+    x: FloatArray,
+    rates: FloatArray,
+    amplitudes: FloatArray,
+    weights: FloatArray | None,
+    *,
+    constant: bool,
+) -> FloatArray:
+    """What each parameter moves per unit of each (weighted) sample: the pseudo-inverse of J."""
+    decay = np.exp(-x[:, None] * rates)
+    columns = [decay, -x[:, None] * decay * amplitudes]
+    if constant:
+        columns.append(np.ones((len(x), 1)))
+    jacobian = np.concatenate(columns, axis=1)
+    if weights is not None:
+        jacobian = jacobian * weights[:, None]
+    scale = np.linalg.norm(jacobian, axis=0)
+    return np.asarray(np.linalg.pinv(jacobian / scale) / scale[:, None])

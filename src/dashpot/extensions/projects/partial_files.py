@@ -1,0 +1,25 @@
+"""Files that runs which were killed left half written."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+from dashpot.base.file_writing import PART
+
+_PARTIAL_NAME = re.compile(rf"\.[0-9a-f]{{16}}\{PART}")
+_ABANDONED_AFTER = 60.0
+"""Seconds after which nobody writes such a file any more."""
+
+
+def is_partial_file(name: str) -> bool:
+    """Whether a file is called as one that :func:`write_atomic` has not finished."""
+    return _PARTIAL_NAME.fullmatch(name) is not None
+
+
+def find_partial_files(folder: str | Path) -> list[Path]:
+    """Return the files that runs which were killed left in a folder and below it."""
+    paths = (path for path in Path(folder).rglob(f".*{PART}") if is_partial_file(path.name))
+    until = time.time() - _ABANDONED_AFTER
+    return sorted(path for path in paths if path.is_file() and path.lstat().st_mtime < until)

@@ -1,0 +1,314 @@
+"""The tests that a fit is given: prepared, no copies, their depths and temperatures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray, median
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Step
+from dashpot.base.units import celsius
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
+from dashpot.fitting.nuisance_priors import priors
+from dashpot.preprocessing.checks import history_forgotten
+from dashpot.preprocessing.prepare import prepare
+
+# Whatever tests a fit is given, as ramps and holds.
+
+
+Tests: TypeAlias = RampHold | RelaxationTest | Sequence[RampHold | RelaxationTest]
+"""One or several tests, prepared or as they were read."""
+
+SAME_DEPTH = 0.02
+"""Depths that differ by less, relative, are one."""
+BY_DEFAULT = Step("by_default", (), "prepared by default: the fit was given the record as read")
+
+
+def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
+    """Return one or several tests, prepared; what was done to a record as read is in its steps.
+
+    Raises
+    ------
+    FitError
+        If one of them is no relaxation test.
+    DataError
+        If one cannot be prepared as it is.
+    """
+    if isinstance(tests, RampHold | RelaxationTest):
+        tests = (tests,)
+    return tuple(_prepare_test(test) for test in tests)
+
+
+def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
+    """Return the loadings of one record that hold, one to a depth, each as a record of its own.
+
+    Of several to one depth the one with the longest hold. What a later one remembers of those
+    before is left out, and a check says how much that is.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+    how
+        As :func:`~dashpot.preprocessing.prepare.prepare` takes it, without a cycle.
+    """
+    chosen = prepare(test, **how)
+    parameters = next(dict(step.parameters) for step in chosen.steps if step.name == "segments")
+    of = int(parameters["cycle"].partition(" of ")[2])
+    every = [prepare(test, **how, cycle=number) for number in range(1, of + 1)] if of > 1 else []
+    records: list[RampHold] = []
+    for ramp_hold in sorted(every, key=lambda record: -record.hold_time):
+        if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
+            records.append(ramp_hold)
+    if len(records) < 2:
+        return (chosen,)
+    return tuple(
+        map(_isolate_loading, sorted(records, key=lambda record: record.time[record.start]))
+    )
+
+
+def _isolate_loading(record: RampHold) -> RampHold:
+    """A loading without its history, and the check of what that leaves out.
+
+    Of a seal that has not recovered the way from where it was met is taken for that from first
+    contact: as long, in proportion.
+    """
+    if record.loading_start is None:
+        return record
+    met = int(np.searchsorted(record.time, record.onset))
+    last = record.last_loading
+    if last.plate is None:
+        ratio = float(record.force[max(met - 1, 0)]) / float(record.force.max())
+    else:
+        face = float(record.displacement[max(met - 1, 0)])
+        ratio = face / record.depth
+        way = np.maximum(last.plate - face, 0.0) / (1 - ratio)
+        last = replace(last, displacement=way, plate=None)
+    return replace(last, checks=(*record.checks, history_forgotten(ratio)))
+
+
+def _prepare_test(test: object) -> RampHold:
+    if isinstance(test, RampHold):
+        return test
+    if not isinstance(test, RelaxationTest):
+        raise FitError(
+            f"a fit takes relaxation tests, prepared or as read, found a {type(test).__name__}"
+        )
+    made = prepare(test)
+    return replace(made, steps=(BY_DEFAULT, *made.steps))
+
+
+# The temperatures of some tests, and which of them the solid is given at.
+
+
+# the standard temperature of rubber laboratories, K: the solid is that of the test nearest to it
+STANDARD_TEMPERATURE = 296.15
+
+
+def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
+    """Return the temperatures of tests, K, rising; those of one temperature as their mean.
+
+    Empty unless every test has one.
+    """
+    values = sorted(
+        record.specimen.temperature for record in records if record.specimen.temperature is not None
+    )
+    if len(values) < len(records):
+        return np.zeros(0)
+    groups: list[list[float]] = []
+    for value in values:
+        if groups and value - groups[-1][0] <= SAME_TEMPERATURE:
+            groups[-1].append(value)
+        else:
+            groups.append([value])
+    return np.array([float(np.mean(group)) for group in groups])
+
+
+def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatArray:
+    """Return the temperatures of the tests, K; one or none if they are of one as far as is known.
+
+    `shared` is True where tests of several may be fitted: by the recorded motion, one solid.
+
+    Raises
+    ------
+    FitError
+        If only some tests have one, or they are to be fitted in a way that knows of none.
+    """
+    values = [record.specimen.temperature for record in records]
+    ramp_holds = [record for record in records if record.specimen.temperature]
+    if ramp_holds and None in values:
+        first = ramp_holds[0].specimen.temperature or 0.0
+        raise FitError(
+            f"test {values.index(None) + 1} of {len(values)} has no temperature, where test "
+            f"{values.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
+            "order, such as --temperature 23degC --temperature 0degC, or one for all of them "
+            "(Python: Specimen(temperature=...))"
+        )
+    temperatures = temperatures_of(records)
+    if len(temperatures) < 2:
+        return temperatures
+    if not shared:
+        raise FitError(
+            "tests at several temperatures are fitted by the recorded motion, and share their "
+            "stiffnesses: leave out --method hold and --elastic by-depth"
+        )
+    return temperatures
+
+
+def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
+    """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
+
+    Raises
+    ------
+    FitError
+        If no test is of the temperature asked for.
+    """
+    magnitude = np.abs(temperatures - (STANDARD_TEMPERATURE if target is None else target))
+    if target is not None and magnitude.min() > SAME_TEMPERATURE:
+        listed = ", ".join(celsius(float(value)) for value in temperatures)
+        raise FitError(
+            f"no test is of the reference temperature {celsius(target)}; expected one of {listed}"
+        )
+    return int(np.argmin(magnitude))
+
+
+# Whether several tests are different records, and of one seal.
+#
+# A record given twice makes every standard error smaller by :math:`\sqrt 2` and tells nothing; two
+# lots fitted as one seal give a seal that does not exist.
+
+
+# noise correlates by 1/sqrt(n) in two records, and by 0.5 where one keeps a quarter of the other
+COPY_CORRELATION = 0.3
+_FEWEST_SAMPLES = 400
+# samples to a mean: enough to outlive interpolation between other samples
+_TO_A_MEAN = 4
+_SMOOTH = 9
+# a line of hum counts for no more than this many times the usual amplitude
+_CLIPPED = 3.0
+_LAGS = 3
+# what is left of a record without noise is its course, which two tests of one seal share
+_COURSE = 3.0
+
+
+class EndStiffness(NamedTuple):
+    """Stiffness of one test at one time after its ramp, N/m, and its standard error."""
+
+    value: float
+    sd: float
+    depth: float
+    temperature: float | None
+
+
+def refuse_copies(records: Sequence[RampHold]) -> None:
+    """Refuse a record that is given twice, as it is or resampled.
+
+    Raises
+    ------
+    FitError
+        If two records are of one part of one file, hold equal samples, or scatter alike: the
+        noise of two tests is not correlated, whatever the seal.
+    """
+    for (i, record), (j, other) in combinations(enumerate(records, start=1), 2):
+        reason = _describe_copy(record, other)
+        if reason:
+            raise FitError(
+                f"tests {i} and {j} are one record, {reason}: counted twice it would make every "
+                "error look smaller by a factor 1.4; give each record once"
+            )
+
+
+def _describe_copy(first: RampHold, second: RampHold) -> str:
+    if first.source is not None and second.source is not None:
+        change = max(abs(first.onset - second.onset), abs(first.hold_end - second.hold_end))
+        if first.source.sha256 == second.source.sha256 and change < 0.1 * first.ramp_time:
+            return f"the same part of {first.source.file}"
+    if np.array_equal(first.force, second.force):
+        return "sample for sample"
+    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
+        return ""
+    alike = noise_correlation(first, second)
+    return f"resampled (their noise correlates by {alike:.2f})" if alike > COPY_CORRELATION else ""
+
+
+def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
+    """Return the correlation of what two holds scatter about their smooth course, -1 to 1.
+
+    Means over a few samples at equal times after the onset, less their running mean; lines of hum,
+    which correlate by their phases alone, are clipped to the usual amplitude. The largest within
+    three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
+    no noise.
+    """
+    step = _TO_A_MEAN * max(ramp_hold.step, other.step)
+    start = max(record.ramp_time for record in (ramp_hold, other)) + _SMOOTH * step
+    stop = min(record.hold_end - record.onset for record in (ramp_hold, other))
+    if (stop - start) / step < _FEWEST_SAMPLES:
+        return 0.0
+    edges = np.arange(start, stop, step)
+    residuals = [_compute_means_off_course(record, edges) for record in (ramp_hold, other)]
+    if any(
+        part.std() > _COURSE * record.force_noise
+        for part, record in zip(residuals, (ramp_hold, other), strict=True)
+    ):
+        return 0.0
+    first, second = (_clipped_spectrum(part) for part in residuals)
+    products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
+    cross, pair, others = np.fft.irfft(products)
+    power = float(np.sqrt(pair[0] * others[0]))
+    near = np.concatenate((cross[: _LAGS + 1], cross[-_LAGS:]))
+    return float(near.max()) / power if power > 0 else 0.0
+
+
+def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray:
+    """Means of the force between edges, s after the onset, less their running mean."""
+    sums = np.concatenate(([0.0], np.cumsum(record.force)))
+    at = np.searchsorted(record.time - record.onset, edges)
+    means = np.diff(sums[at]) / np.maximum(np.diff(at), 1)
+    course = np.convolve(means, np.full(_SMOOTH, 1 / _SMOOTH), mode="same")
+    inner = slice(_SMOOTH, -_SMOOTH)
+    return np.asarray(means[inner] - course[inner])
+
+
+def _clipped_spectrum(values: FloatArray) -> ComplexArray:
+    # tapered, so that a line of hum stays within a few lines
+    spectrum = np.fft.rfft(values * np.hanning(len(values)))
+    size = np.abs(spectrum)
+    most = _CLIPPED * median(size)
+    return np.asarray(spectrum * np.minimum(1.0, most / np.maximum(size, 1e-300)))
+
+
+def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
+    r"""Return the stiffness of each test where the shortest hold ends.
+
+    .. math:: k = \frac{F - F_0 - \dot F t}{x_h}
+
+    over the last twentieth of that time, with what offset, drift, depth and noise leave open
+    (:func:`~dashpot.fitting.nuisance_priors.priors`).
+    """
+    at = min(record.hold_time for record in records)
+    return tuple(_end_stiffness(record, at) for record in records)
+
+
+def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
+    since = record.time - record.ramp_end
+    last = (since >= 0.95 * at) & (since <= at)
+    last[int(np.searchsorted(since, at)) - 1] = True
+    cell_priors = priors(record)
+    later = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.at
+    force = (
+        float(record.force[last].mean()) - cell_priors.offset.mean - cell_priors.drift.mean * later
+    )
+    doubt = (
+        cell_priors.offset.sd,
+        cell_priors.drift.sd * later,
+        record.force_noise / np.sqrt(last.sum()),
+    )
+    depth = float(np.hypot(record.depth_doubt, record.contact_error / record.depth))
+    value = force / record.depth
+    sd = float(np.hypot(np.linalg.norm(doubt) / record.depth, value * depth))
+    return EndStiffness(value, sd, record.depth, record.specimen.temperature)

@@ -1,0 +1,445 @@
+"""The elastic law that the ramps of prepared tests support, and how well it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
+from dashpot.base.option_fields import RampLawAsked, require_choice
+from dashpot.datamodel.parameter_estimate import ParameterEstimate, parameter_names
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.fit_construction import nuisances
+from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
+    MAX_ARMS,
+    HoldEstimate,
+    RampHoldOptimum,
+    build_nuisances,
+    delay_derivative,
+    fit_hold_only,
+    fit_ramp_and_hold,
+    independent,
+    recorded_hold,
+    spread,
+    with_residual_statistics,
+)
+from dashpot.fitting.nonlinear_ramp.linearity import (
+    LinearFitQuality,
+    judge_linear_fit,
+    sample_noise,
+)
+from dashpot.fitting.nonlinear_ramp.quasi_linear import (
+    DownsampledRows,
+    QuasiLinear,
+    Weighted,
+    downsample,
+    tau_bounds,
+)
+from dashpot.fitting.parameter_errors import ParameterCovariance
+from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.model_order import Shortage, bic_of_deviance, deviance
+from dashpot.preprocessing.denoising import denoise_displacement
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# The elastic law that ramps support as a value, and how well it is known.
+
+
+# a law that lowers BIC by less is as good
+LEAST_GAIN = 10.0
+
+
+class KnotSpacing(NamedTuple):
+    """A step of the ladder of laws: how many knots, and the power of their spacing."""
+
+    knots: int
+    power: int = 1
+
+    def at(self, depth: float) -> FloatArray:
+        """The knots down to a depth, m."""
+        return np.asarray(depth * np.linspace(0.0, 1.0, self.knots) ** float(self.power))
+
+
+@dataclass(frozen=True)
+class ElasticLawScore:
+    """One law of the ladder, fitted.
+
+    Attributes
+    ----------
+    spacing : KnotSpacing
+    elastic_law : ElasticLaw
+    bic : float
+        Differences count.
+    ramp, hold : tuple of float
+        Root mean square residual of each record, N.
+    """
+
+    spacing: KnotSpacing
+    elastic_law: ElasticLaw
+    bic: float
+    ramp: tuple[float, ...]
+    hold: tuple[float, ...]
+
+    @property
+    def gap(self) -> float:
+        """Largest distance between the law's path and the linear one, as a part of the depth."""
+        x = np.linspace(0.0, self.elastic_law.depth, 101)
+        return float(np.abs(self.elastic_law.path(x) - x).max()) / self.elastic_law.depth
+
+
+@dataclass(frozen=True, eq=False)
+class RampLaw:
+    r"""The elastic law that ramps support, the solid that answers it, and how well both are known.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+    model : GeneralizedMaxwell
+        Secant at the depth of the law.
+    estimate : ParameterEstimate
+        Of the parameters of `model`.
+    law_covariance : array, shape (p + P, p + P)
+        Of the parameters of `model` and then of the law's shape at its knots.
+    hold : Hold
+        What the holds say without their ramps.
+    soundness : tuple of Soundness
+        Of each record under the linear law with the full weight of its ramp.
+    followed : Followed
+        The optimum of the law, and what it leaves.
+    scores : tuple of ElasticLawScore
+        The laws tried, the linear one first.
+    residuals : tuple of array
+        Of every sample from contact to the end of the hold, N.
+    """
+
+    law: ElasticLaw
+    model: GeneralizedMaxwell
+    estimate: ParameterEstimate
+    law_covariance: FloatArray
+    hold: HoldEstimate
+    soundness: tuple[LinearFitQuality, ...]
+    followed: RampHoldOptimum
+    scores: tuple[ElasticLawScore, ...]
+    residuals: tuple[FloatArray, ...]
+
+    @property
+    def sound(self) -> bool:
+        """True if the linear law explains every record to its noise."""
+        return all(quality.sound for quality in self.soundness)
+
+    @property
+    def discrepancy(self) -> tuple[float, ...]:
+        r"""Scatter of each ramp over that of its hold, :math:`s_r/(s_h \sqrt{\kappa_h})`: >= 1."""
+        return tuple(
+            float(ramp / held)
+            for ramp, held in zip(self.followed.ramp_scatter, independent(self.hold), strict=True)
+        )
+
+    @property
+    def relative_residuals(self) -> tuple[float, ...]:
+        """Residual on each ramp as a part of the largest force."""
+        rows = self.followed.weighted.solid.rows
+        return tuple(value / rows.peak(i) for i, value in enumerate(self.followed.ramp))
+
+    @property
+    def rho(self) -> tuple[float, ...]:
+        """Residual of each hold over what the hold alone leaves."""
+        return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
+
+
+def build_ramp_law(
+    tests: Sequence[RampHold],
+    hold: HoldEstimate,
+    soundness: tuple[LinearFitQuality, ...],
+    optimum: RampHoldOptimum,
+    scores: tuple[ElasticLawScore, ...],
+) -> RampLaw:
+    """Return the value of an optimum, with its covariance and its residuals."""
+    k, log_tau, solid = optimum.k[0], optimum.log_tau, optimum.weighted.solid
+    order = np.argsort(log_tau)
+    there = order[k[1:][order] > 0]
+    model = GeneralizedMaxwell(
+        float(k[0]), tuple(k[1:][there].tolist()), tuple(np.exp(log_tau[there]).tolist())
+    )
+    first = len(optimum.optimum.theta)
+
+    def seal(values: FloatArray) -> FloatArray:
+        """The solid's parameters, then the law's shape, whose mean is 1."""
+        log_tau, shape = solid.split_parameters(values[:first])
+        k = values[first : first + 1 + len(log_tau)]
+        return np.concatenate(
+            (k[:1], k[1 + there], log_tau[there], shape / (solid.weights @ shape))
+        )
+
+    # each encoder's step scales every stiffness of its test
+    doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
+    scaled = np.zeros(len(optimum.optimum.values))
+    scaled[first : first + len(k)] = doubt * k
+    estimate = optimum.estimate(hold).add_parameter_error(scaled)
+    covariance, names = estimate.derive_quantity(seal).covariance, parameter_names(len(there))
+    nuisance = optimum.nuisance
+    errors = dict(zip(nuisance, estimate.standard_error[-len(nuisance) :].tolist(), strict=True))
+    residuals = tuple(_residual(test, i, model, optimum) for i, test in enumerate(tests))
+    parameter_covariance = ParameterCovariance(
+        (), covariance, residuals, tuple(map(noise_of, residuals))
+    )
+    return RampLaw(
+        law=elastic_law_of(optimum),
+        model=model,
+        estimate=ParameterEstimate(
+            names,
+            covariance[: len(names), : len(names)],
+            dof=max(parameter_covariance.effective - len(scaled), 1.0),
+            residual=parameter_covariance.statistics([1.0] * len(tests)),
+            nuisance=nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
+        ),
+        law_covariance=covariance,
+        hold=hold,
+        soundness=soundness,
+        followed=optimum,
+        scores=scores,
+        residuals=residuals,
+    )
+
+
+def _residual(
+    test: RampHold, i: int, model: GeneralizedMaxwell, optimum: RampHoldOptimum
+) -> FloatArray:
+    """Every sample less the model and the load cell."""
+    priors = optimum.weighted.solid.rows.known[i]
+    path = elastic_law_of(optimum).path(denoise_displacement(test)[0])
+    time = test.time[: len(path)] - test.time[0]
+    arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
+    values = optimum.nuisance
+    force = model.k_inf * path + arms @ np.asarray(model.k)
+    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - priors.at)
+    if f"delay@{i}" in values:
+        force -= values[f"delay@{i}"] * np.gradient(force, time)
+    return np.asarray((test.force[: len(path)] - force)[priors.first :])
+
+
+def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
+    """Return the law of an optimum."""
+    knots, shape, k_inf = optimum.weighted.solid.knots, optimum.shape, float(optimum.k[0, 0])
+    if len(knots) == 2:
+        return ElasticLaw.linear(k_inf, float(knots[-1]))
+    return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), k_inf)
+
+
+# Which elastic law the ramps of prepared tests support.
+#
+# A record that a linear solid explains to its noise, ramp and hold alike, is *sound*: it keeps the
+# linear law and the full information of its ramp. Any other is fitted hold first
+# (:mod:`~dashpot.fitting.nonlinear_ramp.hold_then_ramp`) with every law of a short ladder, and
+# takes
+# the one that BIC prefers if it also matters.
+
+
+# a law that moves the path by less than this part of the depth is not worth having: behind one of
+# .1 to 1 % that is not taken, what a linear solid leaves on the ramp doubts sound records
+LEAST_GAP = 5e-4
+
+# a knot of the law needs so many rows of the ramp
+_ROWS_PER_KNOT = 2
+# so many depths bear finer laws
+_SEVERAL = 3
+
+LINEAR = KnotSpacing(2)
+LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
+# several depths show the law's integral at each, to the noise of a hold
+DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
+
+
+def select_elastic_law(
+    tests: Sequence[RampHold],
+    *,
+    law: RampLawAsked = "auto",
+    arms: int | None = None,
+    max_arms: int = MAX_ARMS,
+) -> RampLaw:
+    r"""Return the elastic law that the ramps of tests of one part support.
+
+    Parameters
+    ----------
+    tests : sequence of RampHold
+        Of any depths and ramp rates; they share the law, the stiffnesses and the relaxation
+        times, and each has its own offset and drift, bound by
+        :func:`~dashpot.fitting.nuisance_priors.priors`. The force is free of hum.
+    law : "auto", "linear" or "nonlinear"
+        ``"auto"`` keeps the linear law where it is sound, where no other lowers BIC by 10, or
+        where none moves the path by .05 % of the depth.
+    arms : int, optional
+        By default as many as the holds support by BIC, and one faster one if the ramps do.
+    max_arms : int
+        The most that are tried by default.
+
+    Raises
+    ------
+    FitError
+        If a record has no samples on its ramp or in its hold to speak of.
+    """
+    require_choice("law", law, RampLawAsked, FitError)
+    rows = downsample(tests)
+    hold = fit_hold_only(rows, arms, max_arms)
+    noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
+    soundness, optimum = assess_linear_fit(rows, hold, noise, arms)
+    if law != "nonlinear" and all(quality.sound for quality in soundness):
+        score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
+        return build_ramp_law(tests, hold, soundness, optimum, (score,))
+    shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
+    finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
+    bent = [item for item in (*LADDER, *finer) if item.knots <= max(shown, LADDER[0].knots)]
+    laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
+    start = recorded_hold(rows, hold)
+    tried = {law: _solve_law(rows, law, hold, start) for law in laws}
+    scores = _scores(tried, hold)
+    taken = _select_law(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
+    ramp_optimum = _with_delay(tried[taken.spacing], hold)
+    if arms is None and len(hold.log_tau) < max_arms:
+        ramp_optimum = _with_faster_arm(ramp_optimum, hold)
+    return build_ramp_law(tests, hold, soundness, ramp_optimum, scores)
+
+
+def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
+    """Return the arms that the holds of some tests support, where a fit to them has fewer.
+
+    Parameters
+    ----------
+    tests : sequence of RampHold
+    hold : Hold
+        The holds by the number of arms that was asked for.
+    """
+    arms = len(hold.log_tau)
+    more = fit_hold_only(downsample(tests))
+    supported = len(more.log_tau)
+    if supported <= arms:
+        return None
+    return Shortage(arms, supported, _rms(hold), _rms(more))
+
+
+def _rms(hold: HoldEstimate) -> float:
+    return float(np.sqrt(np.mean(np.square(hold.rms))))
+
+
+def _solve_law(
+    rows: DownsampledRows, spacing: KnotSpacing, hold: HoldEstimate, start: RampHoldOptimum
+) -> RampHoldOptimum:
+    solid = QuasiLinear(rows, spacing.at(rows.depth))
+    return fit_ramp_and_hold(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
+
+
+def _scores(
+    tried: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
+) -> tuple[ElasticLawScore, ...]:
+    """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
+    best = min(tried.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
+    return tuple(
+        ElasticLawScore(
+            spacing,
+            elastic_law_of(optimum),
+            _bic(optimum, hold, best.ramp_correlation),
+            optimum.ramp,
+            optimum.hold,
+        )
+        for spacing, optimum in tried.items()
+    )
+
+
+def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]) -> float:
+    r"""Return :math:`\sum m_r \ln r_r^2 + m_h \ln r_h^2 + p \ln \sum m_r`, m = rows / kappa."""
+    rows = optimum.weighted.solid.rows
+    total, effective = 0.0, 0.0
+    for i, kappa in enumerate(correlation):
+        on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
+        # a ramp followed closer than its noise is luck
+        least = min(rows.noise[i], optimum.hold[i])
+        held = rows.held(i).sum() / hold.correlation[i]
+        total += deviance(max(optimum.ramp[i], least) ** 2, effective=on)
+        total += deviance(optimum.hold[i] ** 2, effective=held)
+        effective += on
+    arms, bends = len(optimum.log_tau), optimum.weighted.solid.bends.stop
+    delays = len(optimum.nuisance) - 2 * len(rows.depths)
+    free = 2 * arms + max(bends - 1, 0) + delays
+    return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
+
+
+def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
+    """Return the law of the least BIC if it gains and matters, else the linear one."""
+    best = min(scores, key=lambda score: score.bic)
+    linear = scores[0]
+    worth = linear.bic - best.bic > LEAST_GAIN and best.gap > LEAST_GAP
+    return best if worth else linear
+
+
+def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+    """Return the fit with a delay of each force if the ramps show one."""
+    solid, best = optimum.weighted.solid, optimum.optimum
+    resolved_nuisances = build_nuisances(solid.rows, delay_derivative(optimum.weighted, best))
+    late = fit_ramp_and_hold(solid, hold, optimum, best.theta, value=resolved_nuisances)
+    gain = _bic(optimum, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
+    return late if gain > LEAST_GAIN else optimum
+
+
+def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+    """Return the fit with one more arm if the ramps show one that the holds hardly do."""
+    solid, n = optimum.weighted.solid, len(hold.log_tau)
+    rows = solid.rows
+    first = rows.ramp & (rows.record == 0)
+    ramp = np.log(rows.ends[0] - rows.time[first][0])
+    fastest = float(hold.log_tau[0]) if n else float(ramp)
+    if fastest - np.log(4.0) <= tau_bounds(rows).low:
+        return optimum
+    tried = optimum.weighted.descend(np.append(fastest - np.log(4.0), optimum.optimum.theta))
+    fall = optimum.optimum.cost - tried.cost
+    if solid.split_parameters(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
+        return optimum
+    more = fit_ramp_and_hold(solid, hold, optimum, tried.theta, value=optimum.weighted.nuisances)
+    faster = float(more.log_tau.min()) < fastest - np.log(2.0)
+    gain = _bic(optimum, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
+    return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else optimum
+
+
+def assess_linear_fit(
+    rows: DownsampledRows, hold: HoldEstimate, noise: Sequence[float], arms: int | None
+) -> tuple[tuple[LinearFitQuality, ...], RampHoldOptimum]:
+    """Return how sound the linear law is, the best of the numbers of arms tried."""
+    count = len(hold.log_tau)
+    tried = []
+    for index in (count, count - 1) if arms is None and count > 1 else (count,):
+        start = hold if index == count else fit_hold_only(rows, index)
+        optimum = _joint(rows, hold, start.log_tau, noise)
+        qualities = tuple(
+            judge_linear_fit(
+                optimum.ramp[i],
+                optimum.hold[i],
+                hold.rms[i],
+                noise=noise[i],
+                discrepancy=optimum.ramp_scatter[i] / float(independent(hold)[i]),
+                samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
+                peak=rows.peak(i),
+            )
+            for i in range(len(noise))
+        )
+        tried.append((qualities, optimum))
+        if all(at.sound for at in qualities):
+            break
+    reliable = [pair for pair in tried if all(at.sound for at in pair[0])]
+    return (reliable or tried)[0]
+
+
+def _joint(
+    rows: DownsampledRows, hold: HoldEstimate, log_tau: FloatArray, noise: Sequence[float]
+) -> RampHoldOptimum:
+    """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
+    even = np.array(noise) * np.sqrt(hold.correlation)
+    solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
+    sd = spread(rows, even, even)
+    first = Weighted(solid, sd, build_nuisances(rows))
+    best = first.descend(log_tau)
+    late = Weighted(solid, sd, build_nuisances(rows, delay_derivative(first, best)))
+    return with_residual_statistics(late, late.descend(best.theta), independent(hold))

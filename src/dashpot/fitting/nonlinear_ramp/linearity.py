@@ -1,0 +1,397 @@
+"""Whether a linear solid explains relaxation tests to their noise, ramp and hold alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import Step
+from dashpot.base.units import format_quantity
+from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
+from dashpot.fitting.checks.relaxation import slow_noise
+from dashpot.fitting.fit_data import (
+    FitData,
+    FitSetup,
+    InitialFit,
+    bic_penalty_per_arm,
+    block_of,
+    compress_tests,
+    data_of,
+    eq5_obstacle,
+    is_multi_step,
+    max_determinable_arms,
+    solid_of,
+    weighed,
+)
+from dashpot.fitting.fractional_model.family_selection import FractionalFit, element
+from dashpot.fitting.nonlinear_ramp.quasi_linear import ramp_obstacle, relaxes_from
+from dashpot.fitting.nuisance_priors import LINEAR_DELAY
+from dashpot.fitting.order_selection import FitOptions
+from dashpot.fitting.parameter_errors import residual_of
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.exponential_fit import solve
+from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.preprocessing.denoising import denoise_displacement
+from dashpot.signals.noise import evenly_sampled
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# Whether a linear solid explains a record to its noise, ramp and hold alike.
+
+
+# a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
+# one independent residual, and than the hold alone in the hold
+SOUND_RAMP, SOUND_SHAPE, SOUND_HOLD = 1.2, 1.5, 1.1
+# what a residual of this part of the peak stands for moves no stiffness that anyone would notice
+NEGLIGIBLE = 1e-4
+# and more than this part is not what an encoder leaves
+UNREAD = 1e-3
+
+
+class LinearFitQuality(NamedTuple):
+    """What a linear fit leaves of a record, against its noise.
+
+    Attributes
+    ----------
+    ramp : float
+        Residual on the ramp over the noise of one sample.
+    hold : float
+        Residual in the hold over what the hold alone leaves.
+    sound : bool
+    """
+
+    ramp: float
+    hold: float
+    sound: bool
+
+
+def judge_linear_fit(
+    ramp: float,
+    hold: float,
+    single: float,
+    *,
+    noise: float,
+    discrepancy: float,
+    samples: float,
+    peak: float,
+    unread: float = 0.0,
+) -> LinearFitQuality:
+    r"""Judge a linear fit by its residuals.
+
+    Parameters
+    ----------
+    ramp, hold : float
+        Root mean square residual of the fit to the whole record, on the ramp and in the hold, N.
+    single : float
+        That of a fit to the hold alone, N.
+    noise : float
+        Standard deviation of the noise of one sample, N.
+    discrepancy : float
+        :math:`r_r \sqrt{\kappa_r}/(r_h \sqrt{\kappa_h})`, scatter of one independent residual
+        of the ramp over one of the hold: a curve below the noise shows in :math:`\kappa_r`.
+    samples : float
+        Effective number of residuals on the ramp: of few, more is chance.
+    peak : float
+        Largest force, N.
+    unread : float
+        Force on the ramp that what the encoder leaves of the motion stands for, N.
+    """
+    floor = NEGLIGIBLE * peak
+    by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
+    quiet = ramp <= max(SOUND_RAMP, by_chance) * noise
+    straight = discrepancy <= SOUND_SHAPE * by_chance
+    unread = min(SOUND_SHAPE * unread, UNREAD * peak)
+    followed = (quiet and straight) or ramp <= max(floor, unread)
+    valid = bool(followed and (hold <= SOUND_HOLD * single or hold <= floor))
+    return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
+
+
+def judge_linear_residuals(
+    test: RampHold, whole: FloatArray, single: FloatArray
+) -> LinearFitQuality:
+    """Judge a linear fit that was made elsewhere, by the residuals of every sample.
+
+    Parameters
+    ----------
+    test : RampHold
+    whole : array, shape (n,)
+        Residual of the fit to ramp and hold, up to the last sample of the hold, N.
+    single : array, shape (m,)
+        Residual of a fit to the hold alone, N.
+    """
+    corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
+    held = whole[corner - test.hold.stop :]
+    ramp = whole[: -len(held)][onset - corner :]
+    # the colour of the noise shows in a stretch of it
+    noises = noise_of(ramp), noise_of(single[: 4 * len(ramp)])
+    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, single))
+    peak = float(np.abs(test.force[: test.hold.stop]).max())
+    return judge_linear_fit(
+        rms,
+        float(np.sqrt(np.mean(held**2))),
+        least,
+        noise=max(sample_noise(test.force_noise, least), slow_noise(single, peak)),
+        discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
+        samples=len(ramp) / noises[1].kappa,
+        peak=peak,
+        unread=peak / test.depth * _compute_motion_residual(test, slice(onset, corner)),
+    )
+
+
+def _compute_motion_residual(test: RampHold, ramp: slice) -> float:
+    """Standard deviation of what the encoder leaves of the motion on the ramp, m."""
+    _, residual = denoise_displacement(test)
+    return float(np.sqrt(np.mean(residual[ramp] ** 2)))
+
+
+def sample_noise(scatter: float, rms: float) -> float:
+    """Standard deviation of the noise of one sample, N: its scatter, or what its hold leaves.
+
+    What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
+    """
+    return max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
+
+
+# Whether any linear solid explains relaxation tests to their noise, ramp and hold alike.
+
+
+# arms that a hold alone is given at least: what it leaves is noise
+_FEWEST_HOLD_ARMS = 2
+# an arm that lowers the sum of squares by less than this is none that the hold alone needs
+_AS_GOOD = 1.01
+# arms nearer than this in ln tau are one
+_SAME_ARM = 1e-6
+
+
+class LinearityResult(NamedTuple):
+    """The linear solids that tests were offered, and whether one is sound.
+
+    Attributes
+    ----------
+    first : First
+        Arms, up to the number asked for.
+    element : ChosenElement or None
+        A fractional solid, where arms are not sound and another family may be.
+    judged : Soundness or None
+        Of the record that a linear solid explains worst; None where no ramp is judged.
+    """
+
+    first: InitialFit
+    element: FractionalFit | None
+    judged: LinearFitQuality | None
+
+    @property
+    def sound(self) -> bool:
+        """Whether a linear solid explains every record."""
+        return self.judged is None or self.judged.sound
+
+
+class HoldBlocks:
+    """The holds of some records alone, compressed once for all that asks them."""
+
+    def __init__(self, records: Sequence[RampHold]) -> None:
+        self.records = records
+
+    @cached_property
+    def blocks(self) -> tuple[DataBlock, ...]:
+        """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
+        return tuple(
+            compress_tests([record], FitSetup("hold", ()))[0]
+            if eq5_obstacle(record) is None
+            else block_of(record, terms=_terms_of_hold(record), start=record.settled.start)
+            for record in self.records
+        )
+
+    def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
+        """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
+        block = self.blocks[i]
+        arms = min(max(len(start), _FEWEST_HOLD_ARMS), max_determinable_arms([block]))
+        # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
+        near = start if len(start) == arms and _has_distinct_times(start, block.window) else None
+        least = bic_penalty_per_arm([block])
+        solution = solve([block], arms, log_tau_start=near, negligible=least)
+        return residual_of(solution, block.exact)
+
+    def fit_hold_equation(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
+        """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
+        held = sum(len(record.time[record.hold]) for record in self.records)
+        if held <= 1 + 2 * model.arms or any(eq5_obstacle(record) for record in self.records):
+            return None
+        near = np.log(model.tau)
+        solution = solve(
+            self.blocks, model.arms, near=near, negligible=bic_penalty_per_arm(self.blocks)
+        )
+        return solid_of(solution)
+
+
+def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
+    """What a hold is given beside arms: of one that stands, an offset is as its spring."""
+    return ("offset",) if abs(record.hold_creep) > MAX_CREEP else ()
+
+
+def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> bool:
+    inside = np.clip(np.sort(log_tau), *np.log(window))
+    return bool(np.all(np.diff(inside) > _SAME_ARM))
+
+
+def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
+    """Return the linear solid that is asked for, and whether any is sound."""
+    enough = min(options.max_arms, max_determinable_arms(data.blocks))
+    most = enough if options.count is None else options.count
+    auto, point = options.count is None, options.point is not None
+    first = weighed(data, most, auto=auto, thorough=options.thorough, only=point)
+    gate = LinearityResult(first, None, _evaluate_holds(holds, first))
+    if not gate.sound and most < enough:
+        # too few arms are no reason to bend the law
+        first = weighed(data, enough, thorough=options.thorough)
+        gate = LinearityResult(first, None, _evaluate_holds(holds, first))
+    if gate.sound or options.family == "maxwell":
+        return gate
+    fit = element(first.data)
+    if options.family == "fractional":
+        return LinearityResult(first, fit, None)
+    by_element = _find_worst_record(holds, fit.estimate.residuals, first.solutions[-1].log_tau)
+    valid = by_element is None or by_element.sound
+    return LinearityResult(first, fit, by_element if valid else gate.judged)
+
+
+def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
+    """How well the best arms explain every record to its noise, ramp and hold alike."""
+    least = _AS_GOOD * first.solutions[-1].sse
+    near = next(solution for solution in first.solutions if solution.sse <= least)
+    return _find_worst_record(holds, first.residuals, near.log_tau)
+
+
+def _find_worst_record(
+    holds: HoldBlocks, residuals: Sequence[FloatArray], log_tau: FloatArray
+) -> LinearFitQuality | None:
+    """The first record that is not explained, or the ramp that is left with most.
+
+    A record without one ramp and one hold to speak of shows no elastic law.
+    """
+    worst = None
+    for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
+        if is_multi_step(record) or ramp_obstacle(record) is not None:
+            continue
+        quality = judge_linear_residuals(record, residual, holds.compute_hold_residual(i, log_tau))
+        if not quality.sound:
+            return quality
+        worst = quality if worst is None or quality.ramp > worst.ramp else worst
+    return worst
+
+
+# A force that comes too late for a tangent: its solid answers the motion as late as it is.
+#
+# To first order a delay adds :math:`-\delta\dot F`. Of 10 ms at a corner of the ramp that is off
+# by
+# :math:`\delta^2\ddot F/2`, which looks like a bent law. So where no linear solid is sound and the
+# force lags, the solid is asked again of a motion that is late by whole samples, and of one behind
+# a low-pass of that time constant. What is left of the delay stays a nuisance term.
+
+
+class DelayedMotion(NamedTuple):
+    """Tests whose motion is as late as their force.
+
+    Attributes
+    ----------
+    holds : Holds
+    data : FitData
+    lags : tuple of float
+        By how much each motion was made late, s: 0 as recorded.
+    filtered : bool
+        Whether by low-passes of those time constants.
+    """
+
+    holds: HoldBlocks
+    data: FitData
+    lags: tuple[float, ...]
+    filtered: bool = False
+
+    @classmethod
+    def from_records(
+        cls,
+        records: Sequence[RampHold],
+        design: FitSetup,
+        lags: tuple[float, ...] = (),
+        *,
+        filtered: bool = False,
+    ) -> DelayedMotion:
+        """The data of records; as they are where no lags are said."""
+        still = (0.0,) * len(records)
+        return cls(HoldBlocks(records), data_of(records, design), lags or still, filtered)
+
+    def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
+        """The value of a column by its name, a delay with what the motion was made late by."""
+        late = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
+        return lambda name: function(name) + late.get(name, 0.0)
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """What was done to the motion."""
+        if not any(self.lags):
+            return ()
+        late = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
+        parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
+        how = f"put the motion behind a low-pass of {late}"
+        if not self.filtered:
+            how = f"took the motion {late} later"
+        return (Step("lag", parameters, f"{how}, as the force comes"),)
+
+
+def select_delayed_motion(
+    recorded: DelayedMotion, options: FitOptions
+) -> tuple[DelayedMotion, LinearityResult]:
+    """Return the motion under which a linear solid is sound, and how sound it is.
+
+    As recorded where one is, or where a later motion makes none so; else the later motion that
+    leaves least.
+    """
+    gate = assess_linearity(recorded.holds, recorded.data, options)
+    if gate.sound:
+        return recorded, gate
+    tried = [
+        (motion, assess_linearity(motion.holds, motion.data, options))
+        for motion in _generate_delayed_motions(recorded, gate)
+    ]
+    reliable = [pair for pair in tried if pair[1].sound]
+    return min(reliable, key=lambda pair: pair[1].first.solutions[-1].sse, default=(recorded, gate))
+
+
+def _generate_delayed_motions(
+    recorded: DelayedMotion, gate: LinearityResult
+) -> Iterator[DelayedMotion]:
+    """The motions that may be as late as the force of the best linear solid."""
+    records, best = recorded.holds.records, gate.first.solutions[-1]
+    values = [best.coefficient(f"delay@{i}") for i in range(len(records))]
+    late = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
+    shifted, lags = zip(*map(_shift_motion, records, late), strict=True)
+    if any(lags):
+        yield DelayedMotion.from_records(shifted, FitSetup("full"), lags)
+    if any(late) and not any(record.machine.force_filter for record in records):
+        behind = [*map(_set_force_filter, records, late)]
+        yield DelayedMotion.from_records(behind, FitSetup("full"), late, filtered=True)
+
+
+def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
+    """The record with its motion late by whole samples, whose counts are as they were read."""
+    step = record.step
+    many = round(lag / step) if evenly_sampled(record.time) else 0
+    if not many:
+        return record, 0.0
+
+    def late(values: FloatArray) -> FloatArray:
+        return np.concatenate((np.full(many, values[0]), values[:-many]))
+
+    provided = None if record.given is None else late(record.given)
+    return replace(record, displacement=late(record.displacement), given=provided), many * step
+
+
+def _set_force_filter(record: RampHold, lag: float) -> RampHold:
+    """The record with a force behind a low-pass of this time constant, as one that is named."""
+    if not lag:
+        return record
+    return replace(record, machine=replace(record.machine, force_filter=1 / (2 * np.pi * lag)))

@@ -1,0 +1,693 @@
+"""How well the parameters of a fit are known: covariance, rig and encoder, profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.student_t import t_quantile
+from dashpot.datamodel.parameter_estimate import Profile, Residual
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.nuisance_priors import delay_prior, kind_of
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.numerics.design_matrices.block import DataBlock
+from dashpot.numerics.design_matrices.data_compression import compact_block
+from dashpot.numerics.exponential_fit import Jacobian, Solution, full_jacobian
+from dashpot.numerics.inference.correlated_noise import (
+    JacobianColumns,
+    Noise,
+    ResidualSeries,
+    directions,
+    nearly_white,
+    noise_gain_differs,
+    noise_gain_ratio,
+    noise_of,
+)
+from dashpot.numerics.inference.model_order import bic, significant
+from dashpot.numerics.inference.profile_likelihood import BEYOND, Coordinate, ProfileTarget
+from dashpot.numerics.inference.profile_likelihood import profiles as walked
+from dashpot.numerics.log_tau_descent import Stack
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+if TYPE_CHECKING:
+    from dashpot.numerics.inference.correlated_noise import NoiseGain
+
+
+# What the steps of an encoder leave unknown of a fit to recorded motion.
+#
+# While a reading stands, its error :math:`e`, uniform within one step q, stands too. To first
+# order
+# it moves the parameters by :math:`(J^T J)^{-1} J^T \delta`, with the force that the solid would
+# have given to the pulse of motion that was not there,
+#
+# .. math:: \delta(t) = e\,[K(t - t_a) - K(t - t_b)], \qquad
+#           K(t) = k_\infty + \sum_j k_j e^{-t/\tau_j} \; (t \ge 0), \qquad
+#           \mathrm{Var}(e) = q^2/12
+#
+# from the run's first reading to the next one. Over a short run that is e k_0. All runs are
+# independent, so :math:`\sum J^T\delta\,\delta^T J` joins the middle of the sandwich: the error of
+# the depth held, which scales every stiffness, and that of each step on the way. So does a contact
+# found behind an air gap: its error shifts all motion after it.
+
+
+# a run longer than this part of the record is rest, and the solid relaxes under its error
+_REST = 1.0 / 20.0
+
+
+class Encoder(NamedTuple):
+    """The displacement of one record as read.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s.
+    readings : array, shape (n,)
+        m.
+    step : float
+        Step q of the readings, m; 0 if they show none.
+    onset, contact_error : float
+        First contact, s, and the standard deviation of the position where it was found, m.
+    """
+
+    time: FloatArray
+    readings: FloatArray
+    step: float
+    onset: float = 0.0
+    contact_error: float = 0.0
+
+    @classmethod
+    def from_record(cls, record: RampHold) -> Encoder:
+        """Of a prepared record, up to the end of its hold."""
+        used = slice(0, record.hold.stop)
+        return cls(
+            record.time[used],
+            record.travel[used],
+            record.encoder_step,
+            record.onset,
+            record.contact_error,
+        )
+
+
+class Kernel(NamedTuple):
+    """The solid's relaxation: k_inf, N/m, k, N/m, and tau, s, of every arm."""
+
+    k_inf: float
+    k: FloatArray
+    tau: FloatArray
+
+    def __call__(self, time: FloatArray) -> FloatArray:
+        """Return K at times >= 0."""
+        return np.asarray(self.k_inf + np.exp(-time[:, None] / self.tau) @ self.k)
+
+
+def encoder_rows(columns: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    """Return J' delta of every independent error of one record's encoder, of unit variance.
+
+    A row (p,) per error. `columns` are J, or any turn of it: a row per sample, or only from some
+    sample on.
+    """
+    before = len(encoder.time) - len(columns)
+    contact = _contact_row(columns, before, encoder, kernel)
+    if encoder.step == 0.0:
+        return contact
+    return np.concatenate((contact, _step_rows(columns, before, encoder, kernel)))
+
+
+def _contact_row(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    """What an error of the contact moves, a step of motion when the plate touches."""
+    if encoder.contact_error == 0.0:
+        return np.zeros((0, columns.shape[1]))
+    first = max(int(np.searchsorted(encoder.time, encoder.onset)), before)
+    change = kernel(encoder.time[first:] - encoder.onset) @ columns[first - before :]
+    return encoder.contact_error * change[None]
+
+
+def _step_rows(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    time, readings = encoder.time, encoder.readings
+    starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
+    ends = np.concatenate((starts[1:], [len(readings)]))
+    rests = ends - starts > _REST * len(readings)
+    rests[0] = True  # all motion is measured from the first reading
+    pulses = [
+        _pulse(columns, before, time, kernel, (int(a), int(b)))
+        for a, b in zip(starts[rests], ends[rests], strict=True)
+    ]
+    seen = ends > before
+    k_0 = kernel.k_inf + float(kernel.k.sum())
+    short = np.add.reduceat(columns, np.maximum(starts[seen] - before, 0), axis=0)[~rests[seen]]
+    return encoder.step / float(np.sqrt(12.0)) * np.concatenate((k_0 * short, np.array(pulses)))
+
+
+def _pulse(
+    columns: FloatArray, before: int, time: FloatArray, kernel: Kernel, run: tuple[int, int]
+) -> FloatArray:
+    """Return J' delta for a unit error over a run of samples.
+
+    The record measures motion from its first reading, so an error of the first run is a step
+    at the run's end.
+    """
+    values = np.zeros(columns.shape[1])
+    for sign, at in zip((1.0, -1.0), run, strict=True):
+        first = max(at, before)
+        if 0 < at < len(time):
+            values += sign * (kernel(time[first:] - time[at]) @ columns[first - before :])
+    return values
+
+
+# How well a solution of the engine is known, from the residuals in their own order.
+
+
+# a fit that leaves less than this of the largest force has met the rounding of the data
+_ROUNDING = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterCovariance:
+    """Parameters with their covariance, and the residuals that it comes from.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Rows of `covariance`.
+    covariance : array, shape (p, p)
+    residuals : tuple of arrays
+        One per record, N.
+    noises : tuple of Noise
+    """
+
+    names: tuple[str, ...]
+    covariance: FloatArray
+    residuals: tuple[FloatArray, ...]
+    noises: tuple[Noise, ...]
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+        return sum(noise.effective for noise in self.noises)
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom left: effective residuals less parameters."""
+        return self.effective - len(self.names)
+
+    @property
+    def sse(self) -> float:
+        """Sum of squared residuals over every sample, N^2."""
+        return float(sum(residual @ residual for residual in self.residuals))
+
+    @property
+    def samples(self) -> int:
+        """Number of residuals."""
+        return sum(noise.samples for noise in self.noises)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, N."""
+        return float(np.sqrt(self.sse / self.samples))
+
+    @property
+    def kappa(self) -> float:
+        """Samples per independent residual, over all records."""
+        return self.samples / self.effective
+
+    def statistics(self, weights: Sequence[float]) -> Residual:
+        """Statistics of the residuals; `weights` of the records in that of Durbin and Watson."""
+        watson = [noise.durbin_watson for noise in self.noises]
+        mean = float(np.average(watson, weights=weights)) if sum(weights) > 0 else 2.0
+        return Residual(self.samples, self.sse, self.rms, self.kappa, mean)
+
+    def standard_error(self, name: str) -> float:
+        """Standard error of a row."""
+        row = self.names.index(name)
+        return float(np.sqrt(self.covariance[row, row]))
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionEstimate(ParameterCovariance):
+    """A solution with its uncertainty.
+
+    Attributes
+    ----------
+    solution : Solution
+        The rows of `covariance` are its fixed columns, stiffnesses group by group, then ln tau.
+    directions : array, shape (p, r)
+        Those that all samples know, D: D D' is the inverse of their J'J.
+    noise_gain : float
+        How much more of the noise meets one of them than another.
+    """
+
+    solution: Solution
+    directions: FloatArray
+    noise_gain: float
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of one independent residual, N: the rms times root kappa."""
+        return float(np.sqrt(self.sse / self.effective))
+
+    def with_depth_doubt(
+        self, doubts: Sequence[float], stiffnesses: Mapping[str, float]
+    ) -> SolutionEstimate:
+        r"""Return the estimate with what the encoder's step leaves unknown of each depth.
+
+        A relative error :math:`\epsilon` of a depth scales every stiffness of its test, so that n
+        tests that share them add :math:`\overline{\epsilon^2} k k^T / n` to the covariance;
+        `stiffnesses` holds each by its row.
+        """
+        doubt = float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
+        change = np.array([doubt * stiffnesses.get(name, 0.0) for name in self.names])
+        return replace(self, covariance=self.covariance + np.outer(change, change))
+
+
+class Score(NamedTuple):
+    """One number of arms, judged."""
+
+    solution: Solution
+    bic: float
+    significant: bool
+
+
+def estimate_covariance(
+    solution: Solution,
+    every_sample: Sequence[DataBlock],
+    *,
+    peak: float,
+    priors: Sequence[DataBlock] = (),
+    encoders: Sequence[Encoder] | None = None,
+    others: Sequence[Callable[[FloatArray], FloatArray]] = (),
+    whole: Jacobian | None = None,
+    series: Sequence[ResidualSeries] = (),
+) -> SolutionEstimate:
+    """Return the solution's uncertainty from one block per record with a row per sample.
+
+    Parameters
+    ----------
+    solution : Solution
+    every_sample : sequence of DataBlock
+    peak : float
+        The largest force, N: it sets what rounding alone leaves.
+    encoders : sequence of Encoder, optional
+        Of each record, where the recorded motion is fitted.
+    priors : sequence of DataBlock
+        What was known before the data.
+    others : sequence of callable, optional
+        Of each record that has no encoder, as
+        :func:`~dashpot.numerics.inference.correlated_noise.sandwich` takes errors that are not
+        constant in time.
+    whole : Jacobian, optional
+        Of every sample and then of the priors, where it is known already.
+    series : sequence of Series, optional
+        The residual of each record, where its correlations are known already.
+    """
+    whole = whole or full_jacobian([*every_sample, *priors], solution)
+    every_residual, every_jacobian = split_by_record(whole, [*every_sample, *priors])
+    count = len(every_sample)
+    series, known_by = (
+        series or [*map(ResidualSeries, every_residual[:count])],
+        directions(every_jacobian),
+    )
+    noises = noises_of(series, known_by.columns[:count], peak=peak)
+    others = others or [
+        partial(encoder_rows, encoder=encoder, kernel=_build_relaxation_kernel(solution, block))
+        for encoder, block in zip(encoders or (), every_sample, strict=False)
+    ]
+    resolved_noises = [
+        Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors
+    ]
+    met = [
+        *map(known_by.compute_record_gain, range(len(every_jacobian)), [*noises, *resolved_noises])
+    ]
+    covariance = known_by.covariance(np.sum(met, axis=0), others=others)
+    residuals = tuple(residual_series.values for residual_series in series)
+    return SolutionEstimate(
+        whole.names, covariance, residuals, noises, solution, known_by.turn,
+        noise_gain_ratio(known_by, met[:count]),
+    )  # fmt: skip
+
+
+def split_by_record(
+    whole: Jacobian, every_sample: Sequence[DataBlock]
+) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
+    """Return residuals and Jacobians, one of each per record."""
+    cuts = np.cumsum([block.samples for block in every_sample])[:-1]
+    return tuple(np.split(whole.residual, cuts)), np.split(whole.matrix, cuts)
+
+
+def noises_of(
+    residuals: Sequence[FloatArray | ResidualSeries],
+    jacobians: Sequence[FloatArray | JacobianColumns],
+    *,
+    peak: float,
+) -> tuple[Noise, ...]:
+    """Return what the residuals of each record say about its noise."""
+    return tuple(
+        noise_of(residual, jacobian, rounding=rounding(peak))
+        for residual, jacobian in zip(residuals, jacobians, strict=True)
+    )
+
+
+def rounding(peak: float) -> float:
+    """Return the rms that rounding alone leaves of data with this largest force."""
+    return _ROUNDING * peak
+
+
+def _build_relaxation_kernel(solution: Solution, block: DataBlock) -> Kernel:
+    """Return the relaxation of the solid that one record sees."""
+    spring = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
+    return Kernel(
+        sum(solution.coefficient(name) for name in spring),
+        solution.arms[solution.groups.index(block.arm_group)],
+        solution.tau,
+    )
+
+
+def residual_of(solution: Solution, block: DataBlock) -> FloatArray:
+    """Return what a solution leaves of one record, a row per sample."""
+    rows = block.evaluate(solution.log_tau, False)
+    fixed = np.array([solution.coefficient(name) for name in block.fixed_names])
+    arms = solution.arms[solution.groups.index(block.arm_group)]
+    return np.asarray(rows.target - rows.fixed @ fixed - rows.arms @ arms)
+
+
+def score_solution(
+    solution: Solution,
+    blocks: Sequence[DataBlock],
+    every_sample: Sequence[DataBlock],
+    *,
+    effective: float,
+    peak: float,
+    priors: Sequence[DataBlock] = (),
+) -> Score:
+    """Judge one number of arms by BIC and by the significance of its arms.
+
+    Parameters
+    ----------
+    solution : Solution
+    blocks, every_sample : sequences of DataBlock
+        The compressed data, and all of it.
+    effective : float
+        Effective number of residuals, from the largest model tried.
+    peak : float
+        Largest force, N; sets what rounding alone leaves.
+    priors : sequence of DataBlock
+        What was known before the data.
+    """
+    floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).rounding_floor)
+    parameters = len(solution.fixed) + solution.arms.size + solution.order
+    criterion = bic(solution.sse, effective=effective, parameters=parameters, floor=floor)
+    if not solution.order:
+        return Score(solution, criterion, True)
+    information = directions([full_jacobian([*blocks, *priors], solution).matrix])
+
+    def is_significant(independent: float) -> bool:
+        variance = (solution.sse + floor) / max(independent - parameters, 1.0)
+        return _significant(solution, information.covariance(variance * information.gram))
+
+    # if every sample counted in full and it is not significant, or if only the slowest
+    # correlation counted and it is, the sandwich between the two need not be built
+    is_clear = is_significant(solution.samples) and (
+        is_significant(effective)
+        or _significant(
+            solution,
+            estimate_covariance(solution, every_sample, peak=peak, priors=priors).covariance,
+        )
+    )
+    return Score(solution, criterion, is_clear)
+
+
+def _significant(solution: Solution, covariance: FloatArray) -> bool:
+    first, arms = len(solution.fixed_names), solution.order
+    error = np.sqrt(np.diag(covariance))
+    k, se_k = solution.arms.ravel(), error[first : first + arms]
+    return significant(k, se_k, error[first + arms :])
+
+
+# Profile likelihoods where a standard error is no good guide to an interval.
+
+
+# below this SE(ln tau) the likelihood is Gaussian for all that intervals need
+WALD_SUFFICES = 0.05
+# the widest interval that a stored profile serves; where few residuals count, so that it would
+# take evidence beyond all measure, a usual one: a wider one is open
+_WIDEST_LEVEL, _USUAL_LEVEL, _MEASURE = 0.999, 0.95, 30.0
+
+
+def compute_profiles(
+    blocks: Sequence[DataBlock],
+    estimate: SolutionEstimate,
+    *,
+    every_sample: Sequence[DataBlock] | None = None,
+) -> tuple[Profile, ...]:
+    """Return the profiles of tau, k and b of every arm with SE(ln tau) >= 0.05, and of k_inf.
+
+    Parameters
+    ----------
+    blocks : sequence of DataBlock
+        The compressed data.
+    estimate : SolutionEstimate
+    every_sample : sequence of DataBlock, optional
+        The data with a row per sample, in the order of time: noise as slow as the arms is then
+        counted as each profile meets it.
+    """
+    solution = estimate.solution
+    if not solution.order or estimate.dof < 1.0:
+        return ()
+    k = solution.arms[solution.groups.index("k")]
+    doubtful = [
+        (number, int(j))
+        for number, j in enumerate(np.flatnonzero(k > 0), start=1)
+        if not estimate.standard_error(f"ln_tau_{j + 1}") < WALD_SUFFICES
+    ]
+    if not doubtful:
+        return ()
+    noise_gain = None if every_sample is None else _compute_noise_gain(every_sample, estimate)
+    scaling = _ProfileScaling(estimate, noise_gain)
+    fixed = len(solution.fixed_names)
+    targets = {}
+    if solution.coefficient("k_inf") > 0:
+        targets["k_inf"] = scaling.linear("k_inf")
+    for number, j in doubtful:
+        row = f"k_{j + 1}"
+        targets[f"k_{number}"] = scaling.linear(row)
+        targets[f"ln_tau_{number}"] = scaling.log_tau(j)
+        targets[f"ln_b_{number}"] = scaling.log_b(j, row, float(k[j]), fixed=fixed)
+    # a prior is a few rows already
+    stack = Stack(
+        [
+            compact_block(block, excess=BEYOND) if block.variance is None else block
+            for block in blocks
+        ]
+    )
+    widest, usual = (
+        t_quantile(value, estimate.dof) ** 2 for value in (_WIDEST_LEVEL, _USUAL_LEVEL)
+    )
+    limit = min(widest, max(1.1 * usual, _MEASURE))
+    results = walked(stack, solution, list(targets.values()), limit=limit)
+    return tuple(Profile(name, *result) for name, result in zip(targets, results, strict=True))
+
+
+def _compute_noise_gain(
+    every_sample: Sequence[DataBlock], estimate: SolutionEstimate
+) -> NoiseGain | None:
+    """Return the noise gain of each change of the model, None if it is about the same."""
+    if nearly_white(estimate.noises) or not noise_gain_differs(estimate.noise_gain):
+        return None
+    from dashpot.numerics.inference.correlated_noise import NoiseGain
+
+    return NoiseGain(every_sample, estimate.noises, estimate.solution)
+
+
+class _ProfileScaling:
+    """Steps and scales of profiles, so that each begins as its own covariance says."""
+
+    def __init__(self, estimate: SolutionEstimate, noise_gain: NoiseGain | None) -> None:
+        self.estimate = estimate
+        self.noise_gain = noise_gain
+
+    def linear(self, row: str) -> ProfileTarget:
+        index = self.estimate.names.index(row)
+        return self._scale_direction(Coordinate.LINEAR, index, self._unit(index))
+
+    def log_tau(self, arm: int) -> ProfileTarget:
+        index = self.estimate.names.index(f"ln_tau_{arm + 1}")
+        return self._scale_direction(Coordinate.LOG_TAU, arm, self._unit(index))
+
+    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> ProfileTarget:
+        gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
+        index = self.estimate.names.index(row)
+        gradient[index] = 1.0 / k
+        # the profile counts linear parameters, and b holds the arm's stiffness
+        return self._scale_direction(Coordinate.LOG_B, index - fixed, gradient)
+
+    def _unit(self, index: int) -> FloatArray:
+        unit = np.zeros(len(self.estimate.names))
+        unit[index] = 1.0
+        return unit
+
+    def _scale_direction(
+        self, coordinate: Coordinate, index: int, gradient: FloatArray
+    ) -> ProfileTarget:
+        used = gradient != 0.0
+        block = self.estimate.covariance[np.ix_(used, used)]
+        directions = self.estimate.directions
+        inverse = directions @ (directions.T @ gradient)
+        wide = float(gradient @ inverse)
+        if np.all(np.isfinite(block)):
+            variance = float(gradient[used] @ block @ gradient[used])
+        else:
+            variance = wide * self.estimate.spread**2
+        error = float(np.sqrt(variance))
+        scale = variance / wide if wide > 0 else self.estimate.spread**2
+        step = 0.7 * error
+        if coordinate is not Coordinate.LINEAR:
+            step = min(step, 0.5)
+        return ProfileTarget(
+            coordinate,
+            index,
+            step=max(step, 1e-9),
+            scale=max(scale, 1e-300),
+            relative_gain=self._relative_gain(inverse),
+        )
+
+    def _relative_gain(self, first: FloatArray) -> Callable[[FloatArray, FloatArray], float] | None:
+        noise_gain = self.noise_gain
+        if noise_gain is None:
+            return None
+        at_optimum = noise_gain.compute_step_gain(first)
+        return lambda beta, log_tau: noise_gain.at(beta, log_tau) / at_optimum
+
+
+# By how much the parameters of a fit follow what its rig may have added unseen.
+#
+# A fit is of the quiet rig, what is claimed of it of the doubtful one. A force c that no column of
+# the fit has, such as that of a crosshead that settles, moves its parameters by
+#
+# .. math:: \delta\theta = (J'J)^{-1} J' c
+#
+# with J the rows of the records and of what was known of offset, drift and delay. With c the
+# column
+# of one doubt times its standard deviation, :math:`\delta\theta\,\delta\theta'` is what it adds to
+# their covariance.
+
+
+class _TestColumns(NamedTuple):
+    """One test in rows of unit noise, a column each.
+
+    Derivatives by the solid's parameters and by the test's own coefficients, what was known of
+    these beforehand, and what the rig may add.
+    """
+
+    solid: FloatArray
+    private: FloatArray
+    known: FloatArray
+    unseen: FloatArray
+
+
+def compute_rig_sensitivity(
+    relaxations: Sequence[RelaxationData], solid: Solid, *, separate: bool = False
+) -> FloatArray:
+    """Return what each doubt of each test adds to the parameters of a solid fitted to them.
+
+    Parameters
+    ----------
+    relaxations : sequence of RelaxationData
+        With what their rigs may add (`RelaxationData.unseen`), and as the solid was fitted.
+    solid : Solid
+        Its parameters are k_inf, every k, every ln tau, or those of a fractional solid; N/m and s.
+    separate : bool
+        Each test has stiffnesses of its own, one test's below another's, and the relaxation times
+        are those of all.
+
+    Returns
+    -------
+    array, shape (p, d)
+        One standard deviation a column; all are independent.
+    """
+    all_columns = [_evaluate_test_columns(data, solid) for data in relaxations]
+    whole = all_columns[0].solid.shape[1]
+    stiff = 1 + solid.maxwell.arms if separate else 0
+    value = whole + stiff * (len(all_columns) - 1)
+    shared = np.arange(value - whole + stiff, value)
+    width = value + sum(column.private.shape[1] for column in all_columns)
+    jacobians, first = [], value
+    for i, item in enumerate(all_columns):
+        rows, here = len(item.solid), slice(first, first + item.private.shape[1])
+        J = np.zeros((rows + len(item.known), width))
+        J[:rows, np.r_[i * stiff : (i + 1) * stiff, shared]] = item.solid
+        J[:rows, here], J[rows:, here] = item.private, item.known
+        jacobians.append(J)
+        first = here.stop
+    information = directions(jacobians)
+    moves = [
+        information.turn @ (columns.matrix[: len(column.unseen)].T @ column.unseen)
+        for column, columns in zip(all_columns, information.columns, strict=True)
+    ]
+    return np.hstack(moves)[:value]
+
+
+def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
+    model, adds = solid.maxwell, data.unseen
+    values = np.zeros(0) if adds is None else adds.log_tau
+    # arms of a fractional solid lie beyond what a record shows, too: there they are all alike
+    base, arms = np.unique(
+        np.clip(np.log(model.tau), *np.log(data.block.window)), return_inverse=True
+    )
+    # coordinates may change from call to call: all that is compared is of one
+    evaluation = data.block.evaluate(np.concatenate((base, values)))
+    kinds = [kind_of(name) for name in data.block.fixed_names]
+    spring = kinds.index("k_inf")
+    columns = np.column_stack(
+        (
+            evaluation.fixed[:, spring],
+            evaluation.arms[:, arms],
+            evaluation.d_arms[:, arms] * model.k,
+        )
+    )
+    if isinstance(solid, FractionalZener):
+        columns = columns @ solid.arm_gradient()
+    private = [i for i in range(len(kinds)) if i != spring]
+    quiet = replace(data.terms, known={**data.terms.known, "drift": data.drift})
+    rows = quiet.rows(data.block, 1 / data.weight)
+    matrix = np.zeros((rows.samples, len(kinds)))
+    matrix[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
+        np.zeros(0)
+    ).fixed
+    unmeasured = np.zeros((len(columns), 0))
+    if adds is not None:
+        unmeasured = adds.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
+    if "drift" in kinds:
+        # of the drift itself, what the fit holds to be less than it may be
+        more = data.terms.known["drift"].beyond(data.drift)
+        drift = replace(data.terms, known={"drift": more})
+        unmeasured = np.hstack(
+            (unmeasured, drift.doubts(evaluation.fixed, data.block.fixed_names)[0])
+        )
+    return _TestColumns(
+        data.weight * columns,
+        data.weight * evaluation.fixed[:, private],
+        data.weight * matrix[:, private],
+        data.weight * unmeasured,
+    )
+
+
+def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
+    r"""Return what late forces add to the parameters of a solid fitted to holds, shape (p, 1).
+
+    A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The end of a ramp
+    is as late as the clocks are apart, and as the encoder's step leaves it.
+    """
+    late = [
+        np.hypot(
+            delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
+        )
+        for test in tests
+    ]
+    k, tau = np.asarray(model.k), np.asarray(model.tau)
+    change = np.concatenate(([0.0], k / tau, np.zeros(len(k))))
+    return np.asarray(np.sqrt(np.mean(np.square(late)) / len(tests)) * change)[:, None]

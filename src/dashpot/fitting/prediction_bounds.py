@@ -1,0 +1,488 @@
+"""How far a prediction may be off: by its parameters, and by arms that the test cannot see."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.option_fields import Method, get_choice_values
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import Kind
+from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
+from dashpot.fitting.admissible_spectra import (
+    AdmissibleSpectra,
+    compute_distance_range,
+    compute_transmissibility_range,
+    deviance_limit,
+)
+from dashpot.fitting.input_tests import Tests, ramp_holds
+from dashpot.fitting.relaxation_data import misfits
+from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.vibration.systems.frf_prediction import MassOnSeals
+
+# The parameters of a fit as a vector, and the solid of another vector.
+
+
+_LEAST_PART = 0.02
+"""Part of a stiffness that is left of it, however far it is moved."""
+
+
+class SolidParameters(NamedTuple):
+    """The parameters of a fit's solid by their names, and their covariance.
+
+    The covariance is zero for what the fit holds.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+
+
+def get_solid_parameters(fit: Fit) -> SolidParameters:
+    """Return the parameters of the solid, in the order of a covariance that is of them alone."""
+    solid = fit.solid
+    names: tuple[str, ...] = ELEMENT
+    if isinstance(solid, FractionalZener):
+        results = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
+    else:
+        model, dashpot = fit.model, "b" in fit.parameters
+        names = parameter_names(model.arms, dashpot=dashpot)
+        results = [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])]
+    here = [i for i, name in enumerate(names) if name in fit.parameters]
+    rows = [fit.parameters.index(names[i]) for i in here]
+    covariance = np.zeros((len(names), len(names)))
+    covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
+    return SolidParameters(names, np.array(results), covariance)
+
+
+def get_parameter_values(fit: Fit) -> FloatArray | None:
+    """Return the parameters in the order of the covariance; None where it is not of them."""
+    names, result, _ = get_solid_parameters(fit)
+    return result if names == fit.parameters else None
+
+
+def compute_covariance_axes(covariance: FloatArray) -> FloatArray:
+    """Return one standard error along each axis of a covariance, a row each, shape (p, p).
+
+    The sign of an axis is that of its first part that is not small: no library chooses it.
+    """
+    size, turn = np.linalg.eigh(covariance)
+    rows = (turn * np.sqrt(np.maximum(size, 0.0))).T
+    parts = np.abs(turn.T)
+    first = np.argmax(parts > 0.5 * parts.max(axis=1, keepdims=True), axis=1)
+    return np.asarray(rows * np.sign(turn.T[np.arange(len(first)), first])[:, None])
+
+
+def compute_covariance_root(covariance: FloatArray) -> FloatArray:
+    """Return the symmetric square root of a covariance, shape (p, p), which is the only one."""
+    size, turn = np.linalg.eigh(covariance)
+    return np.asarray((turn * np.sqrt(np.maximum(size, 0.0))) @ turn.T)
+
+
+def off_by_error(fit: Fit) -> tuple[Solid, ...]:
+    """Return the solid one standard error off, along each axis of the covariance.
+
+    None where no covariance is known; a stiffness is moved no nearer to 0 than 2 % of it.
+    """
+    here = get_parameter_values(fit)
+    if here is None or not np.isfinite(fit.covariance).all():
+        return ()
+    return tuple(
+        _build_solid(fit, here, here + by) for by in compute_covariance_axes(fit.covariance)
+    )
+
+
+def _build_solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
+    if fit.parameters == ELEMENT:
+        k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * here[:2])
+        alpha = float(np.clip(there[3], 0.05, 1.0))
+        return FractionalZener(float(k_0), float(k_inf), float(np.exp(there[2])), alpha)
+    arms = fit.model.arms
+    k = np.maximum(there[: 1 + arms], _LEAST_PART * here[: 1 + arms]).tolist()
+    tau = np.exp(there[1 + arms : 1 + 2 * arms])
+    order = np.argsort(tau)
+    return GeneralizedMaxwell(
+        k[0], tuple(k[1 + i] for i in order), tuple(tau[order].tolist()), fit.model.b
+    )
+
+
+def memory_of(solid: GeneralizedMaxwell) -> GeneralizedMaxwell:
+    """Return the arms of a solid over its stiffness at rest: a solid whose k_inf is 1.
+
+    Raises
+    ------
+    FitError
+        If it has no stiffness at rest.
+    """
+    if not solid.k_inf > 0:
+        raise FitError(
+            "the relaxation test found no stiffness at rest, so that its memory has no scale; "
+            "hold it longer"
+        )
+    return solid * (1 / solid.k_inf)
+
+
+DRAWS = 400
+SEED = 20061
+# what an unidentified ln tau or relative stiffness may do in a draw
+UNKNOWN = 3.0
+# the resonance is sought within this factor of the fit's own
+SOUGHT = 5.0
+# where the resonance may lie, to this part of a frequency
+PLACED = 1e-4
+# lines of that range, over which the height of the peak is sought
+PEAK_LINES = 61
+# and other lines within this factor of it
+ABOUT = 1.5
+
+
+def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -> StiffnessBounds:
+    """Limits of the stiffness that the standard errors of a fit allow, by seeded draws.
+
+    This is the formal band: it knows nothing of arms that the fit does not have.
+
+    Parameters
+    ----------
+    fit : Fit
+    frequency : array_like, shape (n,)
+        Hz, > 0.
+    level : float
+        Coverage.
+    """
+    f = _frequencies(frequency)
+    _level(level)
+    K = _draw_stiffnesses(fit, 2 * np.pi * f)
+    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
+    # a draw that bears nothing has no loss factor
+    borne = np.where(K == 0, stiffness, K)
+    return StiffnessBounds(
+        f,
+        _quantiles(K.real, stiffness.real, level),
+        _quantiles(K.imag, stiffness.imag, level),
+        _quantiles(borne.imag / borne.real, stiffness.imag / stiffness.real, level),
+        f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
+        "fit does not have are not in it",
+    )
+
+
+def unseen_arm_band(
+    fit: Fit,
+    tests: Tests,
+    frequency: npt.ArrayLike,
+    *,
+    level: float = 0.95,
+) -> StiffnessBounds:
+    r"""Widest limits of the stiffness over all non-negative spectra that the tests do not reject.
+
+    A spectrum is rejected if it leaves more than 1.3 times the squared Student quantile above the
+    best one, in units of the noise (:mod:`dashpot.fitting.admissible_spectra`).
+    Offset, drift and delay are as uncertain as their priors
+    (:mod:`dashpot.fitting.nuisance_priors`). Every line has its own limits: on simulated seals each
+    holds the truth in nearly 95 % of tests, line by line; all lines together are held less often.
+    The fit's own solid is within the limits, also where the tests would have more arms.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of these tests: gives their noise.
+    tests : RampHold, RelaxationTest or sequence of them
+    frequency : array_like, shape (n,)
+        Hz, > 0.
+    level : float
+        Coverage of each limit.
+    """
+    f = _frequencies(frequency)
+    spectra = _spectra(fit, tests, fastest=2 * np.pi * float(f[-1]), level=level)
+    limits = np.array([_limits(spectra, 2 * np.pi * at) for at in f])
+    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
+    storage, loss, factor = (
+        _holding(part, value)
+        for part, value in zip(
+            limits.transpose(1, 2, 0),
+            (stiffness.real, stiffness.imag, stiffness.imag / stiffness.real),
+            strict=True,
+        )
+    )
+    says = (
+        f"every spectrum of non-negative arms that the relaxation test does not reject at nearly "
+        f"{100 * level:g} %, line by line"
+    )
+    return StiffnessBounds(f, storage, loss, factor, says)
+
+
+def frf_band(
+    fit: Fit,
+    tests: Tests,
+    *,
+    mass: Quantity,
+    frequency: npt.ArrayLike,
+    seals: float = 1.0,
+    level: float = 0.95,
+    kind: Kind | str = Kind.ACCELERANCE,
+    coupled: float = 0.0,
+) -> FRFBounds:
+    r"""Limits of the response of a mass on `seals` seals, by both kinds of ignorance.
+
+    With :math:`|A| = \omega^2 / |n K^* - m\omega^2|`, the limits follow from the nearest and the
+    farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`; those of
+    :math:`|T| = |K^*| / |K^* - m\omega^2/n|` from its distances to the origin and that point. For
+    the unseen arms that set is convex, and known by its support in every direction asked. The
+    resonance lies where :math:`K' = m\omega^2/n` for one of them, its height between the largest
+    lower and the largest upper limit.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    tests : RampHold, RelaxationTest or sequence of them
+        What it was fitted to.
+    mass : float
+        kg.
+    frequency : array_like, shape (n,)
+        Hz, > 0.
+    seals, level : float
+    kind : Kind or str
+        An accelerance, 1/kg, or the transmissibility from a base that moves, relative or not.
+    coupled : float
+        Of mounts that weigh something, the mass that couples both ends, kg
+        (:mod:`dashpot.vibration.systems.frf_prediction`); of a transmissibility alone.
+    """
+    mass, kind = convert_to_si(mass, "mass"), Kind(kind)
+    if kind is not Kind.ACCELERANCE and not kind.over_base:
+        raise DataError(
+            f"limits of a {kind} are not known; expected accelerance or transmissibility, "
+            "relative or not"
+        )
+    f = _frequencies(frequency)
+    predicted = PredictedFRF(MassOnSeals(mass, seals, coupled=coupled), kind)
+    values, formal = _formal(fit, 2 * np.pi * f, predicted, level=level)
+    resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
+    fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
+    spectra = _spectra(fit, tests, fastest=fastest, level=level)
+
+    def limits(at: FloatArray) -> FloatArray:
+        omega = 2 * np.pi * at
+        reach = np.transpose([predicted.reach(spectra, item) for item in omega])
+        return _holding(reach, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega))
+
+    unmeasured = limits(f)
+    peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
+    height = None
+    if peak is not None and np.isfinite(peak[1]):
+        there = limits(np.linspace(*peak, PEAK_LINES))
+        about = (f > peak[0] / ABOUT) & (f < peak[1] * ABOUT)
+        low, high = np.concatenate((there, unmeasured[:, about]), axis=1).max(axis=1)
+        height = (float(low), float(high))
+    return FRFBounds(
+        frequency=f,
+        magnitude=values,
+        parameter=formal,
+        unseen=unmeasured,
+        peak_frequency=peak,
+        peak_height=height,
+        kind=kind,
+        says=f"{100 * level:g} % limits of a predicted {kind}: by the fit's standard errors, "
+        "and, nearly so and line by line, by every spectrum that the relaxation test does not "
+        "reject",
+    )
+
+
+def formal_frf_band(
+    fit: Fit, on: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
+) -> FloatArray:
+    """Lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
+
+    Parameters are those of :func:`frf_band`, but for the tests: arms that the fit does not have
+    are not in it.
+    """
+    omega = 2 * np.pi * _frequencies(frequency)
+    return _formal(fit, omega, PredictedFRF(on, kind), level=0.95)[1]
+
+
+@dataclass(frozen=True)
+class PredictedFRF:
+    """What is predicted of a mass on seals: see :func:`frf_band`."""
+
+    on: MassOnSeals
+    kind: Kind
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.on.mass) and self.on.mass > 0):
+            raise DataError(f"mass = {self.on.mass!r} kg; expected a number > 0")
+
+    @property
+    def _excited_mass(self) -> float:
+        """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
+        over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
+        return self.on.mass + self.on.coupled if over_base else 1.0
+
+    def magnitude(self, stiffness: ComplexArray, omega: FloatArray) -> FloatArray:
+        """Magnitude of the response on seals of one such stiffness each, shape (..., n)."""
+        away = np.abs(self.on.seals * stiffness - self.on.mass * omega**2)
+        with np.errstate(divide="ignore"):
+            if self.kind is Kind.TRANSMISSIBILITY:
+                return np.asarray(
+                    np.abs(self.on.seals * stiffness + self.on.coupled * omega**2) / away
+                )
+            return np.asarray(self._excited_mass * omega**2 / away)
+
+    def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
+        """Lowest and highest magnitude over all spectra that the tests do not reject."""
+        ratio = omega**2 / self.on.seals
+        if self.kind is Kind.TRANSMISSIBILITY:
+            return compute_transmissibility_range(
+                spectra, omega, self.on.mass * ratio, self.on.coupled * ratio
+            )
+        near, far = compute_distance_range(spectra, omega, self.on.mass * ratio)
+        ratio = ratio * self._excited_mass
+        # where a spectrum without loss may resonate, nothing limits the response
+        return ratio / far, ratio / near if near > 0 else np.inf
+
+
+def _formal(
+    fit: Fit, omega: FloatArray, predicted: PredictedFRF, *, level: float
+) -> tuple[FloatArray, FloatArray]:
+    """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
+    values = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
+    return values, _quantiles(
+        predicted.magnitude(_draw_stiffnesses(fit, omega), omega), values, level
+    )
+
+
+# -- draws ------------------------------------------------------------------------------------
+
+
+def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
+    """Complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
+    solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
+    if isinstance(solid, FractionalZener):
+        sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
+        k_inf, k_0, log_tau, alpha = _draws(mean, covariance, UNKNOWN * sizes).T[..., None]
+        k_inf = np.maximum(k_inf, 0.0)
+        power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
+        K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
+        return np.asarray(K + 1j * omega * solid.b)
+    sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
+    draws = _draws(mean, covariance, UNKNOWN * sizes)
+    N = fit.model.arms
+    k = np.maximum(draws[:, 1 : 1 + N], 0.0)
+    x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
+    K = np.maximum(draws[:, :1], 0.0) + (k[..., None] * (1j * x / (1 + 1j * x))).sum(axis=1)
+    b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), fit.model.b)
+    return np.asarray(K + 1j * omega * b)
+
+
+def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
+    """Normal draws of parameters, none known worse than `widest`, shape (draws, p)."""
+    variance = np.diag(covariance)
+    lost = ~np.isfinite(variance) | (variance > widest**2)
+    covariance[lost, :] = covariance[:, lost] = 0.0
+    covariance[lost, lost] = widest[lost] ** 2
+    normal = np.random.default_rng(SEED).standard_normal((DRAWS, len(mean)))
+    return np.asarray(mean + normal @ compute_covariance_root(covariance))
+
+
+def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
+    """Limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
+    low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2], axis=0)
+    return np.array([np.minimum(low, base), np.maximum(high, base)])
+
+
+# -- spectra ----------------------------------------------------------------------------------
+
+
+def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> AdmissibleSpectra:
+    _level(level)
+    records = ramp_holds(tests)
+    if not records:
+        raise DataError("no relaxation test: the unseen arms are those that such a test misses")
+    if fit.method not in get_choice_values(Method):
+        raise DataError(
+            f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
+            "relaxation test alone; give the fit of that test"
+        )
+    data = [relaxation_data(record, fit) for record in records]
+    spectra = AdmissibleSpectra(
+        data, fastest=fastest, limit=deviance_limit(level, fit.dof), extra=fit.few_arms.tau
+    )
+    spectra.validate_misfit(*misfits(data))
+    return spectra
+
+
+def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float]]:
+    storage, loss = spectra.stiffness_at(omega)
+    return [spectra.reach(storage), spectra.reach(loss), spectra.ratio_reach(loss, storage)]
+
+
+def _holding(limits: FloatArray, values: FloatArray) -> FloatArray:
+    """Limits, shape (2, n), that hold the fit itself."""
+    return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
+
+
+def _resonance(
+    spectra: AdmissibleSpectra, share: float, value: float
+) -> tuple[float, float] | None:
+    r"""Frequencies, Hz, at which :math:`K' = m\omega^2/n` for some spectrum; `share` is m/n.
+
+    None if every spectrum is softer or stiffer than that wherever it was sought, an upper end of
+    infinity if some are stiffer up to the highest frequency.
+    """
+
+    def excess(sign: float, omega: float) -> float:
+        storage, _ = spectra.stiffness_at(omega)
+        return (
+            float(storage @ spectra.find_extreme_spectrum(sign * storage)) / (share * omega**2) - 1
+        )
+
+    low, high = value / SOUGHT, value * SOUGHT
+    if excess(1, low) < 0 or excess(-1, high) > 0:
+        return None
+    ends = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
+    return ends[0] / (2 * np.pi), ends[1] / (2 * np.pi)
+
+
+def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Where a falling function passes zero: `low` if it begins below, inf if it ends above."""
+    at_low, at_high = excess(low), excess(high)
+    if at_low <= 0:
+        return low
+    if at_high > 0:
+        return np.inf
+    while high / low - 1 > PLACED:
+        # between the middle, which never fails, and a straight line, which is quick
+        middle = float(np.sqrt(low * high))
+        line = low * (high / low) ** (at_low / (at_low - at_high))
+        for at in (line, middle):
+            if low < at < high:
+                value = excess(at)
+                if value > 0:
+                    low, at_low = at, value
+                else:
+                    high, at_high = at, value
+    return float(np.sqrt(low * high))
+
+
+# -- frequencies ------------------------------------------------------------------------------
+
+
+def _frequencies(frequency: npt.ArrayLike) -> FloatArray:
+    f = samples("frequency", frequency)
+    if f[0] <= 0:
+        raise DataError(f"frequency[0] = {f[0]:g} Hz; a band needs frequencies > 0")
+    return f
+
+
+def _level(level: float) -> None:
+    if not 0 < level < 1:
+        raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")

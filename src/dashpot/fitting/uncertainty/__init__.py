@@ -1,1 +1,0 @@
-"""How well a fit is known, and what it leaves open."""

@@ -1,1 +1,0 @@
-"""The best stiffnesses and relaxation times of a stack of blocks."""

@@ -1,0 +1,691 @@
+"""Correlated noise: covariance of parameters under it, and a record in its metric."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IndexArray,
+    block_means,
+    cache_on_record,
+    find_fast_length,
+)
+from dashpot.numerics.design_matrices.block import DataBlock, design_rows
+from dashpot.numerics.design_matrices.data_compression import (
+    FEW_DIGITS,
+    FEW_RANK,
+    FEW_TIMES_PER_FOLD,
+    Kernels,
+)
+from dashpot.numerics.exponential_fit import Solution, full_jacobian
+from dashpot.numerics.log_tau_descent import Stack
+
+# How well least-squares parameters are known when neighbouring residuals say the same thing.
+#
+# The covariance of a least-squares estimate whose noise has the autocovariance
+# :math:`\gamma_l`, constant in time, is the Toeplitz sandwich
+#
+# .. math:: C = (J^T J)^{-1} \, J^T \Gamma J \, (J^T J)^{-1}, \qquad \Gamma_{ik} = \gamma_{|i-k|}
+#
+# The residuals tell their own :math:`\gamma_l`; it is cut where the sum of two neighbouring lags
+# first falls to zero (Geyer's initial positive sequence), beyond which it is noise itself.
+# Source: C. J. Geyer, Statistical Science 7 (1992) 473.
+
+
+# a direction whose share of the information is below this is a rounding error, not knowledge
+_SINGULAR = 1e-13
+# residuals of which so many count as one are too nearly white to be worth the question
+_NEARLY_WHITE = 3.0
+# noise as even as this costs least squares no more than a tenth of what the data know
+_EVEN_GAIN = 2.0
+# parameters per effective residual beyond which the fit's own part is given back lag by lag
+_WORTH_GIVING_BACK = 0.005
+_ROUNDS = 3
+# so few lags cost less one by one than by Fourier transforms
+_FEW_LAGS, _FEW_TERMS = 16, 8
+# most noise ends within this part of all lags, which costs two thirds of all
+_MOST_END = 1 / 3
+# frequencies that stay in cache
+_AT_ONCE = 4096
+# slow noise is sought in about so many means to a record, never of fewer samples than that; so many
+# times the scatter of its power under white noise is no chance: one white record in 100 has more
+_MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    r"""What the residuals of one record say about its noise.
+
+    Attributes
+    ----------
+    samples : int
+        Number of residuals n.
+    autocovariance : array, shape (lags,)
+        :math:`\gamma_0, \gamma_1, \ldots` up to the cut, in the residual's unit squared.
+    kappa : float
+        :math:`1 + 2\sum_{l>0} \gamma_l/\gamma_0`, at least 1: n / kappa residuals are worth
+        independent ones.
+    durbin_watson : float
+        :math:`\sum (r_i - r_{i-1})^2 / \sum r_i^2`: 2 if white, towards 0 if correlated.
+    """
+
+    samples: int
+    autocovariance: FloatArray
+    kappa: float
+    durbin_watson: float
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals, n / kappa."""
+        return self.samples / self.kappa
+
+    @property
+    def power(self) -> float:
+        """Sum of the autocovariance over all lags: what means over very many samples scatter by."""
+        return float(self.autocovariance[0] * self.kappa)
+
+
+class ResidualSeries:
+    """What a fit leaves of one record, in order of time, and its correlations, found once.
+
+    Attributes
+    ----------
+    values : array, shape (n,)
+    """
+
+    def __init__(self, values: FloatArray) -> None:
+        self.values = values
+
+    @cached_property
+    def sequence(self) -> tuple[FloatArray, FloatArray | None]:
+        """Its :func:`initial_sequence`."""
+        return initial_sequence(self.values)
+
+    @cached_property
+    def durbin_watson(self) -> float:
+        """Of neighbours, as a :class:`Noise` has it."""
+        steps = np.diff(self.values)
+        return float(steps @ steps / (self.values @ self.values))
+
+    @cached_property
+    def means(self) -> ResidualSeries:
+        """Its means over a few samples."""
+        return ResidualSeries(block_means(self.values, len(self.values) // _MEANS))
+
+
+class JacobianColumns:
+    """What a model can change in one record, column by column, and its Fourier transforms.
+
+    Attributes
+    ----------
+    matrix : array, shape (n, r)
+    shared : bool
+        The columns are orthonormal over all the records that were fitted together, of which this
+        is one: of each it takes but a part.
+    """
+
+    def __init__(self, matrix: FloatArray, *, shared: bool = False) -> None:
+        self.matrix, self.shared = matrix, shared
+        self._size, self._spectra = 0, np.zeros((0, 0), dtype=complex)
+
+    @cached_property
+    def gram(self) -> FloatArray:
+        """The inner products, shape (r, r)."""
+        return np.asarray(self.matrix.T @ self.matrix)
+
+    @cached_property
+    def even(self) -> FloatArray:
+        """What makes the columns orthonormal over all that was fitted with them, shape (r, s)."""
+        return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
+
+    @property
+    def absorbed_count(self) -> float:
+        """How many residuals of white noise the columns take out of this record."""
+        return float(np.trace(self.gram)) if self.shared else float(self.matrix.shape[1])
+
+    def means(self, few: int) -> JacobianColumns:
+        """Of means over a few samples."""
+        short = block_means(self.matrix.T, few).T
+        return JacobianColumns(np.sqrt(few) * short if self.shared else short, shared=self.shared)
+
+    def spectra(self, least: int) -> tuple[int, ComplexArray]:
+        """The transforms, a row each, padded to `least` samples or more, and to how many."""
+        if self._size < least:
+            self._size = find_fast_length(least)
+            rows = np.ascontiguousarray(self.matrix.T)
+            self._spectra = np.asarray(np.fft.rfft(rows, self._size))
+        return self._size, self._spectra
+
+
+def noise_of(
+    residual: FloatArray | ResidualSeries,
+    jacobian: FloatArray | JacobianColumns | None = None,
+    *,
+    rounding: float = 0.0,
+) -> Noise:
+    r"""Return what `residual`, shape (n,), says about its noise.
+
+    A fit takes the part of the noise that its columns span out of the residuals: with Q an
+    orthonormal basis of the Jacobian and S the sum of all :math:`\gamma_l`,
+
+    .. math:: E[\hat\gamma_l] = \gamma_l - \frac Sn \sum_k \sum_i Q_{ik} Q_{i+l,k}
+
+    to first order, which is given back; for white noise that is the usual n/(n - p). Of records
+    that were fitted together Q is the part of each in a basis of all.
+
+    A slow wander much smaller than the scatter of the samples is lost among their correlations,
+    though a sum of many lags of it is what the slow arms meet. So means over many samples, which
+    scatter less, are asked as well.
+
+    Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
+    """
+    series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
+    columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
+    fine = _estimate_noise(series, columns, rounding=rounding)
+    few = len(series.values) // _MEANS
+    if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
+        return fine
+    slow = None if columns is None else columns.means(few)
+    coarse = _estimate_noise(series.means, slow)
+    # a sum over so many lags of white means scatters by that
+    chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
+    if few * coarse.power <= (1 + _BY_CHANCE * chance) * fine.power:
+        return fine
+    return _join_noise_scales(fine, coarse.autocovariance, few)
+
+
+def _join_noise_scales(fine: Noise, slow: FloatArray, few: int) -> Noise:
+    """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
+    gamma, cut = fine.autocovariance, len(fine.autocovariance)
+    lag = np.arange(cut, max(few * len(slow), cut))
+    # between one mean and its neighbour it is at least what neighbours share
+    interpolated = np.interp(lag / few, np.arange(1, len(slow) + 1), np.append(slow[1:], 0.0))
+    joined = np.concatenate((gamma, interpolated))
+    return Noise(fine.samples, joined, _kappa(joined), fine.durbin_watson)
+
+
+def _estimate_noise(
+    series: ResidualSeries, columns: JacobianColumns | None, *, rounding: float = 0.0
+) -> Noise:
+    """What the correlations of neighbours say, up to the lag at which chance takes over."""
+    n = len(series.values)
+    retained, gamma = series.sequence
+    parameters = 0.0 if columns is None else columns.absorbed_count
+    whitened = n / max(n - parameters, 1.0)
+    if retained[0] <= rounding**2:
+        return Noise(n, retained[:1] * whitened, 1.0, 2.0)
+    kappa = _kappa(retained)
+    if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
+        if gamma is None:
+            gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
+        retained = _restore_autocovariance(gamma, kappa, columns)
+        if len(retained) == len(gamma) < n:
+            retained = _restore_autocovariance(autocovariance(series.values), kappa, columns)
+        kappa = _kappa(retained)
+    else:
+        retained = retained * whitened
+    return Noise(n, retained, kappa, series.durbin_watson)
+
+
+def _kappa(gamma: FloatArray) -> float:
+    return max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
+
+
+def _restore_autocovariance(
+    gamma: FloatArray, kappa: float, columns: JacobianColumns
+) -> FloatArray:
+    """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
+    n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
+    taken, retained = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
+    for _ in range(_ROUNDS):
+        provided = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
+        retained = provided[: geyer_cut(provided)]
+        if len(retained) == len(gamma) < n:
+            break
+        kappa = _kappa(retained)
+    return retained
+
+
+def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
+    r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
+    even = columns.even
+    size, spectra = columns.spectra(len(columns.matrix) + lags)
+    rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
+    for first in range(0, len(power), _AT_ONCE):
+        turned = even.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
+        squares = (turned * turned).sum(axis=0)
+        power[first : first + _AT_ONCE] = squares[::2] + squares[1::2]
+    return np.asarray(np.fft.irfft(power, size)[:lags])
+
+
+def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
+    r"""Return :math:`\gamma_l = \frac1n \sum_i r_i r_{i+l}`, l = 0 .. `lags` - 1, by one FFT each.
+
+    All n lags by default.
+    """
+    n = residual.shape[-1]
+    lags = n if lags is None else lags
+    size = find_fast_length(n + lags)
+    spectrum = np.fft.rfft(residual, size)
+    power = spectrum.real**2 + spectrum.imag**2
+    return np.asarray(np.fft.irfft(power, size)[..., :lags] / n)
+
+
+def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+    """Return :func:`autocovariance` up to :func:`geyer_cut`, and what of it was transformed.
+
+    Lag by lag while lags are few, and none transformed; all lags only if the part where most noise
+    ends does not show the cut.
+    """
+    n, values = len(residual), [float(residual @ residual)]
+    for lag in range(1, min(_FEW_LAGS, n - 1), 2):
+        # gamma_{lag - 1} is the first of the pair
+        values.append(float(residual[lag:] @ residual[:-lag]))
+        if values[-2] + values[-1] <= 0.0:
+            return np.array(values[: max(lag - 1, 1)]) / n, None
+        values.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
+    gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
+    if (cut := geyer_cut(gamma)) == len(gamma):
+        gamma = autocovariance(residual)
+        cut = geyer_cut(gamma)
+    return gamma[:cut], gamma
+
+
+def geyer_cut(gamma: FloatArray) -> int:
+    r"""Return how many lags to keep: up to the first :math:`\gamma_{2m}+\gamma_{2m+1} \le 0`."""
+    return int(geyer_cuts(gamma))
+
+
+def geyer_cuts(gamma: FloatArray) -> IndexArray:
+    """As :func:`geyer_cut`, of many autocovariances (..., n) at once."""
+    pairs = gamma[..., :-1:2] + gamma[..., 1::2]
+    positive = np.logical_and.accumulate(~(pairs <= 0.0), axis=-1).sum(axis=-1)
+    whole = positive == pairs.shape[-1]
+    return np.asarray(np.where(whole, gamma.shape[-1], np.maximum(2 * positive, 1)))
+
+
+def sandwich(
+    jacobians: Sequence[FloatArray] | Directions,
+    noises: Sequence[Noise],
+    *,
+    others: Sequence[Callable[[FloatArray], FloatArray]] = (),
+) -> FloatArray:
+    r"""Return the covariance of the parameters, shape (p, p), from one Jacobian per record.
+
+    Each record keeps its own noise: the middle of the sandwich is
+    :math:`\sum_r J_r^T \Gamma_r J_r`. `others` adds errors that are not constant in time: a
+    function for each record that makes, of columns of its Jacobian (n, r), their products (m, r)
+    with m independent errors of unit variance. A parameter that the data do not determine has an
+    infinite variance and no correlation.
+    """
+    information = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
+    return information.covariance(information.sum_noise_gain(noises), others=others)
+
+
+def noise_gain_ratio(information: Directions, met: Sequence[FloatArray]) -> float:
+    r"""Return how much more of the noise meets one direction of the parameters than another.
+
+    The ratio u of the largest to the smallest eigenvalue of :math:`(J^TJ)^{-1} J^T\Gamma J`: 1 for
+    white noise, and for any that is flat over the frequencies of the arms. Noise whose power
+    varies by a factor u leaves least squares an efficiency of :math:`4u/(1+u)^2` at worst, 0.89
+    at 2. Source: P. Bloomfield and G. S. Watson, Biometrika 62 (1975) 121.
+
+    Parameters
+    ----------
+    information : Directions
+    met : sequence of array, shape (r, r)
+        The noise of each record along them; further columns are no data.
+    """
+    if not information.turn.size:
+        return 1.0
+    turn, _ = _turn(np.sum([columns.gram for columns in information.columns[: len(met)]], axis=0))
+    shares = np.linalg.eigvalsh(turn.T @ np.sum(met, axis=0) @ turn)
+    return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
+
+
+def nearly_white(noises: Sequence[Noise]) -> bool:
+    """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
+    return all(noise.kappa <= _NEARLY_WHITE for noise in noises)
+
+
+def noise_gain_differs(ratio: float) -> bool:
+    """Return True if least squares is no fair judge of what meets so different amounts of noise."""
+    return ratio > _EVEN_GAIN
+
+
+def white(jacobian: FloatArray, variance: float) -> FloatArray:
+    """Return the covariance for independent residuals of this variance, shape (p, p)."""
+    information = directions([jacobian])
+    return information.covariance(variance * information.gram)
+
+
+def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
+    """Return J' Gamma J: a term a lag, or by Parseval's sum over the circulant around Gamma."""
+    jacobian, lags = columns.matrix, len(gamma)
+    n, _ = jacobian.shape
+    if lags == 1:
+        return np.asarray(gamma[0] * columns.gram)
+    if lags <= min(_FEW_TERMS, n) and _is_power(gamma):
+        form = gamma[0] * columns.gram
+        for lag in range(1, lags):
+            crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])
+            form += crossed + crossed.T
+        return np.asarray(form)
+    size, spectra = columns.spectra(n + lags - 1)
+    circulant = np.zeros(size)
+    circulant[:lags] = gamma
+    circulant[-(lags - 1) :] = gamma[:0:-1]
+    # a cut autocovariance need not be positive definite; a power spectrum must not be negative
+    spectrum = np.maximum(np.fft.rfft(circulant).real, 0.0)
+    twice = np.full(len(spectrum), 2.0)
+    twice[0] = 1.0
+    if size % 2 == 0:
+        twice[-1] = 1.0
+    # real and imaginary parts in turn, so that one real product serves both
+    rows, power = spectra.view(np.float64), np.repeat(spectrum * twice / size, 2)
+    form = np.zeros((len(rows), len(rows)))
+    for first in range(0, len(power), 2 * _AT_ONCE):
+        here = slice(first, first + 2 * _AT_ONCE)
+        form += (rows[:, here] * power[here]) @ rows[:, here].T
+    return form
+
+
+def _is_power(gamma: FloatArray) -> bool:
+    """True if a few lags are those of a positive power spectrum."""
+    power = np.fft.rfft(gamma, 64 * len(gamma)).real
+    return bool((2.0 * power > gamma[0]).all())
+
+
+class Directions(NamedTuple):
+    """The directions of the parameters that the data know, and what each does to the data.
+
+    Attributes
+    ----------
+    turn : array, shape (p, r)
+        Parameters by direction.
+    columns : tuple of Columns, shape (n, r)
+        The Jacobians along the directions: orthonormal but for rounding.
+    gram : array, shape (r, r)
+        Their inner products, which take the rounding into account.
+    lost : bool array, shape (p,)
+        Parameters with a part in what the data do not know.
+    """
+
+    turn: FloatArray
+    columns: tuple[JacobianColumns, ...]
+    gram: FloatArray
+    lost: BoolArray
+
+    def sum_noise_gain(self, noises: Sequence[Noise]) -> FloatArray:
+        """The noise along the directions, shape (r, r)."""
+        return np.asarray(
+            np.sum([*map(self.compute_record_gain, range(len(noises)), noises)], axis=0)
+        )
+
+    def compute_record_gain(self, record: int, noise: Noise) -> FloatArray:
+        """That of one record."""
+        return toeplitz_form(self.columns[record], noise.autocovariance)
+
+    def covariance(
+        self, gained: FloatArray, *, others: Sequence[Callable[[FloatArray], FloatArray]] = ()
+    ) -> FloatArray:
+        """The covariance of the parameters (p, p), infinite where the data say nothing."""
+        middle = gained.copy()
+        for shares, columns in zip(others, self.columns, strict=False):
+            row = shares(columns.matrix)
+            middle += row.T @ row
+        spread = np.linalg.solve(self.gram, self.turn.T)
+        covariance = spread.T @ middle @ spread
+        covariance[self.lost, :] = 0.0
+        covariance[:, self.lost] = 0.0
+        covariance[self.lost, self.lost] = np.inf
+        return np.asarray(covariance)
+
+
+def directions(
+    jacobians: Sequence[FloatArray], *, shared: bool = False, finely: bool = False
+) -> Directions:
+    """Turn Jacobians into orthonormal columns; `shared`, each record knows that it is one of some.
+
+    The normal equations square the condition number, and what one direction that is hardly known
+    loses to rounding would outweigh all that is known of the others. They only choose the
+    directions; what counts is taken from the turned columns. `finely`, what J'J no longer knows is
+    asked of J, whose rounding is the root of it: for data that are known to a millionth or better.
+    """
+    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
+    turn, lost = _turn(information)
+    if finely and lost.any():
+        turn, lost = _turn_finely(np.concatenate(jacobians))
+    # a row for each direction, as they are transformed
+    columns = tuple(
+        JacobianColumns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
+    )
+    gram = np.sum([column.gram for column in columns], axis=0)
+    return Directions(turn, columns, gram, lost)
+
+
+def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """The directions that J'J knows, orthonormal by it, and which parameters have lost a part."""
+    scale = np.sqrt(np.diag(information))
+    certain = scale > 0.0
+    scale = np.where(certain, scale, 1.0)
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) - np.diag(~certain * 1.0))
+    sharp = values > _SINGULAR * max(values[-1], 0.0)
+    dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
+    turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
+    return turn, ~certain | (dull > np.sqrt(_SINGULAR))
+
+
+def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """As :func:`_turn`, by the singular values of J itself."""
+    size = np.linalg.norm(jacobian, axis=0)
+    value = size > 0.0
+    scale = np.where(value, size, 1.0)
+    _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
+    sharp = values > _SINGULAR * values[0]
+    dull = np.abs(rows[~sharp]).max(axis=0, initial=0.0)
+    turn = rows[sharp].T / (values[sharp] * scale[:, None])
+    return turn, ~value | (dull > np.sqrt(_SINGULAR))
+
+
+# A record in the metric of its own noise.
+#
+# Every model of a record lies, to seven digits, in the span of its fixed columns G and of the
+# space
+# :math:`\Phi V` of its kernels (:mod:`dashpot.numerics.design_matrices.data_compression`),
+# :math:`[\Phi V,\, G] = QR`; what the data hold outside the span of Q no model can answer. With
+# :math:`\Gamma` the Toeplitz matrix of the noise's autocovariance,
+#
+# .. math:: C = Q'\Gamma Q = V \,\mathrm{diag}(c)\, V', \qquad
+#     \chi^2(\theta) = \sum_i \frac{\bigl(V'Q'(y - m(\theta))\bigr)_i^2}{\max(c_i, \gamma_0)}
+#
+# is the deviance of a model m in units of chi-square, and its least value is that of generalised
+# least squares: fast detail counts for more where the noise is slow. No direction is trusted
+# better
+# than white noise of the same variance would let it be: a filter leaves next to nothing above its
+# cut-off, and to believe that would let its transients decide.
+# So slow noise is as good as white above some frequency, and means over a few neighbours, which
+# keep
+# what is below it, stand for the record.
+# What a record holds beside the model, columns that are free or known to within a standard
+# deviation,
+# adds to that covariance too, and is taken out likewise (``marginal``).
+# Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
+
+
+# rows of a tall matrix that a cache holds
+AT_ONCE = 1024
+
+
+def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
+    """Return the data in coordinates whose noise is independent, of variance one at most.
+
+    Parameters
+    ----------
+    exact : DataBlock
+        Every sample a row, in the order of time.
+    noise : Noise
+        Of its residuals, with a positive variance.
+    """
+    basis = reduced_basis(exact, compute_averaging_length(noise))
+    variance, axes = _principal(basis, noise)
+    whiten = (axes / np.sqrt(variance)).T
+    return basis.block.transform_rows(lambda part: whiten @ part)
+
+
+def marginal(free: FloatArray, doubts: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return what makes noise of covariance 1 + C C' white, free columns projected out.
+
+    Parameters
+    ----------
+    free : array, shape (n, q)
+        Columns of which nothing is known.
+    doubts : array, shape (n, m)
+        C, known columns times their standard deviation.
+    """
+    private = np.linalg.qr(free)[0]
+    axes, stretch, _ = np.linalg.svd(doubts - private @ (private.T @ doubts), full_matrices=False)
+    shrink = 1 - 1 / np.sqrt(1 + stretch**2)
+
+    def white(columns: FloatArray) -> FloatArray:
+        residual = columns - private @ (private.T @ columns)
+        along = axes.T @ residual
+        return np.asarray(residual - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
+
+    return white
+
+
+class ReducedBasis(NamedTuple):
+    """A record in the coordinates of its models.
+
+    Attributes
+    ----------
+    basis : Columns, shape (n, r)
+        Q, orthonormal columns, a row for each mean over a few samples times the root of how many.
+    block : DataBlock
+        Q'y, Q'G and Q' phi, r rows.
+    """
+
+    basis: JacobianColumns
+    block: DataBlock
+
+
+def reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
+    """Return the span of a block that has every sample as a row, in the order of time.
+
+    Of means over `few` neighbours; found once.
+    """
+    bases = _bases(exact)
+    if few not in bases:
+        bases[few] = _make_reduced_basis(exact, few)
+    return bases[few]
+
+
+@cache_on_record
+def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
+    """Those that were found of a block, by how many neighbours are one."""
+    return {}
+
+
+def _make_reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
+    kernels = Kernels.from_window(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
+    target, fixed, *_ = exact.evaluate(np.zeros(0), False)
+
+    def means(columns: FloatArray) -> FloatArray:
+        return np.sqrt(few) * block_means(columns.T, few).T if few > 1 else columns
+
+    space = kernels.space(exact, means)
+    basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
+    rank = kernels.right.shape[1]
+    rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
+    return ReducedBasis(JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
+
+
+def compute_blockwise_qr(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Q and R of a tall matrix, by pieces that a cache holds."""
+    pieces = [np.linalg.qr(tall[i : i + AT_ONCE]) for i in range(0, len(tall), AT_ONCE)]
+    turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
+    basis, row, at = np.empty((len(tall), turn.shape[1])), 0, 0
+    for values, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
+        np.matmul(values, turn[at : at + columns], out=basis[row : row + rows])
+        row, at = row + rows, at + columns
+    return basis, factor
+
+
+class NoiseGain:
+    r"""The noise that meets a change d of the model, :math:`d'\Gamma d / d'd`.
+
+    Parameters
+    ----------
+    every_sample : sequence of DataBlock
+        One per record, every sample a row.
+    noises : sequence of Noise
+    solution : Solution
+        The model that changes.
+    """
+
+    def __init__(
+        self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
+    ) -> None:
+        pairs = zip(every_sample, noises, strict=True)
+        spans = [reduced_basis(block, compute_averaging_length(noise)) for block, noise in pairs]
+        blocks = [basis.block for basis in spans]
+        self._stack = Stack(blocks)
+        self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
+        self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
+        self._jacobian = full_jacobian(blocks, solution).matrix
+        self._model = self._evaluate_model(solution.beta, solution.log_tau)
+
+    def compute_step_gain(self, step: FloatArray) -> float:
+        """Return it for a small step of the parameters, in the order of the Jacobian."""
+        return self._compute_gain(self._jacobian @ step)
+
+    def at(self, beta: FloatArray, log_tau: FloatArray) -> float:
+        """Return it for the way to other linear parameters and relaxation times."""
+        return self._compute_gain(self._evaluate_model(beta, log_tau) - self._model)
+
+    def _evaluate_model(self, beta: FloatArray, log_tau: FloatArray) -> FloatArray:
+        return np.asarray(self._stack.evaluate(log_tau, derivative=False).phi @ beta)
+
+    def _compute_gain(self, change: FloatArray) -> float:
+        change = change / max(float(np.abs(change).max()), 1e-150)  # a walk may go very far
+        parts = np.split(change, self._cuts)
+        met = sum(
+            float(variance @ (axes.T @ part) ** 2)
+            for part, (variance, axes) in zip(parts, self._principal, strict=True)
+        )
+        return met / max(float(change @ change), 1e-300)
+
+
+def compute_averaging_length(noise: Noise) -> int:
+    r"""How many neighbours may count as one, a power of two.
+
+    Noise of correlation :math:`\kappa` falls to the power of white noise of its variance at some
+    :math:`1/(\pi\sqrt\kappa)` of a sample's frequency, for an autoregressive one: means over a
+    quarter of :math:`\sqrt\kappa` samples leave what is slower than that.
+    """
+    return 1 << max(int(np.log2(noise.kappa) / 2 - 2), 0)
+
+
+def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
+    """Return the variances of the noise along its principal axes, and these as columns."""
+    gamma, few = noise.autocovariance, compute_averaging_length(noise)
+    met = toeplitz_form(basis.basis, gamma if few == 1 else _average_autocovariance(gamma, few))
+    variance, axes = np.linalg.eigh(met)
+    return np.maximum(variance, gamma[0]), axes
+
+
+def _average_autocovariance(gamma: FloatArray, few: int) -> FloatArray:
+    """The autocovariance, of `few` lags at least, of means over neighbours, times their number."""
+    share = 1 - np.abs(np.arange(1 - few, few)) / few
+    # from the lag -(few - 1) on, and as far as any is left
+    both = np.concatenate((gamma[few - 1 : 0 : -1], gamma, np.zeros(2 * few)))
+    return np.asarray(np.convolve(both, share, "valid")[::few])

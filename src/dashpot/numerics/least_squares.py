@@ -1,0 +1,659 @@
+"""Least squares of models linear in some parameters: the problem of every fit and its descent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import Any, Generic, NamedTuple, Protocol, Self, TypeAlias, TypeVar
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.errors import DataError, FitError
+from dashpot.numerics.nonnegative_least_squares import solve_linear
+
+# From one start to the nearest optimum, by the steps of Levenberg and Marquardt.
+#
+# Whatever is minimised is a function of parameters of order one, such as logarithms, inside
+# bounds.
+# Everything linear is solved at every trial (:mod:`dashpot.numerics.least_squares`), so that
+# a trial is known by its sum of squares, its gradient J'r and its curvature J'J.
+
+
+LONGEST_STEP = 1.5
+TAIL = 1e-5
+NEAR = 0.1
+#: steps shorter than this change the gradient by rounding only
+ROUNDING = 1e-7
+#: Gauss-Newton that converges creeps when a step is more than this part of the last
+SLOW = 1e-3
+FINISHED = 1e-11
+#: so short a step changes the linear parameters in proportion, to rounding
+LINEAR = 1e-6
+#: what then may be left of theta
+REST = 1e-9
+#: what carries less, as a part, has faded: its steps are damped as if it carried that
+FADED = 1e-12
+#: after a step that was refused none goes farther than this part of it
+NEARER = 0.5
+#: after one, damping falls to this part a step, and not at all where a step gained less than this
+#: part of what it promised
+EASED, GAINED = 0.5, 0.75
+#: what was learned of the Hessian is dropped where the fall that it foretells is so far off
+MISTAKEN = 0.25
+#: a step so little damped promises what there is to gain
+DAMPED = 1e-3
+#: and by how much, in parts of it, the SSE may fall
+UNCHANGED = 1e-12
+#: so many steps with a coefficient of the wrong sign lead to none of the right one
+PATIENCE = 12
+
+T = TypeVar("T", bound="Trial")
+
+
+class Trial(Protocol):
+    """Parameters with everything linear solved.
+
+    `theta` (p,) and `beta` (q,); the sum of squares `sse`, infinite where the model says nothing;
+    `gradient` J'r (p,) and `curvature` J'J (p, p) of the reduced residual.
+    """
+
+    @property
+    def theta(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def beta(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def sse(self) -> Any: ...  # noqa: D102
+    @property
+    def gradient(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def curvature(self) -> FloatArray: ...  # noqa: D102
+    def ahead(self, step: FloatArray) -> Self: ...  # noqa: D102
+
+
+class Objective(NamedTuple, Generic[T]):
+    """What is minimised.
+
+    Attributes
+    ----------
+    at : callable
+        ``at(theta, last) -> trial``, `last` the trial that the descent stands at, None at first.
+    low, high : array, shape (p,)
+    floor : float
+        Sum of squares that no theta lowers.
+    rounding : float
+        Sum of squares below which a residual is rounding.
+    """
+
+    at: Callable[[FloatArray, T | None], T]
+    low: FloatArray
+    high: FloatArray
+    floor: float = 0.0
+    rounding: float = 0.0
+
+
+class LocalOptimum(NamedTuple, Generic[T]):
+    """Where a descent ended."""
+
+    point: T
+    evaluations: int
+    converged: bool
+
+
+def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
+    """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
+    return (new < old) | ((change < TAIL) & (new <= old * (1 + 1e-8) + rounding))
+
+
+def has_converged(change: Any, last: Any, fall: Any, sse: Any) -> Any:
+    """At the rate of the last undamped steps next to nothing is left, of theta and of the SSE."""
+    return (change <= LINEAR) & (change * change <= REST * last) & (fall <= UNCHANGED * sse)
+
+
+def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
+    objective: Objective[T],
+    start: FloatArray,
+    *,
+    wanted: BoolArray | None = None,
+    met: Callable[[FloatArray], bool] | None = None,
+    finished: float = FINISHED,
+    flat: float = 0.0,
+    damping: float = 1e-3,
+    limit: int = 60,
+) -> LocalOptimum[T] | None:
+    r"""Levenberg-Marquardt with steps of at most 1.5 in every parameter, inside the bounds.
+
+    Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
+    undamped step itself decides: the descent ends when it falls below `finished`, or when, at
+    the rate of the last steps, next to nothing is left of it, or when a step that promised no more
+    than rounding is refused. Where the residual is large J'J is
+    a poor Hessian and such steps only creep; what the gradients say it lacks is then learned
+    from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
+    1981, with the symmetric rank-one update).
+
+    A step that raises the SSE may only have left the floor of a valley that bends: it is taken if
+    one more from where it ends leads below the start (the watchdog of R. M. Chamberlain and others,
+    *Math. Programming Study* 16, 1982).
+
+    With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
+    descent on which coefficients that are `wanted` positive have long been negative, such as two
+    arms that merge with ever larger coefficients of opposite sign, ends there.
+
+    Returns None when it has `met` what is known already, or where the start cannot be evaluated.
+    """
+    at, low, high, floor, rounding = objective
+    bounds = low.tolist(), high.tolist()
+    here = at(np.minimum(np.maximum(start, low), high), None)
+    if here.sse == np.inf:
+        return None
+    lacking: FloatArray | None = None
+    last, wrong, refused, wary = np.inf, 0, np.inf, False
+    for count in range(2, limit + 2):
+        trial = _trial(here, lacking, damping, bounds)
+        step = trial - here.theta
+        change = max(map(abs, step.tolist()), default=0.0)
+        # much the step that was refused
+        while TAIL < NEARER * refused < change:
+            damping *= 10
+            trial = _trial(here, lacking, damping, bounds)
+            step = trial - here.theta
+            change = max(map(abs, step.tolist()), default=0.0)
+        refused = np.inf
+        fall, sse = abs(float(here.gradient @ step)), floor + here.sse
+        if change <= finished or (fall < flat * sse and damping <= DAMPED):
+            return LocalOptimum(here, count, True)
+        if damping < LINEAR and has_converged(change, last, fall, sse):
+            return LocalOptimum(here.ahead(step), count, True)
+        new = at(trial, here)
+        if here.sse < new.sse < np.inf and change >= TAIL:
+            # along a valley that bends the step ends on its side: from there to its floor
+            floored = at(_trial(new, None, damping, bounds), new)
+            if floored.sse < here.sse:
+                new, step = floored, floored.theta - here.theta
+                change = max(map(abs, step.tolist()))
+        if is_step_acceptable(new.sse, here.sse, change, rounding):
+            promised = -float(step @ (2 * here.gradient + here.curvature @ step))
+            short = wary and here.sse - new.sse < GAINED * promised
+            sure = change < TAIL or _foretold(lacking, here, new, step)
+            lacking = _update_hessian_correction(lacking, here, new, change, last) if sure else None
+            last, here = change, new
+            wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
+            damping *= (1.0 if short else EASED if wary else 0.1) * (change >= TAIL)
+        elif (change < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
+            return LocalOptimum(here, count, True)
+        else:
+            damping, refused, wary = 10 * max(damping, 1e-6), change, True
+        if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
+            return LocalOptimum(here, count, here.sse <= rounding)
+        if met is not None and met(here.theta):
+            return None
+    return LocalOptimum(here, limit, False)
+
+
+def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArray) -> bool:
+    """Whether what was learned of the Hessian foretells by how much a step lowers the SSE."""
+    if lacking is None:
+        return True
+    fall = -float(step @ (2 * old.gradient + (old.curvature + lacking) @ step))
+    return bool(abs(old.sse - new.sse - fall) <= MISTAKEN * fall)
+
+
+def _update_hessian_correction(
+    lacking: FloatArray | None, old: Trial, new: Trial, length: float, last: float
+) -> FloatArray | None:
+    """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
+    if not (ROUNDING < length < NEAR and length > SLOW * last):
+        return lacking
+    change = new.theta - old.theta
+    missed = new.gradient - old.gradient - new.curvature @ change
+    if lacking is not None:
+        missed = missed - lacking @ change
+    along = float(missed @ change)
+    if along * along <= 1e-16 * float((missed @ missed) * (change @ change)):
+        return lacking
+    update = np.outer(missed, missed) / along
+    return update if lacking is None else lacking + update
+
+
+def _trial(
+    point: Trial,
+    lacking: FloatArray | None,
+    damping: float,
+    bounds: tuple[list[float], list[float]],
+) -> FloatArray:
+    """Where the damped step ends; held is what presses against a bound or carries nothing."""
+    gradient, curvature, at = point.gradient, point.curvature, point.theta
+    scale = curvature.diagonal()
+    # an estimate that would turn the step uphill is no Hessian
+    if lacking is not None:
+        hessian = curvature + lacking
+        if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
+            curvature = hessian
+    ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
+    if _is_within_bounds(at, bounds, least=False) and all(scale.tolist()):
+        step = _solve_damped_step(curvature, gradient, ridge)
+    else:
+        low, high = map(np.array, bounds)
+        held = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
+        index = np.flatnonzero((scale > 0) & ~held)
+        step = np.zeros(len(gradient))
+        part = curvature[index[:, None], index]
+        step[index] = _solve_damped_step(part, gradient[index], ridge[index])
+    longest = max(map(abs, step.tolist()), default=0.0)
+    step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+    trial = at + step
+    return trial if _is_within_bounds(trial, bounds, least=True) else np.clip(trial, *bounds)
+
+
+def _is_within_bounds(
+    at: FloatArray, bounds: tuple[list[float], list[float]], *, least: bool
+) -> bool:
+    """True if no parameter sits at an end of its range or, at `least`, beyond one."""
+    pairs = zip(bounds[0], at.tolist(), bounds[1], strict=True)
+    if least:
+        return all(low <= value <= high for low, value, high in pairs)
+    return all(low < value < high for low, value, high in pairs)
+
+
+def _solve_damped_step(
+    curvature: FloatArray, gradient: FloatArray, ridge: FloatArray
+) -> FloatArray:
+    try:
+        return np.asarray(-np.linalg.solve(curvature + ridge * _unit(len(ridge)), gradient))
+    except np.linalg.LinAlgError:
+        return np.asarray(-gradient / (curvature.diagonal() + ridge))
+
+
+_unit = lru_cache(maxsize=64)(np.eye)
+
+
+def triangle(columns: FloatArray) -> FloatArray:
+    """The upper triangular factor of a matrix given by its columns, shape (c, n)."""
+    raw: FloatArray = np.linalg.qr(columns.T, mode="raw")[0]
+    c = len(columns)
+    return np.asarray(raw.T[:c] * _upper(c)[: raw.shape[1]])
+
+
+@lru_cache(maxsize=64)
+def _upper(size: int) -> FloatArray:
+    return np.triu(np.ones((size, size)))
+
+
+# Least squares of models that are linear in some parameters: the one problem of every fit.
+#
+# .. math:: y(\theta) = A(\theta)\,\beta + \text{noise}, \qquad
+#           l \le \theta \le h, \quad \beta_j \ge 0 \text{ where it must be}
+#
+# :math:`\beta` is solved at every trial and projected out of the slope (variable projection:
+# G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973; L. Kaufman, *BIT* 15, 1975). A model
+# with nothing linear in it has no columns, one with nothing else no :math:`\theta`. What was known
+# before the data is a row as any other; such rows come last.
+
+
+#: part of the data, in squares, that rounding leaves
+_NOTHING = 1e-22
+#: a descent that is worse by this factor after its first steps is not followed
+_CLEARLY = 2.0
+#: step of a coefficient for a difference, in parts of it
+_SMALL = 1e-5
+
+
+class Rows(NamedTuple):
+    """A model at one theta.
+
+    Attributes
+    ----------
+    y : array, shape (n,)
+        What is to be explained; what no coefficient changes stands in it with its sign turned.
+    A : array, shape (n, q)
+        The columns of beta.
+    slope : callable, optional
+        ``slope(beta)``, the derivative of ``A beta - y`` by theta, shape (n, p); else it is found
+        by differences.
+    """
+
+    y: FloatArray
+    A: FloatArray
+    slope: Callable[[FloatArray], FloatArray] | None = None
+
+
+Model: TypeAlias = Callable[[FloatArray], Rows]
+"""Rows at a theta; raises DataError where the model says nothing."""
+
+
+class Parameter(NamedTuple):
+    """One component of theta: its range, the size of a sensible step, that of a difference."""
+
+    low: float = -np.inf
+    high: float = np.inf
+    scale: float = 1.0
+    step: float = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A model, the range of theta, and which of beta must not be negative.
+
+    Attributes
+    ----------
+    model : callable
+        See :data:`Model`.
+    parameters : sequence of Parameter
+    positive : bool or array, shape (q,)
+    priors : int
+        How many rows, the last, are no data.
+    gauge : callable, optional
+        Of the thetas that are the same model, the one that is meant: ``gauge(theta) -> theta``.
+    """
+
+    model: Model
+    parameters: Sequence[Parameter] = ()
+    positive: bool | BoolArray = False
+    priors: int = 0
+    gauge: Callable[[FloatArray], FloatArray] | None = None
+
+    @cached_property
+    def bounds(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Low, high and scale of every theta."""
+        low, high, scale, _ = np.array(self.parameters, dtype=float).reshape(-1, 4).T
+        return low, high, scale
+
+    def at(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
+        """The best beta at a theta; `near` it only these coefficients are likely above zero."""
+        rows = self.model(theta)
+        beta, span = solve_linear(rows.A, rows.y, self.positive, near)
+        return Optimum(self, np.asarray(theta, dtype=float), beta, rows, span)
+
+    def solve(
+        self,
+        starts: Sequence[FloatArray] = (),
+        *,
+        most: int = 100,
+        rough: int = 0,
+        finished: float = FINISHED,
+        flat: float = 0.0,
+    ) -> Optimum | None:
+        """Return the best of the descents from some starts; None if the model is nowhere there.
+
+        Parameters
+        ----------
+        starts : sequence of array, shape (p,)
+        most : int
+            Steps of a descent.
+        rough : int
+            If given, those that are clearly worse after so many steps are not followed.
+        finished : float
+            Step, in sizes of a parameter, that ends a descent.
+        flat : float
+            Part of the cost that a step promises to lower it by, and ends a descent.
+        """
+        if not self.parameters:
+            return self.at(np.zeros(0))
+        optima = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
+        best = min(optima, key=lambda optimum: optimum.cost, default=None)
+        if best is None or not rough:
+            return best
+        near = [optimum.theta for optimum in optima if optimum.cost <= _CLEARLY * best.cost]
+        return self.solve(near, most=most, finished=finished, flat=flat)
+
+    def valleys(
+        self,
+        starts: Sequence[FloatArray],
+        *,
+        same: float = 0.0,
+        most: int = 100,
+        finished: float = FINISHED,
+        flat: float = 0.0,
+    ) -> list[Optimum]:
+        """Return where descents from some starts end, as :meth:`solve` asks of them.
+
+        One that comes nearer than `same`, in sizes of the parameters, to the end of another is not
+        followed.
+        """
+        optima: list[Optimum] = []
+        scale = self.bounds[2]
+
+        def is_repeat_optimum(theta: FloatArray) -> bool:
+            return any(np.abs(theta - optimum.theta / scale).max() < same for optimum in optima)
+
+        for start in starts:
+            if (
+                ended := self._run_descent(start, is_repeat_optimum, most, finished, flat)
+            ) is not None:
+                optima.append(replace(ended.point.optimum, stationary=ended.converged))
+        return optima
+
+    def held(self, index: int, value: float) -> Problem:
+        """The problem with one theta held."""
+        rest = [parameter for i, parameter in enumerate(self.parameters) if i != index]
+
+        def model(theta: FloatArray) -> Rows:
+            rows = self.model(np.insert(theta, index, value))
+            if (slope := rows.slope) is None:
+                return rows
+            return rows._replace(slope=lambda beta: np.delete(slope(beta), index, axis=1))
+
+        return replace(self, model=model, parameters=rest, gauge=None)
+
+    def _run_descent(
+        self,
+        start: FloatArray,
+        met: Callable[[FloatArray], bool],
+        most: int,
+        finished: float,
+        flat: float,
+    ) -> LocalOptimum[_AtTheta] | None:
+        """Where a descent from one start ends, in sizes of the parameters; None if met before."""
+        low, high, scale = self.bounds
+        low, high = low / scale, high / scale
+        first = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
+        objective = Objective(
+            lambda theta, last: first if last is None else self._evaluate_trial(theta, last),
+            low, high, rounding=first.rounding,
+        )  # fmt: skip
+        return descend(objective, first.theta, met=met, limit=most, finished=finished, flat=flat)
+
+    def _evaluate_trial(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
+        """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""
+        scale = self.bounds[2]
+        near = None if last is None else last.beta > 0
+        meant = theta * scale
+        try:
+            optimum = self.at(meant if self.gauge is None else self.gauge(meant), near)
+        except DataError:
+            return _AtTheta(theta, scale, None)
+        return _AtTheta(optimum.theta / scale, scale, optimum)
+
+
+class _AtTheta:
+    """An optimum at some theta, in sizes of the parameters, as a descent wants it."""
+
+    def __init__(self, theta: FloatArray, scale: FloatArray, optimum: Optimum | None) -> None:
+        self.theta, self.scale, self.found = theta, scale, optimum
+        self.sse = np.inf if optimum is None else optimum.cost
+        self.rounding = 0.0 if optimum is None else optimum.nothing
+
+    @property
+    def optimum(self) -> Optimum:
+        """It must be somewhere."""
+        if self.found is None:
+            raise FitError("the model says nothing of the record there")
+        return self.found
+
+    @property
+    def beta(self) -> FloatArray:
+        return self.optimum.beta
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        return self.optimum.gradient * self.scale
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        return self.optimum.curvature * np.outer(self.scale, self.scale)
+
+    def ahead(self, step: FloatArray) -> _AtTheta:
+        """The trial a short step away."""
+        theta = self.optimum.problem._evaluate_trial(self.theta + step, self)
+        return theta if theta.sse <= self.sse * (1 + 1e-8) + self.rounding else self
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """A theta with its best beta.
+
+    Attributes
+    ----------
+    problem : Problem
+    theta : array, shape (p,)
+    beta : array, shape (q,)
+    rows : Rows
+    span : callable
+        ``span()`` is `basis`.
+    stationary : bool
+        The descent ended for no want of steps.
+    """
+
+    problem: Problem
+    theta: FloatArray
+    beta: FloatArray
+    rows: Rows
+    span: Callable[[], FloatArray] = field(repr=False)
+    stationary: bool = True
+
+    @cached_property
+    def all_residuals(self) -> FloatArray:
+        """What is left of every row, priors too: y less the model."""
+        return np.asarray(self.rows.y - self.rows.A @ self.beta)
+
+    @property
+    def residual(self) -> FloatArray:
+        """What is left of the data, shape (n,)."""
+        return self.all_residuals[: len(self.all_residuals) - self.problem.priors]
+
+    @cached_property
+    def cost(self) -> float:
+        """Sum of squares of every row: what is minimised."""
+        return float(self.all_residuals @ self.all_residuals)
+
+    @property
+    def sse(self) -> float:
+        """Sum of squares of the data alone."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def nothing(self) -> float:
+        """Sum of squares that rounding leaves."""
+        return _NOTHING * float(self.rows.y @ self.rows.y)
+
+    @property
+    def free(self) -> BoolArray:
+        """Which of theta and beta may move: a coefficient that rests at zero does not."""
+        still = (self.beta == 0) & self.problem.positive
+        return np.concatenate((np.ones(len(self.theta), dtype=bool), ~still))
+
+    @property
+    def is_on_bound(self) -> bool:
+        """Whether a theta rests at an end of its range."""
+        low, high, _ = self.problem.bounds
+        return bool(((self.theta <= low) | (self.theta >= high)).any())
+
+    @property
+    def values(self) -> FloatArray:
+        """Theta, then beta."""
+        return np.concatenate((self.theta, self.beta))
+
+    def evaluate_model(self, values: FloatArray) -> FloatArray:
+        """A beta less y at other values of theta and beta: what moves with them."""
+        rows = self.problem.model(values[: len(self.theta)])
+        return np.asarray(rows.A @ values[len(self.theta) :] - rows.y)
+
+    @cached_property
+    def jacobian(self) -> FloatArray:
+        """Derivative of the model by theta, else by central differences, and by beta, (n, p+q)."""
+        return np.column_stack((self._slopes(central=True), self.rows.A))
+
+    @cached_property
+    def basis(self) -> FloatArray:
+        """Orthonormal, of the columns that carry weight, shape (n, r)."""
+        return self.span()
+
+    @cached_property
+    def projected_jacobian(self) -> FloatArray:
+        """Derivative of the residual by theta, less what beta takes over, shape (n, p)."""
+        J = self._slopes(central=False)
+        return np.asarray(self.basis @ (self.basis.T @ J) - J)
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """Half the slope of the cost by theta."""
+        return np.asarray(self.projected_jacobian.T @ self.all_residuals)
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Of Gauss and Newton, shape (p, p)."""
+        return np.asarray(self.projected_jacobian.T @ self.projected_jacobian)
+
+    @property
+    def steps(self) -> list[tuple[float, float]]:
+        """How far down and up theta, in its range, and beta move for a difference."""
+        results = []
+        for value, parameter in zip(self.theta.tolist(), self.problem.parameters, strict=True):
+            h = parameter.step * parameter.scale
+            results.append(
+                (-min(h, max(value - parameter.low, 0.0)), min(h, max(parameter.high - value, 0.0)))
+            )
+        row = _SMALL * np.maximum(np.abs(self.beta), 1e-300)
+        return results + [(-h, h) for h in row.tolist()]
+
+    def _slopes(self, *, central: bool) -> FloatArray:
+        if self.rows.slope is not None and len(self.theta):
+            return np.asarray(self.rows.slope(self.beta))
+        slopes = np.empty((len(self.all_residuals), len(self.theta)))
+        for i, (down, up) in enumerate(self.steps[: len(self.theta)]):
+            if central:
+                slopes[:, i] = (self._evaluate_shifted(i, up) - self._evaluate_shifted(i, down)) / (
+                    up - down
+                )
+            else:
+                far = up if up > -down else down
+                slopes[:, i] = (self._evaluate_shifted(i, far) + self.all_residuals) / far
+        return slopes
+
+    def _evaluate_shifted(self, i: int, far: float) -> FloatArray:
+        values = self.values
+        values[i] += far
+        return self.evaluate_model(values)
+
+
+def require_optimum(
+    problem: Problem,
+    starts: Sequence[FloatArray] = (),
+    *,
+    most: int = 100,
+    rough: int = 0,
+    finished: float = FINISHED,
+    flat: float = 0.0,
+) -> Optimum:
+    """Return the optimum, as :meth:`Problem.solve`; it must be there.
+
+    Raises
+    ------
+    FitError
+        If the model says nothing of the record from any start.
+    """
+    optimum = problem.solve(starts, most=most, rough=rough, finished=finished, flat=flat)
+    if optimum is None:
+        raise FitError("the model says nothing of the record from any start")
+    return optimum
+
+
+def solve_ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> Optimum:
+    """Return ordinary least squares: the optimum of a model that is linear throughout."""
+    return require_optimum(Problem(lambda _: Rows(y, A), positive=positive))
+
+
+def stack_real_rows(values: FloatArray | ComplexArray) -> FloatArray:
+    """Complex rows as real ones: real parts, then imaginary."""
+    return np.concatenate((values.real, values.imag))

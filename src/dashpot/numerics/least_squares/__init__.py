@@ -1,1 +1,0 @@
-"""Least squares of anything: coefficients that are solved, parameters that descend."""

@@ -1,0 +1,441 @@
+"""Least squares with coefficients that must not be negative, and how far data let them be."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from functools import partial
+from math import isfinite, isinf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.errors import FitError
+
+# Least squares with coefficients that must not be negative.
+#
+# At the optimum of :math:`x'Gx/2 - m'x`, x >= 0, every coefficient is either free with zero slope
+# or zero with slope :math:`m - Gx \le 0`. A few rounds exchange all that violate this together
+# (block
+# principal pivoting: L. F. Portugal, J. J. Judice, L. N. Vicente, *Math. Comp.* 63, 1994), which
+# finds most of the support of a spectrum of a hundred columns in three solves; from there the
+# active-set method of Lawson and Hanson (*Solving Least Squares Problems*, ch. 23), which cannot
+# cycle, needs some ten or twenty more. `scipy.optimize.nnls` saves half a millisecond of the one
+# that
+# this takes, and its import costs a hundred fits.
+
+
+ROUNDS = 3
+ZERO_SLOPE = 1e-11
+#: columns that are dependent; and so many that must not be negative, of which most carry nothing
+DEPENDENT_COLUMN, MANY = 1e-13, 8
+
+
+def solve_linear(
+    A: FloatArray,
+    y: FloatArray,
+    positive: bool | BoolArray = False,
+    near: BoolArray | None = None,
+) -> tuple[FloatArray, Callable[[], FloatArray]]:
+    r"""Return the beta that minimises |y - A beta|, and a basis of the columns that carry weight.
+
+    Which of the coefficients that must not be negative are zero is asked first where there are
+    many, else only if one of them is negative without. Of few the digits are those of a QR factor
+    of the others. Many are mostly so nearly dependent that such digits are rounding, down to their
+    signs, and to leave out what turns negative costs the optimum: theirs are those of the normal
+    equations, which leave as little. Of dependent columns the first carry the weight.
+
+    Parameters
+    ----------
+    A : array, shape (n, q)
+    y : array, shape (n,)
+    positive : bool or array, shape (q,)
+        Which coefficients must not be negative.
+    near : array, shape (q,), optional
+        Which coefficients are likely above zero: of many it spares most solves.
+
+    Returns
+    -------
+    beta : array, shape (q,)
+    basis : callable
+        ``basis()``, orthonormal, shape (n, r): found when asked for.
+    """
+    size = np.sqrt(np.einsum("ij,ij->j", A, A))
+    size[size == 0] = 1.0
+    unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
+    if int(must.sum()) > MANY:
+        beta = _solve_mixed_sign(unit, y, must, near)
+        carries = (beta > 0) | ~must
+        return beta / size, lambda: _solve_unit_columns(unit[:, carries], y)[1]
+    used, beta, sought = np.ones(len(must), dtype=bool), np.zeros(len(must)), False
+    while True:
+        beta[:] = 0.0
+        beta[used], basis = _solve_unit_columns(unit[:, used], y)
+        wrong = (beta < 0) & must
+        if not wrong.any():
+            break
+        used = used & ~wrong if sought else nonnegative_columns(unit, y, must)
+        sought = True
+    return beta / size, lambda: basis
+
+
+def _solve_mixed_sign(
+    unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None
+) -> FloatArray:
+    """The beta of many columns that must not be negative, the free ones taken off."""
+    if must.all():
+        return nonnegative(unit.T @ unit, unit.T @ y, near)
+    Q, factor = np.linalg.qr(unit[:, ~must])
+    A, beta = unit[:, must], np.zeros(len(must))
+    aside, along = Q.T @ A, Q.T @ y
+    A, residual = A - Q @ aside, y - Q @ along
+    beta[must] = nonnegative(A.T @ A, A.T @ residual, None if near is None else near[must])
+    beta[~must] = np.linalg.lstsq(factor, along - aside @ beta[must], rcond=DEPENDENT_COLUMN)[0]
+    return beta
+
+
+def _solve_unit_columns(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Least squares by columns of unit length, and a basis of those that carry weight."""
+    basis, factor = np.linalg.qr(A)
+    lost = np.ones(A.shape[1], dtype=bool)
+    lost[: len(factor)] = np.abs(factor.diagonal()) <= DEPENDENT_COLUMN
+    if not lost.any():
+        along = basis.T @ y
+        return np.linalg.solve(factor, along) if len(along) else along, basis
+    beta = np.zeros(A.shape[1])
+    beta[~lost], basis = _solve_unit_columns(A[:, ~lost], y)
+    return beta, basis
+
+
+def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = None) -> FloatArray:
+    """Return the x >= 0 that minimises x'Gx/2 - m'x, shape (n,).
+
+    On the normal equations: for starts, certificates and tables, not for final digits.
+
+    Parameters
+    ----------
+    gram : array, shape (n, n)
+        A'A, columns of A of comparable norm.
+    moment : array, shape (n,)
+        A'y.
+    near : array, shape (n,), optional
+        Which coefficients are likely above zero: it spares most solves.
+    """
+    count = len(moment)
+    ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
+    nothing = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
+
+    def solve_free_coefficients(free: BoolArray) -> FloatArray:
+        """The minimum over the free coefficients, of either sign, the others zero."""
+        index = np.flatnonzero(free)
+        x = np.zeros(count)
+        x[index] = np.linalg.solve(ridged[index[:, None], index], moment[index])
+        return x
+
+    free: BoolArray = moment > 0 if near is None else near.copy()
+    for _ in range(ROUNDS if near is None else 0):
+        x = solve_free_coefficients(free)
+        wrong = np.where(free, x < 0, moment - gram @ x > nothing)
+        if not wrong.any():
+            return x
+        free = free ^ wrong
+    x = solve_free_coefficients(free)
+    while (x[free] <= 0).any():
+        free = free & (x > 0)
+        x = solve_free_coefficients(free)
+    for _ in range(3 * count):
+        slope = np.where(free, -np.inf, moment - gram @ x)
+        enter = int(np.argmax(slope))
+        if slope[enter] <= nothing:
+            break
+        free[enter] = True
+        trial = solve_free_coefficients(free)
+        while (fall := free & (trial <= 0)).any():
+            # walk towards the trial until the first coefficient reaches zero
+            share = float((x[fall] / np.maximum(x[fall] - trial[fall], 1e-300)).min())
+            x = x + share * (trial - x)
+            leaving = fall & (x <= 1e-14 * np.abs(x).max(initial=0.0))
+            x[leaving] = 0.0
+            free &= ~leaving
+            trial = solve_free_coefficients(free)
+        x = trial
+    return x
+
+
+def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -> BoolArray:
+    """Return which columns carry weight in the least squares of y with `restricted` >= 0.
+
+    Active set on the triangular factor of the columns: full accuracy however many rows, shape (p,).
+    """
+    if len(phi) > phi.shape[1] + 1:
+        factor = np.asarray(np.linalg.qr(np.column_stack((phi, y)), mode="r"))
+        phi, y = factor[:, :-1], factor[:, -1]
+    scale = np.linalg.norm(phi, axis=0)
+    active: BoolArray = np.asarray(scale > 0)
+    for _ in range(4 * len(active)):
+        index = np.flatnonzero(active)
+        beta = np.linalg.lstsq(phi[:, index], y, rcond=None)[0]
+        worst = np.where(restricted[index], beta * scale[index], np.inf)
+        if len(worst) and worst.min() <= 0:
+            active[index[int(np.argmin(worst))]] = False
+            continue
+        dropped = np.flatnonzero(~active & restricted & (scale > 0))
+        if not len(dropped):
+            break
+        gain = phi[:, dropped].T @ (y - phi[:, index] @ beta) / scale[dropped]
+        if gain.max() <= 1e-10 * np.linalg.norm(y):
+            break
+        active[dropped[int(np.argmax(gain))]] = True
+    return active
+
+
+# The farthest non-negative coefficients that data do not reject.
+#
+# All :math:`s \ge 0` with :math:`|As - y|^2 \le \rho^2` are a convex set; a linear :math:`c's` is
+# largest at its edge. With P the columns that carry weight, :math:`A_P = QR`,
+# :math:`a = R^{-1}Q'y` and :math:`h = R^{-T}c_P`, the farthest point of that face is
+#
+# .. math:: s_P = a + \lambda R^{-1} h, \qquad \lambda^2 = (\rho^2 - |y - A_P a|^2) / h'h
+#
+# A primal active set walks towards it: a coefficient that would become negative leaves P, and the
+# column of the largest :math:`w = A'(y - As) + \lambda c` enters, until no w is positive, which
+# are
+# the conditions of the optimum. Every point on the way is feasible and none is worse than the one
+# before, so any earlier answer of the same set is a start. With c = 0 and no ball it is the method
+# of
+# Lawson and Hanson (*Solving Least Squares Problems*, ch. 23).
+#
+# The factor is that of the columns, never of their Gram matrix: neighbours on a fine grid of
+# relaxation times are parallel to six digits. A face does not hang on what is asked, and questions
+# of
+# neighbouring times or frequencies end on the same ones: each is factored once, and a column that
+# enters is made orthogonal to those that are there (twice: Daniel, Gragg, Kaufman and Stewart,
+# *Math. Comp.* 30, 1976, 772).
+
+
+#: a gain below this part of the data is rounding
+ZERO_GAIN = 1e-13
+#: walks per column, at most
+PATIENCE = 3
+#: what is left of a unit column that enters, below which its digits are rounding
+DEPENDENT_DIRECTION = 1e-9
+#: square of what a column may lose when another leaves by a reflection
+LOST = 1e-26
+#: faces that are remembered
+REMEMBERED = 512
+
+
+class ActiveSet(NamedTuple):
+    """Columns that carry weight, A_P = QR.
+
+    Attributes
+    ----------
+    active : array, shape (k,)
+        Which.
+    basis : array, shape (k, n)
+        Q'.
+    factor : array, shape (k, k)
+        R, which need not be triangular.
+    inverse : array, shape (k, k)
+        R^-1.
+    along : array, shape (k,)
+        Q'y.
+    rest : array, shape (n,)
+        What these columns leave of y.
+    least : float
+        Its square.
+    """
+
+    active: IndexArray
+    basis: FloatArray
+    factor: FloatArray
+    inverse: FloatArray
+    along: FloatArray
+    rest: FloatArray
+    least: float
+
+    def find_farthest_point(
+        self, aim: FloatArray | None, squared: float
+    ) -> tuple[FloatArray, float, FloatArray]:
+        """Return its farthest point, the multiplier (inf without an aim), and what is left of y."""
+        if aim is None or not len(self.active):
+            free = 0.0 if aim is None else np.inf
+            return np.asarray(self.inverse @ self.along), free, self.rest
+        h = aim[self.active] @ self.inverse
+        power = float(h @ h)
+        if power == 0.0:
+            return np.asarray(self.inverse @ self.along), np.inf, self.rest
+        multiplier = sqrt(max(squared - self.least, 0.0) / power)
+        step = multiplier * h
+        return self.inverse @ (self.along + step), multiplier, self.rest - step @ self.basis
+
+
+class NonnegativeConfidenceRegion:
+    """Columns A of unit length and data y, of which non-negative s are asked.
+
+    Parameters
+    ----------
+    columns : array, shape (n, m)
+        A, of unit columns.
+    target : array, shape (n,)
+        y.
+    least_gain : float
+        A walk ends where no column gains more, in the unit of y: 0 walks to the optimum.
+    """
+
+    def __init__(self, columns: FloatArray, target: FloatArray, least_gain: float = 0.0) -> None:
+        # a column is a row: so they are picked and factored
+        self._rows, self._target = np.ascontiguousarray(columns.T), target
+        self._nothing = max(ZERO_GAIN * sqrt(target @ target), least_gain)
+        self._met: OrderedDict[bytes, ActiveSet] = OrderedDict()
+
+    def least(self, start: FloatArray | None = None) -> FloatArray:
+        """Return the s >= 0 that minimises |A s - y|, shape (m,).
+
+        Parameters
+        ----------
+        start : array, shape (m,), optional
+            Non-negative; the columns where it is not zero are tried first.
+        """
+        return self._search_active_sets(
+            None, 0.0, np.zeros(len(self._rows)) if start is None else start
+        )
+
+    def find_farthest_point(self, aim: FloatArray, squared: float, start: FloatArray) -> FloatArray:
+        """Return the s >= 0 with |A s - y|^2 <= `squared` that maximises c's, shape (m,).
+
+        Parameters
+        ----------
+        aim : array, shape (m,)
+            c; only its direction counts.
+        squared : float
+            The square of the ball's radius.
+        start : array, shape (m,)
+            Any point of the set.
+
+        Raises
+        ------
+        FitError
+            If there are fewer rows than the answer has terms, or no finite one.
+        """
+        length = sqrt(aim @ aim)
+        if length == 0.0:
+            return start
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused
+            return self._search_active_sets(aim / length, squared, start)
+
+    def _search_active_sets(
+        self, aim: FloatArray | None, squared: float, start: FloatArray
+    ) -> FloatArray:
+        s, barred = start.copy(), list[int]()
+        face, entered = self._get_face(np.flatnonzero(s > 0)), -1
+        for _ in range(PATIENCE * len(self._rows)):
+            active = face.active
+            goal, multiplier, residual = face.find_farthest_point(aim, squared)
+            if len(active) and goal.min() <= 0:
+                s[active], mask = _as_far_as_allowed(s[active], goal)
+                # rounding let it enter: it would leave at once for ever
+                if entered >= 0 and s[entered] == 0.0:
+                    barred.append(entered)
+                face = self._get_cached_face(
+                    active[mask], partial(self._remove_columns, face, mask)
+                )
+                continue
+            s[active] = goal
+            gain = self._gain(residual, aim, multiplier)
+            gain[active] = gain[barred] = -np.inf
+            entered = int(gain.argmax())
+            if not gain[entered] > self._nothing:
+                break
+            if len(active) == len(self._target):
+                raise FitError(
+                    "the record has too few samples to say what it leaves open; record more"
+                )
+            more = np.concatenate((active, [entered]))
+            face = self._get_cached_face(more, partial(self._append_column, face, more))
+        if not isfinite(s.sum()):
+            raise FitError(
+                "the data bound nothing: they do not follow the motion that they are fitted "
+                "to; look whether each column is what it is taken for"
+            )
+        return s
+
+    def _gain(self, residual: FloatArray, aim: FloatArray | None, multiplier: float) -> FloatArray:
+        """Return what each column would add; any of the aim is a gain to a face that has none."""
+        if aim is not None and isinf(multiplier):
+            return aim.copy()
+        gain = np.asarray(self._rows @ residual)
+        return gain if aim is None else gain + multiplier * aim
+
+    def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
+        """Return the face of these columns, factored where it was not met before."""
+        key = np.sort(active).tobytes()
+        face = self._met.get(key)
+        if face is not None:
+            self._met.move_to_end(key)
+            return face
+        face = self._met[key] = factored()
+        if len(self._met) > REMEMBERED:
+            self._met.popitem(last=False)
+        return face
+
+    def _get_face(self, active: IndexArray) -> ActiveSet:
+        return self._get_cached_face(active, partial(self._build_face, active))
+
+    def _build_face(self, active: IndexArray) -> ActiveSet:
+        basis, factor = np.linalg.qr(self._rows[active].T)
+        return self._face(active, np.ascontiguousarray(basis.T), factor)
+
+    def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
+        along: FloatArray = basis @ self._target
+        rest: FloatArray = self._target - along @ basis
+        inverse = np.asarray(np.linalg.inv(factor))
+        return ActiveSet(active, basis, factor, inverse, along, rest, float(rest @ rest))
+
+    def _remove_columns(self, face: ActiveSet, mask: BoolArray) -> ActiveSet:
+        """Return a face with fewer columns."""
+        active, factor = face.active[mask], face.factor[:, mask]
+        if len(active) == len(mask) - 1:
+            # what only the one that leaves could add is turned to the last direction
+            mirror = face.inverse[int(mask.argmin())]
+            mirror = mirror / sqrt(mirror @ mirror)
+            mirror[-1] += 1.0 if mirror[-1] > 0 else -1.0
+            mirror *= sqrt(2.0 / (mirror @ mirror))
+            turned = factor - np.multiply.outer(mirror, mirror @ factor)
+            if turned[-1] @ turned[-1] <= LOST:
+                basis = face.basis - np.multiply.outer(mirror, mirror @ face.basis)
+                return self._face(active, basis[:-1], turned[:-1])
+        turn, factor = np.linalg.qr(factor)
+        return self._face(active, turn.T @ face.basis, factor)
+
+    def _append_column(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
+        """Return a face with one column more, the last."""
+        column, count = self._rows[active[-1]], len(face.active)
+        once = face.basis @ column
+        new = column - once @ face.basis
+        again = face.basis @ new
+        new -= again @ face.basis
+        length = sqrt(new @ new)
+        if not length > DEPENDENT_DIRECTION:
+            return self._build_face(active)
+        new /= length
+        basis = np.empty((count + 1, len(new)))
+        basis[:-1], basis[-1] = face.basis, new
+        factor, inverse = np.zeros((2, count + 1, count + 1))
+        factor[:-1, :-1], factor[:-1, -1], factor[-1, -1] = face.factor, once + again, length
+        inverse[:-1, :-1], inverse[-1, -1] = face.inverse, 1 / length
+        inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
+        along = float(new @ face.rest)
+        rest = face.rest - along * new
+        more = np.concatenate((face.along, [along]))
+        return ActiveSet(active, basis, factor, inverse, more, rest, float(rest @ rest))
+
+
+def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return the point on the way to `goal` where a first coefficient vanishes, and the others."""
+    way = zip(s.tolist(), goal.tolist(), strict=True)  # so few are faster one by one
+    shares = [(old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in way]
+    least = min(shares)
+    mask = np.array(shares) > least
+    return np.where(mask, s + least * (goal - s), 0.0), mask

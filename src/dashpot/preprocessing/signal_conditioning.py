@@ -1,0 +1,410 @@
+"""What is done to the samples of a record: filters, lines of hum, averages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.arrays import (
+    FloatArray,
+    block_means,
+    compute_single_dft,
+    find_fast_length,
+    make_cosine_sequence,
+    median,
+)
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Step
+from dashpot.base.units import format_quantity, parse_quantity
+from dashpot.datamodel.relaxation import Hum, RampHold
+from dashpot.signals.noise import evenly_sampled, scatter
+
+# Filters that a user may ask for.
+
+
+FILTER_STEP = "filter"
+_EXPECTED_FILTER = (
+    "expected 'lowpass:10Hz', 'lowpass:10Hz:causal', 'notch:50Hz', 'notch:50Hz:causal' or "
+    "'median:5'"
+)
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A filter for both channels of a record.
+
+    Attributes
+    ----------
+    kind : str
+        ``"lowpass"`` (Butterworth, 2nd order), ``"notch"`` (Q = 10) or ``"median"``.
+    cutoff : float
+        Hz; 0 for a median.
+    window : int
+        Samples of a median.
+    causal : bool
+        Run once, forwards, as a filter in an instrument does; else forwards and backwards,
+        which shifts nothing in time.
+    """
+
+    kind: Literal["lowpass", "notch", "median"]
+    cutoff: float = 0.0
+    window: int = 0
+    causal: bool = False
+
+    @property
+    def linear(self) -> bool:
+        """A linear filter on force and displacement alike leaves their relation as it was."""
+        return self.kind != "median"
+
+    def __str__(self) -> str:
+        """As the user writes it."""
+        if self.kind == "median":
+            return f"median:{self.window}"
+        return f"{self.kind}:{self.cutoff:g}Hz" + (":causal" if self.causal else "")
+
+    def __call__(self, time: FloatArray, values: FloatArray) -> FloatArray:
+        """Return filtered `values`.
+
+        Raises
+        ------
+        DataError
+            If a linear filter meets uneven sampling, or a cut-off above half the rate.
+        """
+        from scipy import signal
+
+        if self.kind == "median":
+            from scipy.ndimage import median_filter
+
+            return np.asarray(median_filter(values, size=self.window, mode="nearest"))
+        rate = _even_rate(time, self)
+        if self.kind == "lowpass":
+            sections = signal.butter(2, self.cutoff, fs=rate, output="sos")
+        else:
+            sections = signal.tf2sos(*signal.iirnotch(self.cutoff, 10.0, fs=rate))
+        if not self.causal:
+            return np.asarray(signal.sosfiltfilt(sections, values))
+        settled = signal.sosfilt_zi(sections) * values[0]
+        return np.asarray(signal.sosfilt(sections, values, zi=settled)[0])
+
+
+def parse_filter(text: str) -> Filter:
+    """Return the filter that `text` names, such as ``"lowpass:10Hz"``.
+
+    >>> str(parse_filter("lowpass:10 Hz"))
+    'lowpass:10Hz'
+
+    Raises
+    ------
+    DataError
+        If it names none.
+    """
+    kind, _, rest = text.strip().partition(":")
+    value, _, mode = rest.partition(":")
+    if (
+        kind == "median"
+        and not mode
+        and value.strip().isdigit()
+        and int(value) % 2
+        and value != "1"
+    ):
+        return Filter("median", window=int(value))
+    if kind == "lowpass" and mode in {"", "causal"}:
+        return Filter("lowpass", cutoff=_cutoff(text, value), causal=bool(mode))
+    if kind == "notch" and mode in {"", "causal"}:
+        return Filter("notch", cutoff=_cutoff(text, value), causal=bool(mode))
+    raise DataError(f"filter '{text}' is not known; {_EXPECTED_FILTER} (a median of odd length)")
+
+
+def filter_record(test: RampHold, by: Filter) -> RampHold:
+    """The record with both channels behind a filter, and the record before it beside."""
+    step = Step(FILTER_STEP, (("filter", str(by)),), f"both channels are filtered by {by}")
+    return replace(
+        test,
+        force=by(test.time, test.force),
+        displacement=by(test.time, test.displacement),
+        given=None if test.given is None else by(test.time, test.given),
+        unfiltered=test,
+        steps=(*test.steps, step),
+    )
+
+
+def filter_of(test: RampHold) -> Filter | None:
+    """Return the filter that a record went through, None if it went through none."""
+    for step in test.steps:
+        if step.name == FILTER_STEP:
+            return parse_filter(dict(step.parameters)["filter"])
+    return None
+
+
+def _cutoff(text: str, value: str) -> float:
+    try:
+        cutoff = parse_quantity(value, "frequency")
+    except DataError as error:
+        raise DataError(f"filter '{text}': {error}; {_EXPECTED_FILTER}") from None
+    if cutoff <= 0:
+        raise DataError(f"filter '{text}': the cut-off must be above 0 Hz; {_EXPECTED_FILTER}")
+    return cutoff
+
+
+def _even_rate(time: FloatArray, by: Filter) -> float:
+    steps = np.diff(time)
+    usual = median(steps)
+    worst = int(np.argmax(np.abs(steps - usual)))
+    if abs(steps[worst] - usual) > 0.2 * usual:
+        raise DataError(
+            f"{by} needs even sampling, but the step after t = {time[worst]:.6g} s is "
+            f"{steps[worst]:.4g} s where {usual:.4g} s is usual; fit the raw record, or use a "
+            "median"
+        )
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    if by.cutoff >= rate / 2:
+        raise DataError(
+            f"{by} lies above half the sampling rate, {rate / 2:.4g} Hz; give a lower frequency, "
+            "or no filter"
+        )
+    return float(rate)
+
+
+# Long records: neighbouring samples averaged, in both channels alike.
+
+
+# samples that no fit needs more of
+ENOUGH_SAMPLES = 200_000
+# and of them at least so many on the ramp
+FEWEST_ON_THE_RAMP = 500
+
+
+def decimate(record: RampHold) -> RampHold:
+    r"""Average neighbouring samples of a record that is longer than any fit needs.
+
+    A mean over m samples is a filter that commutes with every linear solid,
+    :math:`\bar F = K * \bar x`, so the same solid answers the averaged motion with the averaged
+    force. Displacement in counts is read at the middle sample instead, where it stays in counts:
+    the mean differs from it by :math:`(m h)^2 \ddot x / 24`, h the sampling interval. Arms faster
+    than m h are out of reach; no ramp of 500 m samples or more shows them.
+    """
+    count = _count_neighbours(record)
+    if count == 1:
+        return record
+    time, force = block_means(record.time, count), block_means(record.force, count)
+    displacement = record.displacement[count // 2 : count * len(time) : count]
+    noise = record.displacement_noise
+    late = slice(int(np.searchsorted(time, record.ramp_end + record.hold_time / 10)), None)
+    if not record.encoder_step > 0:
+        displacement = block_means(record.displacement, count)
+        noise = scatter(time[late], displacement[late])
+    says = (
+        f"averaged each {count} of {len(record.time)} samples, force and displacement alike: "
+        "more than a fit needs, and any linear solid answers a mean with a mean"
+    )
+    return replace(
+        record,
+        time=time,
+        displacement=displacement,
+        force=force,
+        hold_end=min(record.hold_end, float(time[-1])),
+        force_noise=scatter(time[late], force[late]),
+        displacement_noise=noise,
+        given=None if record.given is None else block_means(record.given, count),
+        plate=None if record.plate is None else block_means(record.plate, count),
+        steps=(*record.steps, Step("average", (("samples", str(count)),), says)),
+    )
+
+
+def _count_neighbours(record: RampHold) -> int:
+    """How many samples become one, an odd number; one where averaging is no help or no mean."""
+    step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
+    most = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
+    count = min(len(record.time) // ENOUGH_SAMPLES, most)
+    in_counts_of_force = record.given is not None and record.encoder_step > 0
+    if count < 2 or in_counts_of_force or not evenly_sampled(record.time):
+        return 1
+    return count - 1 + count % 2
+
+
+# Hum: lines of one frequency in the force, from the mains or the machine, and their aliases.
+#
+# A line is no noise: it repeats, so it can be known. Over the hold, where the force is smooth, the
+# spectrum of the windowed force shows each as a peak far above its neighbourhood, and
+#
+# .. math:: F_h(t) = a\cos 2\pi f t + b\sin 2\pi f t
+#
+# follows from the windowed transform at its frequency; the frequency from the turn of its phase
+# between the two halves.
+#
+# A line that the plate has, too, is the answer of the seal to a servo that hunts: it stays, where
+# a
+# stiffness explains its size. The mains that both channels pick up are larger than that.
+
+
+# a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
+_STANDS_OUT = 40.0
+# bins of the neighbourhood on either side
+_NEIGHBOURS = 40
+# cycles per hold below which a line cannot be told from relaxation
+_FEWEST_CYCLES = 20.0
+_MOST_LINES = 8
+_FEWEST_SAMPLES = 400
+# a line of the plate, looked for at one frequency, stands out by so much: by chance once in 1e5
+_PLATE_STANDS_OUT = 12.0
+# a seal answers a vibration with at most so many times its stiffness in the hold
+_STIFFEST = 10.0
+# a line below this part of the scatter does nothing
+_TOO_SMALL = 0.02
+
+
+def hum_lines(
+    time: FloatArray,
+    force: FloatArray,
+    held: slice,
+    *,
+    noise: float,
+    displacement: FloatArray | None = None,
+) -> tuple[tuple[Hum, ...], FloatArray, bool]:
+    """Return the lines of a force, the strongest first, and their sum at all times, N.
+
+    And whether the force has lines that are its response to the plate.
+
+    Parameters
+    ----------
+    time : array, shape (m,)
+        s, of the whole record.
+    force : array, shape (n,)
+        N, over the hold, whose clock is uniform.
+    held : slice
+        The hold.
+    noise : float
+        Scatter of the force from sample to sample, N.
+    displacement : array, shape (n,), optional
+        m, of the same samples: lines of the force that are its response are no hum.
+    """
+    n, everywhere, time = len(force), time, time[held]
+    if n < _FEWEST_SAMPLES or noise == 0:
+        return (), np.zeros(len(everywhere)), False
+    step = (time[-1] - time[0]) / (n - 1)
+    window = _hann(n)
+    # a prime number of them takes ten times as long
+    bins = find_fast_length(n)
+    rest = _remove_trend(time, force)
+    stiffest = 0.0
+    if displacement is not None:
+        stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
+    del force  # of a long record each array weighs beside the transform
+    hums: list[Hum] = []
+    responds = False
+    for _ in range(_MOST_LINES):
+        windowed = window * rest
+        at = _find_strongest_line(
+            np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES))
+        )
+        if at is None:
+            break
+        frequency = _refine_frequency(rest, step, at / (bins * step))
+        c = _transform(windowed, step, frequency) * 2 / window.sum()
+        line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
+        if line.amplitude < _TOO_SMALL * noise:
+            break
+        if displacement is None or line.amplitude > stiffest * _plate_amplitude(
+            _remove_trend(time, displacement), window, step, frequency
+        ):
+            hums.append(line)
+        else:
+            responds = True
+        rest -= line.force(time)
+    total = np.zeros(len(everywhere))
+    for line in hums:
+        total += line.force(everywhere)
+    return tuple(hums), total, responds
+
+
+def white_noise(time: FloatArray, values: FloatArray) -> float:
+    r"""Return the standard deviation of the white noise of a channel over a hold, lines left out.
+
+    The median of the power of a windowed spectrum is :math:`\ln 2\,\sigma^2 \sum w^2`, whatever
+    lines stand in it.
+
+    Parameters
+    ----------
+    time, values : array, shape (n,)
+        On a uniform clock.
+    """
+    window = _hann(len(values))
+    windowed = window * _remove_trend(time, values)
+    power = np.abs(np.fft.rfft(windowed, find_fast_length(len(values)))) ** 2
+    return float(np.sqrt(median(power) / np.log(2) / (window @ window)))
+
+
+def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
+    """A channel less the straight line between its ends, which leaks most."""
+    ends = [values[:20].mean(), values[-20:].mean()]
+    return np.asarray(values - np.interp(time, time[[0, -1]], ends))
+
+
+def _plate_amplitude(
+    change: FloatArray, window: FloatArray, step: float, frequency: float
+) -> float:
+    """The amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
+    windowed = window * change
+    bins = find_fast_length(len(change))
+    power = np.abs(np.fft.rfft(windowed, bins)) ** 2
+    at = round(frequency * bins * step)
+    low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
+    level = median(power[low:high]) / np.log(2)
+    size = abs(_transform(windowed, step, frequency))
+    # a motion without noise has lines of rounding alone
+    rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
+    stands_out = size**2 > _PLATE_STANDS_OUT * level and size > rounding
+    return float(2 * size / window.sum()) if stands_out else 0.0
+
+
+def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
+    """Return what was taken off, as a step of the preparation; nothing if nothing was."""
+    if not lines:
+        return ()
+    listed = ", ".join(
+        f"{format_quantity(line.amplitude, 'mN', '.3g')} at {line.frequency:.5g} Hz"
+        for line in lines
+    )
+    parameters = tuple((f"{line.frequency:.6g} Hz", f"{line.amplitude:.6g} N") for line in lines)
+    return (Step("hum", parameters, f"hum taken off the force: {listed}"),)
+
+
+def _find_strongest_line(power: FloatArray, first: int) -> int | None:
+    """The bin that stands out of its neighbourhood most, if any does."""
+    if len(power) <= first + 2 * _NEIGHBOURS:
+        return None
+    blocks = len(power) // _NEIGHBOURS
+    ordered = np.sort(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
+    level = ordered[:, _NEIGHBOURS // 2]
+    # the median of the power of white noise is ln 2 of its mean
+    about = np.interp(
+        np.arange(len(power)), _NEIGHBOURS * (np.arange(blocks) + 0.5), level / np.log(2)
+    )
+    above = power / np.maximum(about, 1e-300)
+    above[:first] = 0.0
+    above[-2:] = 0.0
+    at = int(np.argmax(above))
+    return at if above[at] > _STANDS_OUT else None
+
+
+def _refine_frequency(rest: FloatArray, step: float, frequency: float) -> float:
+    """The frequency at which both halves have the same phase."""
+    half = len(rest) // 2
+    taper = _hann(half)
+    for _ in range(3):
+        first = _transform(taper * rest[:half], step, frequency)
+        second = _transform(taper * rest[half : 2 * half], step, frequency)
+        turn = np.angle(second * np.conj(first) * np.exp(-2j * np.pi * frequency * half * step))
+        frequency += float(turn) / (2 * np.pi * half * step)
+    return float(frequency)
+
+
+def _transform(values: FloatArray, step: float, frequency: float) -> complex:
+    return compute_single_dft(values, -2 * np.pi * frequency * step)
+
+
+def _hann(count: int) -> FloatArray:
+    """Hann's window, as numpy.hanning makes it with a cosine for each sample."""
+    return 0.5 - make_cosine_sequence(count, 2 * np.pi / (count - 1), 0.5)

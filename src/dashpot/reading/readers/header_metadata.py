@@ -1,0 +1,348 @@
+"""What a file's header states: the specimen's temperature and rest, an exponential window."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import accumulate
+from math import log
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import format_quantity
+from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
+from dashpot.datamodel.specimen import Specimen
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_units import split_unit
+from dashpot.reading.read_options import ReadOptions, flag
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.table import LoadedColumns
+
+# What the header of a file states of the specimen.
+
+
+_NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
+_LONGEST = 120
+_BESIDES = {
+    "test", "testing", "specimen", "sample", "chamber", "oven", "ambient", "room", "air", "mean",
+    "prüf", "proben", "prüfraum", "kammer", "raum",
+}  # fmt: skip
+"""Words beside which a temperature is that of the test; a set-point or a limit has others."""
+_RESTS = {"rest", "rested", "resting", "ruhezeit", "ruhe", "repos", "recovery", "erholung"}
+_BEFORE = {"before", "prior", "vor", "avant"}
+"""Words of a line that says how long a specimen was left alone before its record."""
+_AT = (["at"], ["bei"], ["@"], ["à"])
+"""Words of a title before the temperature of the block under it."""
+
+
+def add_specimen_temperature(
+    file: OpenedFile, specimen: Specimen, test: Sequence[Channel] | None = None
+) -> tuple[Specimen, list[str]]:
+    """Return the specimen with the temperature that the file says, and notes.
+
+    A column of temperature beside those of a `test` says it by its middle, and how far it rose;
+    else a line of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``,
+    which says nothing without a unit, with a range, or beside another that differs. What the user
+    gave stands.
+    """
+    recorded, several_columns = (None, []) if test is None else _load_temperature_column(file, test)
+    said_of, notes = _merge_stated_temperature(file, specimen, recorded)
+    return said_of, [*several_columns, *notes]
+
+
+def stated_rest(file: OpenedFile, specimen: Specimen) -> tuple[Specimen, list[str]]:
+    """Return the specimen with the rest before its record that the header says, and notes.
+
+    A line such as ``# rest before test: 10 min`` or ``Ruhezeit vor Versuch [s]; 600``; two that
+    differ say nothing.
+    """
+    entries = {
+        value: text
+        for value, text in _quantities(file.table.header, "time", _rest_before)
+        if value >= 0
+    }
+    if not entries:
+        return specimen, []
+    stated = f"the header says {' and '.join(repr(line) for line in list(entries.values())[:2])}"
+    if len(entries) > 1:
+        return specimen, [f"{stated}; no rest before the record is taken from it"]
+    rest = next(iter(entries))
+    return replace(specimen, rested=rest), [f"rest of {rest:g} s before the record: {stated}"]
+
+
+def _rest_before(name: str) -> bool:
+    words = set(vocabulary.tokens(name))
+    return bool(words & _RESTS and words & _BEFORE)
+
+
+def _merge_stated_temperature(
+    file: OpenedFile, specimen: Specimen, recorded: FloatArray | None
+) -> tuple[Specimen, list[str]]:
+    """The specimen with the temperature of a column, K, or else of the header, and notes."""
+    where = "the header"
+    entries = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
+    if recorded is not None:
+        where = "the file"
+        middle = round(median(recorded), 2)
+        entries = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
+        specimen = replace(specimen, warmed=_rise(recorded))
+    if not entries:
+        return specimen, []
+    text = f"{where} says {' and '.join(list(entries.values())[:2])}"
+    if specimen.temperature is not None:
+        others = [
+            entry for entry in entries if abs(entry - specimen.temperature) >= SAME_TEMPERATURE
+        ]
+        if not others:
+            return specimen, []
+        quantity = format_quantity(specimen.temperature, "degC")
+        return (
+            replace(specimen, stated_temperature=others[0]),
+            [f"{text}; the temperature is {quantity}, as given"],
+        )
+    if len(entries) > 1:
+        return specimen, [f"{text}; no temperature is taken from it"]
+    kelvin = next(iter(entries))
+    try:
+        resolved_specimen = replace(specimen, temperature=kelvin)
+    except DataError as error:
+        return replace(specimen, warmed=None), [f"{text}, which is not taken: {error}"]
+    return resolved_specimen, [f"temperature {format_quantity(kelvin, 'degC')}: {text}"]
+
+
+def _load_temperature_column(
+    file: OpenedFile, taken: Sequence[Channel]
+) -> tuple[FloatArray | None, list[str]]:
+    """Return the column of temperature of a test, K, if there is one beside those taken, and notes.
+
+    One without a unit is left alone, unless it was named; of several none is taken, with a note.
+
+    Raises
+    ------
+    ReadError
+        If the column was named and has no unit.
+    """
+    assignment, notes = channels.find_optional_column(file, "temperature")
+    if assignment is None or assignment.index in {channel.index for channel in taken}:
+        return None, notes
+    try:
+        (channel,) = channels.with_units(file, [assignment])
+    except ReadError:
+        if file.options.temperature is not None:
+            raise
+        return None, notes
+    loaded = channels.load(file.table, [channel.index], file.options.segment, sure=False)
+    kelvin = channels.si(loaded.values[:, 0], channel.unit)
+    kelvin = kelvin[np.isfinite(kelvin)]
+    return kelvin if len(kelvin) else None, [*notes, *channels.rivals(file, [channel])]
+
+
+def _rise(kelvin: FloatArray) -> float:
+    """By how much a straight line through the readings rises from the first to the last."""
+    since = np.linspace(-0.5, 0.5, len(kelvin))
+    square = float(since @ since)
+    return float(since @ kelvin) / square if square > 0 else 0.0
+
+
+def temperatures_of_segments(file: OpenedFile, loaded: LoadedColumns) -> FloatArray | None:
+    """Return the temperature of each row, K, if the lines over its segments state several.
+
+    A segment over which nothing is stated is as warm as the one before it.
+    """
+    stated = [
+        {kelvin for kelvin, _ in _temperatures(lines, titles=True)}
+        for lines in (file.table.header, *loaded.above[1:])
+    ]
+    several = len(set().union(*stated)) > 1
+    if not several or not stated[0] or any(len(kelvin) > 1 for kelvin in stated):
+        return None
+    lengths = np.diff((*loaded.starts, len(loaded.values)))
+    sums = accumulate((max(k, default=np.nan) for k in stated), _or_before)
+    return np.repeat(list(sums), lengths)
+
+
+def _or_before(before: float, stated: float) -> float:
+    return before if np.isnan(stated) else stated
+
+
+def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:
+    """Each temperature of a line of its own or at the end of a title, K, and the line."""
+    return _quantities(header, "temperature", _is_test_temperature, titles=titles)
+
+
+def _quantities(
+    header: tuple[str, ...],
+    dimension: units.Dimension,
+    named: Callable[[str], bool],
+    *,
+    titles: bool = False,
+) -> Iterator[tuple[float, str]]:
+    """Each quantity so `named` in a line of its own or at the end of a title, SI, and the line."""
+    for line in header:
+        text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
+        number = _NUMBER.search(text)
+        if number is None:
+            continue
+        name, inner = split_unit(text[: number.start()].rstrip(" :=;,|"))
+        behind = text[number.end() :].lstrip(" ;,|[(").split()
+        word = inner or (behind[0].rstrip(";,|])") if behind else "")
+        unit = units.find_unit(word, dimension)
+        titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
+        if unit is not None and (titled or (named(name) and (not inner or not behind))):
+            yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
+
+
+def _is_test_temperature(name: str) -> bool:
+    """Whether a name is a temperature and no more than that of the test."""
+    words = vocabulary.tokens(name)
+    heads = [word for word in words if word not in _BESIDES]
+    return len(heads) == 1 and any(
+        "temperature" in vocabulary.FIRST.get(spelling, ())
+        for spelling in (heads[0], *(heads[0].removeprefix(word) for word in _BESIDES))
+    )
+
+
+# What the header of a file states of an exponential window.
+#
+# Analysers multiply a response by :math:`e^{-at}` so that it dies within the record. A header says
+# so by the time constant 1/a, by the decay rate a, or by what the window leaves at the end of the
+# record.
+
+
+_DECAY_NUMBER = re.compile(r"(?<![\w.])[-+]?\d++(?:[.,]\d++)?+(?:[eE][-+]?\d++)?+")
+_LONGEST_COMMENT = 200
+_WINDOW = re.compile(r"window|fenster|fen[eê]tre|weighting|bewertung", re.IGNORECASE)
+_EXPONENTIAL = re.compile(r"\bexp(?:o\b|\b|[._ ]|onen)", re.IGNORECASE)
+_DECAY = re.compile(
+    r"decay|damping|d[aä]mpfung|abkling|time[ _]?const|zeitkonst|\btau\b|_tau|end[ _]?value"
+    r"|endwert",
+    re.IGNORECASE,
+)
+_OTHER_WINDOWS = re.compile(r"averag|mittel|moving|smooth|filter|coherence", re.IGNORECASE)
+_NO_WINDOW = re.compile(
+    r"\b(?:no|none|off|aus|kein\w*|false|not used|uniform|rectang\w*)\b", re.IGNORECASE
+)
+_RATE = re.compile(r"rate|1/s|s\^?-1|rad/s", re.IGNORECASE)
+_END = re.compile(r"end[ _]?value|endwert|%", re.IGNORECASE)
+
+
+class StatedWindow(NamedTuple):
+    """An exponential window that a file states.
+
+    Attributes
+    ----------
+    rate : float or None
+        Its decay a, 1/s; None where the file states the window and not how fast it decays.
+    says : str
+        The lines that state it.
+    """
+
+    rate: float | None
+    says: str
+
+
+def stated_window(header: Sequence[str], record: float | None = None) -> StatedWindow | None:
+    """Return the exponential window that the lines of a header state; None if they state none.
+
+    Parameters
+    ----------
+    header : sequence of str
+    record : float, optional
+        Length of a record, s: a window that is stated by its end value decays over that.
+    """
+    lines = [_strip_comment_marks(line) for line in header]
+    lines = [line for line in lines if _WINDOW.search(line) or _DECAY.search(line)]
+    lines = [line for line in lines if not _OTHER_WINDOWS.search(line)]
+    stated = [line for line in lines if _EXPONENTIAL.search(line) or _decaying_window(line)]
+    stated = [line for line in stated if not _NO_WINDOW.search(line)]
+    if not stated:
+        return None
+    rates = list(_decay_rates([*stated, *(line for line in lines if line not in stated)], record))
+    says = f"'{stated[0]}'"
+    if any(rate == 0 for rate in rates):
+        return None
+    if rates and max(rates) < 1.01 * min(rates):
+        return StatedWindow(rates[0], says)
+    return StatedWindow(None, says)
+
+
+def window_rate(
+    header: Sequence[str], options: ReadOptions, record: float | None = None
+) -> tuple[float | None, bool, tuple[str, ...]]:
+    """Return the decay rate of a window, 1/s, whether one is stated at all, and notes.
+
+    What the user says wins over the header; the rate is None where neither gives it.
+    """
+    if options.window_decay is not None:
+        rate = 1 / options.window_decay if options.window_decay > 0 else 0.0
+        return rate, rate > 0, ()
+    window = stated_window(header, record)
+    if window is None:
+        return None, False, ()
+    if window.rate is None:
+        return None, True, (f"the header states an exponential window: {window.says}",)
+    note = f"exponential window of {1 / window.rate:.4g} s: {window.says} in the header"
+    return window.rate, True, (note,)
+
+
+def refuse_unknown_window_rate(says: str) -> None:
+    """Ask for the time constant of a window that an FRF carries and its file leaves open.
+
+    Raises
+    ------
+    ReadError
+    """
+    raise ReadError(
+        f"{says}, and not how fast it decays; give its time constant, for example "
+        f"{flag('window_decay')} 2s, or {flag('window_decay')} 0s if the values are free of it"
+    )
+
+
+def _strip_comment_marks(line: str) -> str:
+    """A line without its marks."""
+    marks = " \t#%$!/*;'"
+    return " ".join(line[:_LONGEST_COMMENT].replace('"', " ").lstrip(marks).rstrip(" \t;'").split())
+
+
+def _decaying_window(line: str) -> bool:
+    """Whether a line gives a window a decay, which an exponential one alone has."""
+    return bool(_WINDOW.search(line) and _DECAY.search(line) and _DECAY_NUMBER.search(line))
+
+
+def _decay_rates(lines: Sequence[str], record: float | None) -> Iterator[float]:
+    """The decay rates that lines give, 1/s, each by its own number and unit."""
+    for line in lines:
+        number = _DECAY_NUMBER.search(re.sub(r"[\[(][^\])]*[\])]", " ", line))
+        if number is None or not (_DECAY.search(line) or _EXPONENTIAL.search(line)):
+            continue
+        value = float(number[0].replace(",", "."))
+        if value == 0:
+            yield 0.0
+        elif value > 0:
+            yield from _decay_rate(line, value, number[0], record)
+
+
+def _decay_rate(line: str, value: float, typed: str, record: float | None) -> Iterator[float]:
+    """The decay rate of one line; nothing where its unit does not show."""
+    words = re.findall(r"[\[(]([^\])]*)[\])]", line)
+    behind = line.partition(typed)[2].split()
+    words += [behind[0].strip("[]();,")] if behind else []
+    if _END.search(line):
+        part = value / 100 if "%" in line else value
+        if record is not None and 0 < part < 1:
+            yield -log(part) / record
+        return
+    for word in words:
+        unit = units.find_unit(word, "time")
+        if unit is not None:
+            yield 1 / (value * unit.factor)
+            return
+        if word.replace(" ", "") in {"1/s", "s^-1", "s-1", "1/sec", "rad/s", "/s"}:
+            yield value
+            return

@@ -1,0 +1,174 @@
+"""What a result gives of itself: its picture, its view in a notebook, a file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import singledispatch
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from dashpot import plot
+from dashpot.base.errors import ExportError
+from dashpot.base.file_writing import write_atomic
+from dashpot.base.option_fields import Drawn, get_choice_values
+from dashpot.base.serialisation import Serialisable
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.datamodel.vibration_tests import ImpactTest
+from dashpot.plot import Picture
+from dashpot.reading.readers.inspect import Inspection
+from dashpot.reading.write import write_frf, write_impact, write_relaxation
+from dashpot.registry import figure_of
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.workflow.frf_comparison import Agreement
+from dashpot.workflow.frf_prediction import Prediction
+from dashpot.workflow.identification import Identified
+from dashpot.workflow.measured_frf import Modes
+from dashpot.workflow.study import Study
+
+# A record or a result to a file, by how the file's name ends.
+
+
+_TABLES: dict[type, Callable[..., str]] = {
+    FRF: write_frf,
+    ImpactTest: write_impact,
+    RelaxationTest: write_relaxation,
+}
+"""What is written as a table that every tool here reads back."""
+
+
+def save(result: Any, path: str | Path) -> Path:
+    """Write a record or a result, and return where it stands.
+
+    ``.json``: its document, which ``dashpot.read`` takes back where it has a schema; ``.png``,
+    ``.svg``, ``.pdf``: its picture; ``.html``: its page; ``.csv``: its numbers.
+
+    Raises
+    ------
+    ExportError
+        If it has none of the kind that the name asks for, or the file cannot be written.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower().lstrip(".")
+    writers = {"json": _document, "html": _page, "csv": _table}
+    if suffix in get_choice_values(Drawn):
+        from dashpot.plot.figure_files import save as save_picture
+
+        save_picture(_picture(result), target)
+    elif suffix in writers:
+        text = writers[suffix](result, target.name)
+        try:
+            write_atomic(target, text.encode())
+        except OSError as error:
+            reason = error.strerror or error
+            raise ExportError(f"{target}: it cannot be written: {reason}") from None
+    else:
+        name = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
+        raise ExportError(f"{target.name}: a result is written as {name}. Name the file so")
+    return target
+
+
+def _picture(result: Any) -> Any:
+    if not hasattr(result, "plot"):
+        raise ExportError(f"a {type(result).__name__} has no picture. Write it as .json")
+    return result.plot()
+
+
+def _document(document: Any, name: str) -> str:
+    if not isinstance(document, Serialisable):
+        raise ExportError(f"{name}: a {type(document).__name__} has no document")
+    return json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _page(item: Any, name: str) -> str:
+    from dashpot.report import has_page, html
+
+    if not has_page(item):
+        raise ExportError(
+            f"{name}: a {type(item).__name__} has no page of its own. Write it as .json, or make a "
+            'report: dp.report(test, hits).save("report.html")'
+        )
+    return html(item)
+
+
+def _table(result: Any, name: str) -> str:
+    frf = getattr(result, "frf", None)
+    result = frf if isinstance(frf, FRF) else result
+    for kind, write in _TABLES.items():
+        if isinstance(result, kind):
+            return str(write(result))
+    if callable(getattr(result, "csv", None)):
+        return str(result.csv())
+    raise ExportError(f"{name}: a {type(result).__name__} has no table. Write it as .json")
+
+
+# A noun's own picture, and how a notebook shows it.
+
+
+@singledispatch
+def picture(result: object) -> Picture:
+    """Return the picture of a noun; that of a kind of test, or a door, is named in the register."""
+    draw = figure_of(result)
+    if draw is None:
+        raise TypeError(f"a {type(result).__name__} has no picture")
+    drawn: Picture = draw(result)
+    return drawn
+
+
+picture.register(Fit, plot.stiffness)
+picture.register(Comparison, plot.comparison)
+picture.register(Study, plot.hero)
+
+
+@picture.register
+def _(noun: Identified) -> Picture:
+    return plot.stiffness(noun.fit)
+
+
+@picture.register
+def _(noun: Modes) -> Picture:
+    return plot.frf(noun.frf, labels=("measured",), stamp=plot.stamp(noun.frf.source))
+
+
+@picture.register
+def _(noun: Agreement) -> Picture:
+    return plot.comparison(noun.comparison, band=noun.limits, interval=noun.interval)
+
+
+@picture.register
+def _(noun: Inspection) -> Picture:
+    names = [f"{column.name or column.number} [{column.unit or '?'}]" for column in noun.columns]
+    roles = [column.role for column in noun.columns]
+    stamp = f"{noun.file}{', SIMULATED' * noun.simulated}"
+    return plot.columns(names, roles, noun.course, stamp=stamp)
+
+
+def draw_prediction(
+    prediction: Prediction, *levels: FRF, labels: Sequence[str] = ("predicted",), **how: Any
+) -> Picture:
+    """Return the picture of a prediction, and of FRFs at levels."""
+    fit, rig = prediction.fit, {"mass": prediction.mass, "seals": prediction.seals}
+    return plot.frf(
+        prediction.frf,
+        *levels,
+        labels=labels,
+        band=prediction.limits,
+        interval=prediction.interval,
+        informed=fit.band,
+        stamp=plot.stamp(fit.source, fit.specimen, **rig),
+        **how,
+    )
+
+
+def html(result: object) -> str:
+    """Return a noun's words above its picture, as a piece of an HTML page."""
+    words = repr(result)
+    # pictures on one page must not share their ids
+    name = "n" + hashlib.sha256(words.encode()).hexdigest()[:12]
+    drawing = plot.to_svg(replace(picture(result), name=name))
+    return f"<div><pre>{escape(words)}</pre>{drawing}</div>"

@@ -1,0 +1,422 @@
+"""The pages of a solid over frequency, and of FRFs: measured, predicted, both compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dashpot import plot
+from dashpot.base.number_format import (
+    duration,
+    format_count,
+    format_with_error,
+    hertz,
+    round_to_error,
+    seals,
+)
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.plot.picture import Span
+from dashpot.report.figures import LEAD
+from dashpot.report.first_screen import NBSP, Row
+from dashpot.report.result_page import (
+    CollapsibleSection,
+    Group,
+    KindPage,
+    Topic,
+    format_specimen_header,
+    group,
+    lights,
+    row,
+)
+from dashpot.report.tables import TextTable
+from dashpot.workflow.frf_comparison import Agreement
+from dashpot.workflow.frf_prediction import Prediction
+from dashpot.workflow.identification import Identified
+from dashpot.workflow.measured_frf import Modes
+
+# The pages of what a mass does on its seals: measured, predicted, and both compared.
+
+
+_PEAK = frozenset({"prediction_informed", "seal_mass_negligible", "mass_of_a_block"})
+_RESONANCE = frozenset({
+    "resonance", "record_long_enough", "lines_in_half_power_band", "amplitude_linear",
+})  # fmt: skip
+
+
+def mode_rows(mode: Any) -> Iterator[Row]:
+    """The numbers of one mode."""
+    frequency, ratio, _ = mode.facts
+    yield row(frequency, "Natural frequency")
+    yield row(ratio, "Damping ratio")
+
+
+def modes_page(modes: Modes) -> KindPage:
+    """What the page of hits or FRFs holds."""
+    frf, first = modes.frf, next(iter(modes), None)
+    used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else format_count(1, "FRF")
+    top = f"to {round_to_error(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
+    topics = (
+        Topic("Hits" if frf.hits else "FRF", says=used),
+        Topic("Resonance", _RESONANCE,
+             "" if first is None else f"{round_to_error(first.frequency, digits=4)}{NBSP}Hz"),
+        Topic("Band", {"coherence", "hammer_excites", "mass_line", "scatter_known"}, top),
+    )  # fmt: skip
+    hits = tuple(
+        (hit.name, f"{hit.time:.3f}", round_to_error(hit.peak, digits=3),
+         round_to_error(convert_to_unit(hit.duration, "ms"), digits=3),
+         "accepted" if hit.accepted else f"rejected: {'; '.join(hit.reasons)}")
+        for hit in frf.hits
+    )  # fmt: skip
+    marks = tuple("" if hit.accepted else "bad" for hit in frf.hits)
+    head = ("hit", "time, s", "peak, N", "pulse, ms", "verdict")
+    fold = CollapsibleSection("Every hit", used, TextTable(head, hits, marks))
+    return KindPage(
+        about="hammer test" if frf.hits else "measured FRF",
+        strip=(("Hits", used), ("Averages", str(frf.averages)),
+               ("Lines", str(len(frf.frequency))),
+               ("Resolution", f"{frf.frequency[1] - frf.frequency[0]:.3g} Hz"),
+               ("Quantity", frf.quantity.value.replace("_", " "))),
+        lights=lights(modes.checks, *topics),
+        answers="Measured response",
+        picture=modes.plot(),
+        told=format_count(len(modes), "mode").capitalize(),
+        groups=tuple(Group(f"Mode {i}", tuple(mode_rows(mode)))
+                     for i, mode in enumerate(list(modes)[:4], start=1)),
+        sources=tuple(dict.fromkeys(frf.source)),
+        folds=(fold,) if hits else (),
+        name="modes",
+    )  # fmt: skip
+
+
+def prediction_page(prediction: Prediction) -> KindPage:
+    """What the page of a prediction holds."""
+    hz, height = prediction.peak
+    weight = (
+        f"{format_with_error(prediction.mass, 'g', digits=4)} on "
+        f"{format_count(int(prediction.seals), 'seal')}"
+        if prediction.seals == int(prediction.seals)
+        else format_with_error(prediction.mass, "g", digits=4)
+    )
+    peak: list[Row] = []
+    bounds = prediction.limits
+    for name, value, ends, unit in (
+        ("Largest at" if prediction.at_edge else "Peak frequency", hz,
+         None if bounds is None else bounds.peak_frequency, "Hz"),
+        ("Height", height, None if bounds is None else bounds.peak_height, ""),
+    ):  # fmt: skip
+        low, high = ends or (math.nan, math.nan)
+        final_row = row(ReportedValue(name, value, low, high, unit))
+        peak.append(
+            final_row._replace(unit=final_row.unit or prediction.frf.read, bound=ends is not None)
+        )
+    return KindPage(
+        about=f"prediction of {weight}",
+        strip=(*format_specimen_header(prediction.fit.specimen), ("Mass", weight),
+               ("Valid band", hertz(prediction.fit.band)), ("Fit", prediction.fit.identity[:8])),
+        lights=lights(prediction.checks, Topic("Test"),
+                      Topic("Peak", _PEAK, f"{round_to_error(hz, digits=4)}{NBSP}Hz"),
+                      Topic("Rest", {"compression_tested"}, "within the depth tested")),
+        answers="Predicted response",
+        picture=prediction.plot(),
+        told=f"{weight[:1].upper()}{weight[1:]}",
+        groups=(Group("Peak", tuple(peak)),
+                *(Group(f"Mode {i}", tuple(mode_rows(mode)))
+                  for i, mode in enumerate(prediction.modes[:3], start=1))),
+        note=("Hatched: what the relaxation test does not exclude." if bounds is not None else
+              "No bound is known without the record behind the fit.")
+        if prediction.limits is not None or prediction.interval is None else KindPage.note,
+        sources=tuple(dict.fromkeys(prediction.fit.source)),
+        name="prediction",
+    )  # fmt: skip
+
+
+def agreement_page(agreement: Agreement) -> KindPage:
+    """What the page of a prediction against a hammer holds."""
+    c = agreement.comparison
+    rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)
+                 for name, predicted, measured, _ in c.rows)  # fmt: skip
+    differ = tuple((name, predicted, measured, off) for name, predicted, measured, off in c.rows)
+    weight = f"{format_with_error(agreement.mass, 'g', digits=4)} on {seals(agreement.seals)}"
+    return KindPage(
+        about=f"prediction against the hammer, {weight}",
+        strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
+               ("Mass was", "found from the FRF" if agreement.mass_inferred else "given")),
+        lights=lights(agreement.checks, Topic("FRF"),
+                      Topic("Stiffness", {"stiffness_agrees"}, "agrees"),
+                      Topic("Damping", {"peak_agrees", "damping_agrees"}, "agrees")),
+        answers="Measured against predicted",
+        picture=agreement.plot(),
+        told="Predicted",
+        groups=(Group("", tuple(row._replace(unit=row.measured, measured="") for row in rows)),),
+        note="The last column is what the hammer measured.",
+        sources=tuple(dict.fromkeys(c.measured.source)),
+        folds=(CollapsibleSection("How far apart", c.lines,
+                    TextTable(("", "predicted", "measured", "difference"), differ)),),
+        name="comparison",
+    )  # fmt: skip
+
+
+# The page of a solid: stiffness and loss over frequency, its arms one by one.
+
+
+_LINES, _BEYOND, _BOUNDED = 41, 4.0, 3
+"""Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
+
+_FEW_ARMS = 6
+"""Of more the single arms stand in a fold: they mean little, and the screen is full."""
+
+OF_REST = frozenset({
+    "k_inf_known", "k_inf_positive", "k_inf_believable", "plateau_told", "end_level",
+    "strain_small", "hold_long_enough", "tangent_told", "stiffness_of_one_seal", "flow_told",
+    "creep_finished",
+})  # fmt: skip
+OF_LOSS = frozenset({
+    "fast_arm_visible", "frequencies_informed", "loss_positive", "kramers_kronig", "arms_distinct",
+    "arms_supported", "tau_inside_window", "arms_where_force_relaxes", "arms_identified",
+    "dashpot_not_missed", "few_arms_suffice",
+})  # fmt: skip
+_SHIFTS = frozenset({
+    "shifts_determined", "shift_monotone", "law_follows_shifts", "temperatures_in_line",
+    "glass_below_tests", "shifts_told_apart",
+})  # fmt: skip
+_CURVE = frozenset({
+    "overlap", "thermorheologically_simple", "vertical_shift_known", "vertical_rule_holds",
+})  # fmt: skip
+
+
+def solid_page(fit: Fit) -> KindPage:
+    """What the page of a fitted solid holds."""
+    return _make_solid_page(fit, fit)
+
+
+def identified_page(result: Identified) -> KindPage:
+    """And of one that was fitted to both tests."""
+    page = _make_solid_page(result, result.fit)
+    both = "relaxation" in result.fit.method or len(page.sources) > 1
+    modes = Group(
+        "Measured", tuple(r for mode in result.vibration.modes for r in mode_rows(mode.mode))
+    ) if result.vibration else None  # fmt: skip
+    return replace(
+        page,
+        about="one solid of both tests" if both else "the solid under a hammer",
+        groups=(*page.groups, *((modes,) if modes else ())),
+        sources=tuple(dict.fromkeys((*page.sources, *result.direct.of.source)))
+        if hasattr(result.direct.of, "source") else page.sources,
+        name="joint" if both else "fit",
+    )  # fmt: skip
+
+
+def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
+    """A page of a solid: stiffness and loss over frequency, its arms one by one."""
+    material, shifts = fit.unit == "Pa", fit.temperatures
+    name = "The material" if material else "One seal"
+    high = round_to_error(fit.band[1], digits=2)
+    at_end = fit.end_of_hold
+    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
+    stiff = "" if fact is None else f"{fact.cells.value} {fact.word}"
+    if shifts is None:
+        topics = [Topic("Stiffness", OF_REST, stiff),
+                 Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
+    else:
+        topics = [Topic("Superposition", _CURVE, "one curve"),
+                 Topic("Shifts", _SHIFTS, _law_of(fit)),
+                 Topic("Arms", OF_LOSS | OF_REST, format_count(fit.model.arms, "arm"))]  # fmt: skip
+    strip = [
+        *format_specimen_header(fit.specimen),
+        *_make_condition_cells(fit),
+        ("Valid band", hertz(fit.band)),
+        ("Fit", fit.identity[:8]),
+    ]
+    return KindPage(
+        about="master curve" if shifts is not None and material else _format_test_name(fit),
+        strip=tuple(strip),
+        lights=lights(result.checks, Topic("Test"), *topics),
+        answers=f"What {name.lower()} does at each frequency",
+        picture=over_frequency(fit),
+        told=f"{name}, {_format_model_name(fit)}",
+        groups=tuple(make_solid_groups(fit)),
+        note="From and to are the 95 % interval; at the end of the test and at rest they are the "
+        "bound that it leaves."
+        if at_end
+        else KindPage.note,
+        sources=tuple(dict.fromkeys(fit.source)),
+        folds=tuple(_make_solid_sections(fit)),
+        name="fit",
+    )
+
+
+def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
+    """Storage and loss factor over frequency, one above the other, and what is known of them.
+
+    Parameters
+    ----------
+    fit : Fit
+    records : sequence
+        Behind it: of ramps and holds the bound over unresolved arms is drawn too.
+    """
+    low, high = fit.band
+    lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)
+    held = [record for record in records if isinstance(record, RampHold)]
+    bounds = None
+    if held and len(held) == len(records) <= _BOUNDED:
+        bounds = unseen_arm_band(fit, held, lines)
+    stiffness_bounds = parameter_band(fit, lines) if fit.parameters else None
+    drawn = plot.stiffness(fit, parameters=stiffness_bounds, unseen=bounds)
+    (storage,), _, (loss,) = drawn.strips
+    low_end = (float(lines[0]), float(lines[-1]))
+    stacked = tuple(
+        replace(panel, x=replace(panel.x, limits=low_end), height=height,
+                marks=(Span(low, high, "fit", "valid band", tint=0.06), *panel.marks))
+        for panel, height in ((storage, 150.0), (loss, 170.0))
+    )  # fmt: skip
+    return replace(drawn, strips=(stacked,), columns=1, width=LEAD)
+
+
+def _law_of(fit: Fit) -> str:
+    law = "" if fit.temperatures is None else fit.temperatures.law.kind
+    return {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(law, "each its own")
+
+
+def _format_test_name(fit: Fit) -> str:
+    made = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(fit.method, "relaxation test")
+    several = len(fit.source)
+    return made if several < 2 else f"{several} files, {made}s"
+
+
+def _format_model_name(fit: Fit) -> str:
+    return "fractional solid" if fit.family == "fractional" else format_count(fit.model.arms, "arm")
+
+
+def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
+    """Facts of a fit beside its specimen: the hold, the temperatures."""
+    if fit.end_of_hold is not None and not fit.end_of_hold.in_frequency:
+        yield "Held", duration(fit.end_of_hold.time)
+    if fit.temperatures is not None:
+        every = [shift.temperature for shift in fit.temperatures.shifts]
+        ends = " to ".join(
+            round_to_error(convert_to_unit(value, "°C"), digits=3)
+            for value in (min(every), max(every))
+        )
+        yield "Reference", format_quantity(fit.temperatures.reference, "°C", ".4g")
+        yield "Temperatures", f"{len(every)}, {ends} °C"
+
+
+def make_solid_groups(fit: Fit) -> Iterator[Group]:
+    """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
+    facts = {reported_value.name: reported_value for reported_value in fit.known}
+    first: list[Row] = []
+    if fit.end_of_hold is not None:
+        fact = fit.end_of_hold.fact(fit.model, fit.unit)
+        seconds = duration(fit.end_of_hold.time).replace(".0 ", NBSP)
+        first.append(row(fact, f"After {seconds}") if fit.residual.unit == "N" else row(fact))
+        facts.pop(fact.name, None)
+    if "k_inf" in facts:
+        rest = facts.pop("k_inf")
+        first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
+    yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
+    yield Group("Inside the valid band", tuple(_make_band_rows(fit)))
+    others = [reported_value for name, reported_value in facts.items() if not name.startswith("b_")]
+    if fit.model.arms <= _FEW_ARMS or fit.family == "fractional":
+        yield group("Arms: k, τ", others) if others else Group("", ())
+    elif not fit.parameters:
+        yield group("Spectrum", others)
+    if fit.temperatures is not None:
+        yield from _make_temperature_groups(fit)
+
+
+def _make_band_rows(fit: Fit) -> Iterator[Row]:
+    """Storage and loss factor at the middle of the band, with what the parameters leave open."""
+    low, high = fit.band
+    if not (0 < low < high):
+        return
+    at = float(f"{math.sqrt(low * high):.1g}")
+    band = parameter_band(fit, [at]) if fit.parameters else None
+    letter = "E" if fit.unit == "Pa" else "K"
+    for words, name, unit in (
+        (f"{letter}′", "storage", fit.unit),
+        ("Loss factor", "loss_factor", ""),
+    ):
+        value = float(getattr(fit.solid, name)(frequency=at))
+        least, most = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
+        yield row(ReportedValue(f"{words} at {at:g}{NBSP}Hz", value, least, most, unit))
+
+
+def _make_temperature_groups(fit: Fit) -> Iterator[Group]:
+    shifts = fit.temperatures
+    assert shifts is not None  # noqa: S101
+    # an error of the noise alone is no interval, and says so
+    single = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
+    if shifts.constants:
+        law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
+        yield Group(
+            f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
+            tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
+        )
+    every = shifts.shifts
+    ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
+    yield Group(
+        f"Shift, log₁₀ a_T{single}",
+        tuple(
+            _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
+                      single=bool(single))
+            for end in ends
+        ),
+    )  # fmt: skip
+
+
+def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row:
+    """A number with its standard error: as its 95 % interval, or beside it where that is more."""
+    error = fact.error or 0.0
+    if single or not 0 < error < math.inf:
+        return row(fact, name)._replace(value=fact.cells.with_error)
+    half = NORMAL * error
+    return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
+
+
+def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
+    if fit.parameters:
+        in_newtons = fit.residual.unit == "N"
+        residual = round_to_error(fit.residual.rms * (1e3 if in_newtons else 1), digits=3)
+        yield CollapsibleSection(
+            "Every parameter",
+            f"{_format_model_name(fit)}, each with its standard error; residual "
+            f"{residual} {'mN' if in_newtons else fit.residual.unit}",
+            _fact_table(fit.known),
+        )
+    else:
+        arms = tuple(
+            (str(j), round_to_error(convert_to_unit(k, get_display_unit(fit.unit))), f"{tau:.4g}")
+            for j, (k, tau) in enumerate(zip(fit.model.k, fit.model.tau, strict=True), start=1)
+        )
+        head = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
+        yield CollapsibleSection(
+            "Every arm", "none has a meaning of its own: use the table", TextTable(head, arms)
+        )
+    if fit.temperatures is not None:
+        shifts = tuple(
+            (
+                format_quantity(shift.temperature, "°C", ".4g"),
+                along.cells.value,
+                along.cells.error,
+                across.cells.value,
+            )
+            for shift in fit.temperatures.shifts
+            for along, across in (shift.facts,)
+        )
+        names = ("temperature", "log₁₀ a_T", fit.error_beside, "b_T")
+        yield CollapsibleSection(
+            "Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts)
+        )
+
+
+def _fact_table(facts: Sequence[ReportedValue]) -> TextTable:
+    rows = tuple((fact.symbol, *fact.cells[1:]) for fact in facts)
+    return TextTable(("", "value", "± SE", "95 % interval", "unit"), rows)

@@ -1,0 +1,249 @@
+"""Faults of a recording: a channel that hangs at one value, and a clock that jumps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, erf, log, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
+from dashpot.datamodel.relaxation import quantum
+
+# Where a sampled clock goes on by far more than on either side: it jumped, or rows are missing.
+
+
+# how much longer than the usual of so many steps on either side one is a leap
+CLOCK_LEAP, CLOCK_NEIGHBOURS = 10.0, 5
+# steps before and after, of one rate each
+_LASTING = 20
+# steps that are looked at for one, or for how even they are
+_LOOKED_AT = 1000
+# how much longer than the usual of the steps around it one is odd, and the share of such
+_ODD, _UNEVEN = 3.0, 0.03
+
+
+class Leap(NamedTuple):
+    """A step of a clock, the sample it goes on from, and the usual of the steps beside it, s."""
+
+    at: int
+    step: float
+    beside: float
+
+
+def find_clock_jumps(time: FloatArray) -> list[Leap]:
+    """Return the steps that are ten times the usual on either side; at an end, of one side."""
+    steps = np.diff(time)
+    if len(steps) < 2 * CLOCK_NEIGHBOURS or not steps.max() > CLOCK_LEAP * steps.min():
+        return []
+    least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
+    longest = np.flatnonzero(steps > CLOCK_LEAP * least)[:_LOOKED_AT]
+    leaps = (Leap(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist())
+    return [leap for leap in leaps if leap.step > CLOCK_LEAP * leap.beside]
+
+
+def lasting_change(time: FloatArray) -> Leap | None:
+    """Return where steps change most, if at once and for twenty to either side, else None.
+
+    `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
+    """
+    steps = np.diff(time)
+    if len(steps) < 2 * _LASTING or steps.min() <= 0 or not steps.max() > CLOCK_LEAP * steps.min():
+        return None
+    change = np.abs(np.diff(np.log(steps)))[_LASTING - 1 : len(steps) - _LASTING]
+    at = int(change.argmax()) + _LASTING
+    before, after = median(steps[at - _LASTING : at]), median(steps[at : at + _LASTING])
+    # steps that grow by and by do so everywhere
+    sudden = change[at - _LASTING] > 0.5 * abs(np.log(after / before)) > 0
+    return Leap(at, after, before) if sudden else None
+
+
+def ticks_evenly(time: FloatArray) -> bool:
+    """True if few steps are far longer than those around them: none waits for a reading to change.
+
+    Such a machine pauses as often as its reading rests; a clock that jumps does so a few times.
+    """
+    steps = np.diff(time)
+    if len(steps) < 2 * CLOCK_NEIGHBOURS:
+        return False
+    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * CLOCK_NEIGHBOURS + 1)
+    around = around[:: max(1, len(around) // _LOOKED_AT)]
+    usual = np.partition(around, CLOCK_NEIGHBOURS, axis=1)[:, CLOCK_NEIGHBOURS]
+    odd = around[:, CLOCK_NEIGHBOURS] > _ODD * usual
+    return bool(np.mean(odd) <= _UNEVEN)
+
+
+def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
+    """The larger of the usual steps before and after one, s; at an end that of its one side."""
+    sides = steps[max(i - CLOCK_NEIGHBOURS, 0) : i], steps[i + 1 : i + 1 + CLOCK_NEIGHBOURS]
+    return max(median(side) for side in sides if len(side))
+
+
+# Where a channel keeps one value while its sensor does not: a converter that hangs, a lost link.
+#
+# Equal readings are no fault by themselves. A coarse converter repeats a count until the signal
+# has
+# moved by one, and a simulation without noise repeats what has come to rest. So a run of equal
+# readings is taken for a fault only where what stands beside it rules that out:
+#
+# * *noise*: the other readings scatter over three counts and more. Of independent readings with
+#   standard deviation :math:`\sigma` and counts of q, one is the same as the one before with
+#   probability :math:`p \le \mathrm{erf}(q / 2\sqrt2\sigma)`; n of them hold a run of m with
+#   probability below :math:`n p^{m-1}`. How often readings turn back by three counts bounds
+#   :math:`\sigma` from below.
+# * *a leap*: the channel goes on from another value, several counts off, and stays there.
+# * *a stop*: it changes by counts from sample to sample, always the same way, and then not at all.
+# * *an end too soon*: of an arm that relaxes by N counts less than one is left only after it has
+#   relaxed by :math:`\sqrt N` or less in the later half of the time since it was loaded, since
+#   :math:`(N e^{-t/2\tau})^2 / N < 1`. What relaxed by far more does not then stand still for as
+#   long
+#   again.
+
+
+# samples that say nothing of a channel
+FEWEST = 60
+# equal readings that are looked at
+SHORTEST = 8
+# chance of a run in a sound record
+CHANCE = 1e-6
+# second differences of noise, in counts: two levels in turn make 2
+THREE_LEVELS = 2.5
+# readings that turn back by that much, at least, and their part of all that differ, by which the
+# noise is at least so many counts (simulated, whatever the drift)
+FEWEST_TURNS = 10
+TURNS = ((0.01, 0.25), (0.08, 0.4), (0.25, 0.6), (0.4, 0.9))
+# counts of a leap, times the usual step, and readings after it that stay there
+LEAP_COUNTS, USUAL_STEPS, AFTER = 4.0, 6.0, 7
+# samples in which a channel changes by so many counts before it stops
+BEFORE, CHANGE = 10, 10.0
+# of an end too soon, in counts: so many times the root of what relaxed, and so many more
+ROOTS, MORE = 2.0, 4.0
+# what arithmetic leaves of equal readings, and of a change that is one
+ROUNDING, CHANGED = 1e-13, 1e-11
+
+
+def frozen_runs(
+    values: FloatArray,
+    *,
+    resting: BoolArray | None = None,
+    leaps: bool = True,
+    since: FloatArray | None = None,
+    besides: Sequence[FloatArray] = (),
+) -> IndexArray:
+    """Return first and last sample of every run of equal readings that is a fault, shape (n, 2).
+
+    Parameters
+    ----------
+    values : array, shape (m,)
+        The readings as they stand in the file.
+    resting : array of bool, shape (m,), optional
+        Where nothing drives the channel to leap or stop: only there do these two rules hold.
+    leaps : bool
+        Whether a leap is a fault; not of a signal that sets in by itself, as of a blow.
+    since : array, shape (m,), optional
+        Of a channel that falls as it relaxes: time since it was loaded, s.
+    besides : sequence of array
+        Other stretches of the channel: noise that each of them shows, this one has, too.
+    """
+    none = np.zeros((0, 2), dtype=np.intp)
+    size = float(np.abs(values).max(initial=0.0))
+    if len(values) < FEWEST or size == 0.0:
+        return none
+    starts = np.concatenate(([0], np.flatnonzero(np.abs(np.diff(values)) > ROUNDING * size) + 1))
+    ends = np.append(starts[1:], len(values))
+    long = np.flatnonzero(ends - starts >= SHORTEST)
+    if not len(long):
+        return none
+    levels, count = values[starts], quantum(values)
+    least = max(count, CHANGED * size)
+    shortest = _shortest_fault(levels, count, least, len(values))
+    if besides:
+        shown = [
+            _shortest_fault(_changes(row), count, least, len(values), turns=False)
+            for row in besides
+            if len(row) >= FEWEST
+        ]
+        if len(shown) == len(besides):
+            shortest = min(shortest, max(shown))
+    free = np.ones(len(values), dtype=bool) if resting is None else resting
+    usual = median(np.abs(np.diff(levels))) if len(levels) > 1 else 0.0
+    leap = max(LEAP_COUNTS * count, USUAL_STEPS * usual)
+
+    def is_fault(run: slice) -> bool:
+        return (
+            run.stop - run.start >= shortest
+            or (leaps and _leaps(values, run, free, leap))
+            or _stops(values, run, free, least)
+            or (since is not None and _ends_too_soon(values, run, since, least))
+        )
+
+    runs = [slice(int(starts[i]), int(ends[i])) for i in long]
+    results = [(run.start, run.stop - 1) for run in runs if is_fault(run)]
+    return np.array(results, dtype=np.intp).reshape(-1, 2)
+
+
+def _changes(values: FloatArray) -> FloatArray:
+    """The readings that differ from the one before."""
+    changed = np.append(True, np.diff(values) != 0)
+    return np.asarray(values[changed])
+
+
+def _shortest_fault(
+    levels: FloatArray, count: float, least: float, samples: int, *, turns: bool = True
+) -> float:
+    """How many equal readings the noise of the others rules out; infinity if they show none.
+
+    Without `turns` readings need not turn back, but their steps: a ramp climbs by more than noise.
+    """
+    steps = np.diff(levels)
+    bends = np.diff(steps)
+    noisy = np.abs(bends) > THREE_LEVELS * least
+    # the crests of a wave turn back, too, but bend one way
+    noisy[1:] &= bends[:-1] * bends[1:] < 0
+    if turns:
+        noisy &= steps[:-1] * steps[1:] < 0
+    bends = np.abs(bends)
+    share = float(np.mean(noisy)) if len(noisy) else 0.0
+    if np.count_nonzero(noisy) < FEWEST_TURNS or share < TURNS[0][0]:
+        return np.inf
+    if count == 0.0:
+        return SHORTEST
+    scatter = max(counts for least, counts in TURNS if share >= least)
+    if share >= TURNS[-1][0]:
+        # readings that repeat are left out, so what is left scatters by more
+        scatter = max(scatter, 0.7 * 1.4826 * median(bends) / sqrt(6.0) / count)
+    same = erf(1 / (2 * sqrt(2.0) * scatter))
+    return max(SHORTEST, ceil(1 + log(CHANCE / samples) / log(same)))
+
+
+def _leaps(values: FloatArray, run: slice, free: BoolArray, least: float) -> bool:
+    """Whether a channel goes on from another value than it stood at, and stays there."""
+    after = values[run.stop : run.stop + AFTER]
+    if len(after) < AFTER or not free[max(run.start - 1, 0) : run.stop + AFTER].all():
+        return False
+    leap, stays = abs(after[0] - values[run.start]), abs(median(after) - values[run.start])
+    return bool(min(leap, stays) > least > 0.0)
+
+
+def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:
+    """Whether a channel that changes by counts a sample, all one way, changes no more."""
+    start, first = run.start, run.start - BEFORE
+    if first < 0 or run.stop - start < BEFORE or not free[first : run.stop].all():
+        return False
+    steps = np.diff(values[first : start + 1])
+    one_way = (steps >= 0).all() or (steps <= 0).all()
+    return bool(one_way and abs(values[start] - values[first]) > CHANGE * count)
+
+
+def _ends_too_soon(values: FloatArray, run: slice, since: FloatArray, count: float) -> bool:
+    """Whether a channel that falls stands still long before its slowest arm has relaxed."""
+    start = run.start
+    if not 0 < since[start] < since[run.stop - 1] / 2:
+        return False
+    loaded = int(np.searchsorted(since, 0.0))
+    half = int(np.searchsorted(since, since[start] / 2))
+    if half - loaded < BEFORE:
+        return False
+    whole, late = (float(values[i] - values[start]) / count for i in (loaded, half))
+    return bool(late > ROOTS * sqrt(max(whole, 0.0)) + MORE)

@@ -1,0 +1,166 @@
+"""Arms of a seal under a moving plate: over an even step, and when the plate has left."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.solids.maxwell import GeneralizedMaxwell, decaying_sum
+
+# The face of a seal under a plate that only pushes.
+#
+# A plate that moves away leaves the seal behind: its face recovers under no force until the plate
+# meets it again. With :math:`x` the compression of the seal and :math:`x_p` that of the plate,
+#
+# .. math:: x \ge x_p, \qquad F \ge 0, \qquad F\,(x - x_p) = 0
+#
+# While it is free, :math:`F = k_\infty x + \sum_j k_j q_j = 0` and
+# :math:`\dot q_j = \dot x - q_j/\tau_j` leave
+#
+# .. math:: k_g \dot x = \sum_j \frac{k_j}{\tau_j} q_j, \qquad k_g = k_\infty + \sum_j k_j
+#
+# which is linear in q: a sum of exponentials, of the retardation times.
+
+
+# samples of a stretch that are looked at first; then each time twice as many
+_FIRST_LOOK = 64
+# of the largest compression times the stiffness: a smaller pull is rounding
+_ROUNDING = 1e-12
+
+
+def face_under_plate(
+    solid: GeneralizedMaxwell, time: FloatArray, plate: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the compression of a seal under a plate that only pushes, m, and its force, N.
+
+    Parameters
+    ----------
+    solid : GeneralizedMaxwell
+        Its parallel dashpot `b` is left out.
+    time : array, shape (n,)
+        s, rising.
+    plate : array, shape (n,)
+        m from first contact, negative in air; straight between samples while it presses. The seal
+        is at rest under the first.
+
+    Returns
+    -------
+    face, force : array, shape (n,)
+    """
+    recovery = _Recovery(solid)
+    face, force = np.empty(len(plate)), np.zeros(len(plate))
+    face[0] = max(float(plate[0]), 0.0)
+    force[0] = solid.k_inf * face[0]
+    least = -_ROUNDING * solid.k_0 * max(float(np.abs(plate).max()), 1e-300)
+    q, i, pressed, look = np.zeros(solid.arms), 0, True, _FIRST_LOOK
+    while i < len(plate) - 1:
+        ahead = slice(i, min(i + look, len(plate)))
+        if pressed:
+            x = np.concatenate((face[i : i + 1], plate[ahead][1:]))
+            answer, states = _compute_force_and_states(solid, time[ahead], x, q)
+            ends = np.flatnonzero(answer[1:] < least)
+        else:
+            # what force is left at the last sample that was pressed goes at once
+            jump = force[i] / recovery.k_g
+            x, states = recovery(time[ahead] - time[i], face[i] - jump, q - jump)
+            answer = np.zeros(len(x))
+            x[0] = face[i]
+            ends = np.flatnonzero(plate[ahead][1:] > x[1:])
+        last = int(ends[0]) if ends.size else len(x) - 1
+        face[i : i + last + 1], q = x[: last + 1], states[last]
+        force[i + 1 : i + last + 1] = answer[1 : last + 1]
+        i += last
+        if ends.size:
+            pressed, look = not pressed, _FIRST_LOOK
+            if pressed:
+                # the plate meets the face within the next sample, and is there at its end
+                x = np.array([face[i], plate[i + 1]])
+                answer, states = _compute_force_and_states(solid, time[i : i + 2], x, q)
+                i += 1
+                face[i], force[i], q = plate[i], max(float(answer[1]), 0.0), states[1]
+        else:
+            look *= 2
+    return face, force
+
+
+def _compute_force_and_states(
+    solid: GeneralizedMaxwell, time: FloatArray, x: FloatArray, q: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Force and elongations of the arms under a motion, from elongations on."""
+    k, tau = np.asarray(solid.k), np.asarray(solid.tau)
+    z = np.diff(time)[:, None] / tau
+    decay = np.concatenate((np.zeros((1, len(tau))), np.exp(-z)))
+    added = np.concatenate((q[None], -np.expm1(-z) / z * np.diff(x)[:, None]))
+    states = decaying_sum(decay, added)
+    return solid.k_inf * x + states @ k, states
+
+
+class _Recovery:
+    """How the face of one solid recovers under no force."""
+
+    def __init__(self, solid: GeneralizedMaxwell) -> None:
+        k, tau = np.asarray(solid.k), np.asarray(solid.tau)
+        self.k_g = solid.k_0
+        self.pull = k / tau / self.k_g
+        # -1/tau + 1 w' is made symmetric by the root of w: its eigenvalues are the rates
+        root = np.sqrt(np.maximum(self.pull, 1e-300))
+        self.rate, turn = np.linalg.eigh(np.outer(root, root) - np.diag(1 / tau))
+        self.into, self.out = turn.T * root, turn / root[:, None]
+
+    def __call__(
+        self, since: FloatArray, face: float, q: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Face and elongations at times since it was let go, s; the first as they were."""
+        parts = self.into @ q
+        along = self.rate * since[:, None]
+        states = (np.exp(along) * parts) @ self.out.T
+        grown = np.where(along < -1e-12, np.expm1(along) / np.minimum(self.rate, -1e-300),
+                         since[:, None])  # fmt: skip
+        x = face + (grown * parts) @ (self.out.T @ self.pull)
+        return x, states
+
+
+# What arms carry over a short step in which their part moves evenly, exactly.
+#
+# With :math:`a = h/\tau` and the force :math:`d = k\,\Delta u` that a step gives an arm,
+#
+# .. math:: q(h) = q(0)\,e^{-a} + d\,\frac{1 - e^{-a}}{a}, \qquad
+#           \frac1h \int_0^h q\,dt = q(0)\,\frac{1 - e^{-a}}{a}
+#           + d\,\Bigl(1 - \frac{1 - e^{-a}}{a}\Bigr)\Big/a
+#
+# however short or long the time of an arm is beside the step.
+
+
+class EvenStep(NamedTuple):
+    """Factors of what an arm carries and of what a step gives it, each of the shape of h / tau.
+
+    Attributes
+    ----------
+    kept : array
+        Of what it carried, on the average of the step; of what is given, at its end.
+    left : array
+        Of what it carried, at the end of the step.
+    onward : array
+        Of what is given, on the average of the step.
+    """
+
+    kept: FloatArray
+    left: FloatArray
+    onward: FloatArray
+
+    @classmethod
+    def from_ratio(cls, ratio: FloatArray) -> EvenStep:
+        """For steps of h / tau > 0."""
+        retained = -np.expm1(-ratio) / ratio
+        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - retained) / ratio)
+        return cls(retained, 1 - ratio * retained, onward)
+
+    def mean(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
+        """What arms carry on the average of the step, N."""
+        return carried * self.kept + provided * self.onward
+
+    def end(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
+        """What they carry at its end, N."""
+        return carried * self.left + provided * self.kept

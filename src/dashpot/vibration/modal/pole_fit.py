@@ -1,0 +1,592 @@
+"""Modes as the poles of a rational fraction, fitted to the lines of measured FRFs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.numerics.least_squares import Objective, descend
+
+# The modal assurance criterion: how alike two shapes of modes are.
+
+
+def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
+    r"""Modal assurance criterion of every shape of `one` with every shape of `other`.
+
+    .. math:: \mathrm{MAC}_{ij} = \frac{|\varphi_i^H \psi_j|^2}
+              {(\varphi_i^H \varphi_i)(\psi_j^H \psi_j)}
+
+    Parameters
+    ----------
+    one, other : complex array, shape (n, r)
+        Residues or shapes at n points; their lengths and phases do not matter.
+
+    Returns
+    -------
+    array, shape (r, r)
+        0 to 1; 0 where a shape is nothing but zeros.
+
+    Notes
+    -----
+    Allemang and Brown, *A correlation coefficient for modal vector analysis*, IMAC 1982.
+    """
+    cross = np.abs(one.conj().T @ other) ** 2
+    size = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(other) ** 2).sum(axis=0))
+    return np.asarray(np.divide(cross, size, out=np.zeros_like(size), where=size > 0))
+
+
+# Lines of an FRF to be fitted, and what a pole looks like on them.
+
+
+# no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
+FLOOR = 1e-3
+FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
+
+
+@dataclass(frozen=True, eq=False)
+class FRFLines:
+    """FRF lines to be fitted: one row of `value` and `sd` per channel.
+
+    Attributes
+    ----------
+    s : complex array, shape (n,)
+    value : complex array, shape (channels, n)
+        Accelerance, 1/kg.
+    sd : array, shape (channels, n)
+    record : float or None
+        Length of the record after the hit, s; None if the response was not cut.
+    pulse : float
+        Rms width of the hit, s.
+    """
+
+    s: ComplexArray
+    value: ComplexArray
+    sd: FloatArray
+    record: float | None
+    pulse: float = 0.0
+
+    @classmethod
+    def measured(
+        cls,
+        s: ComplexArray,
+        value: ComplexArray,
+        sd: FloatArray | None,
+        *,
+        record: float | None,
+        pulse: float = 0.0,
+    ) -> FRFLines:
+        """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
+        size = np.abs(value)
+        top = size.max(axis=1, keepdims=True)
+        error = np.broadcast_to(FLOOR * top, size.shape)
+        if sd is not None:
+            error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
+        return cls(s, value, error, record, pulse)
+
+    def only(self, keep: BoolArray) -> FRFLines:
+        """The chosen lines."""
+        return replace(self, s=self.s[keep], value=self.value[:, keep], sd=self.sd[:, keep])
+
+
+def pole_kernel(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
+    r"""Transform of :math:`e^{pt}` over the record (:mod:`.rational_fraction`), shape (n,).
+
+    Of poles of shape (k, 1) it is a row for each.
+    """
+    s = lines.s
+    if lines.record is None:
+        return np.asarray(1 / (s - p))
+    return np.asarray(-np.expm1(_compute_log_truncation(lines, p)) / (s - p))
+
+
+def _compute_log_truncation(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
+    """Logarithm of the part that the end of the record takes."""
+    T = lines.record or 0.0
+    return np.asarray((p - lines.s) * T + 0.5 * lines.pulse**2 * (p**2 - lines.s**2))
+
+
+def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
+    """Derivative of :func:`kernel` by the pole."""
+    k = pole_kernel(lines, p)
+    if lines.record is None:
+        return k**2
+    later = lines.record + lines.pulse**2 * p
+    return np.asarray((k - later * np.exp(_compute_log_truncation(lines, p))) / (lines.s - p))
+
+
+# Poles on trial: the best residues of every channel at given poles, and what is left over.
+#
+# Residues and background enter linearly (variable projection). The background needs no trial, so
+# it
+# is taken off the lines once; each trial has but the modes to solve for.
+
+
+SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
+RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
+ROOM = 1 << 20  # numbers of a block that is worked on at once
+MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
+
+
+@dataclass(frozen=True, eq=False)
+class BackgroundProjection:
+    """Lines without their background, which needs no trial: what is left for modes to explain.
+
+    Real and imaginary part of each line are two rows, over its standard deviation.
+
+    Attributes
+    ----------
+    lines : FRFLines
+    basis : array, shape (channels, 2n, background)
+        Orthonormal.
+    rest : array, shape (channels, 2n)
+        The values without it.
+    """
+
+    lines: FRFLines
+    basis: FloatArray
+    rest: FloatArray
+
+    @classmethod
+    def from_lines(cls, lines: FRFLines) -> BackgroundProjection:
+        """Mass line, modes above the band and, as slow real poles, what is below it."""
+        s = lines.s
+        rates = np.array(SLOW_POLES) * float(np.sqrt(s.imag[0] * s.imag[-1]))
+        columns = [np.ones_like(s), (s / s.imag[-1]) ** 2]
+        columns += list(pole_kernel(lines, -rates[:, None].astype(complex)) * rates[1])
+        rows = _rows(np.array(columns), lines.sd)
+        basis = np.linalg.qr(rows / np.linalg.norm(rows, axis=1, keepdims=True))[0]
+        y = _rows(lines.value[:, None], lines.sd)
+        return cls(lines, basis, _subtract_projection(basis, y)[..., 0])
+
+    @cached_property
+    def broad(self) -> list[Scan]:
+        """Poles of much damping all over the band, tried whenever one more is sought."""
+        omega = self.lines.s.imag
+        places = np.geomspace(omega[0], omega[-1], 16)[1:-1]
+        return scans(self.lines, [(r * at, float(at)) for r in RATIOS[5:] for at in places])
+
+    def parts(self, columns: int) -> list[slice]:
+        """Channels that are solved for at once: as many as a cache of so many columns holds."""
+        channels, rows = self.rest.shape
+        value = max(1, ROOM // (rows * max(columns, 1)))
+        return [slice(at, at + value) for at in range(0, channels, value)]
+
+    def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
+        """Weighted columns of shape (k, n) or (channels, k, n), the background taken off."""
+        return _subtract_projection(self.basis[part], _rows(columns, self.lines.sd[part]))
+
+
+class _Residues(NamedTuple):
+    """Best residues of each channel, and what the poles' slopes say besides."""
+
+    residues: ComplexArray  # (channels, modes)
+    residuals: FloatArray  # (channels, 2n)
+    inverse: FloatArray  # (channels, 2 modes, 2 modes): from rows' coordinates to coefficients
+    crossing: FloatArray  # (channels, 2 modes, 2 modes): the slopes' coordinates
+    normal: FloatArray  # (channels, 2 modes, 2 modes): slopes' products, residues projected out
+    gradient: FloatArray  # (channels, 2 modes)
+
+
+@dataclass(frozen=True, eq=False)
+class PoleTrial:
+    """Poles, as ln sigma and ln omega of each, with the best residues and background there.
+
+    Modes, two real coefficients each, are solved for channel by channel, so that it is no problem
+    of dense rows; it descends as any other
+    (:class:`dashpot.numerics.least_squares.Trial`).
+    """
+
+    ground: BackgroundProjection
+    theta: FloatArray
+
+    @cached_property
+    def poles(self) -> ComplexArray:
+        """Shape (modes,)."""
+        sigma, omega = np.exp(self.theta.reshape(-1, 2)).T
+        return np.asarray(-sigma + 1j * omega)
+
+    @cached_property
+    def columns(self) -> ComplexArray:
+        """What a residue of 1 and of j looks like, pole by pole: shape (2 modes, n)."""
+        return _pairs(self.ground.lines, self.poles)
+
+    @cached_property
+    def slopes(self) -> tuple[ComplexArray, ComplexArray]:
+        """Slopes of the kernels of poles and of their conjugates, shape (modes, n) each."""
+        lines, p = self.ground.lines, self.poles[:, None]
+        return pole_kernel_slope(lines, p), pole_kernel_slope(lines, p.conj())
+
+    def basis(self, part: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The modes' rows of some channels, their orthonormal basis, and the way back from it."""
+        rows = self.ground.remove_background(part, self.columns)
+        weight = 1 / self.ground.lines.sd[part] ** 2
+        scale = np.sqrt(weight @ (np.abs(self.columns) ** 2).T)
+        q, triangle = np.linalg.qr(rows / scale[:, None, :])
+        return rows, q, np.linalg.pinv(triangle, rcond=1e-12) / scale[:, :, None]
+
+    @cached_property
+    def solution(self) -> _Residues:
+        """The linear problem at these poles."""
+        residues = [self._solve_residues(part) for part in self.ground.parts(len(self.theta))]
+        return _Residues(*(np.concatenate(group) for group in zip(*residues, strict=True)))
+
+    def _solve_residues(self, part: slice) -> _Residues:
+        rows, q, inverse = self.basis(part)
+        y = self.ground.rest[part]
+        c = _times(inverse, _times(q.swapaxes(1, 2), y))
+        residual = y - _times(rows, c)
+        residues = c[:, 0::2] + 1j * c[:, 1::2]
+        up, down = (
+            by[None] * slope
+            for by, slope in zip(
+                (residues[..., None], residues[..., None].conj()), self.slopes, strict=True
+            )
+        )
+        slopes = np.empty((len(c), len(self.theta), up.shape[-1]), complex)
+        sigma, omega = -self.poles.real[:, None], self.poles.imag[:, None]
+        slopes[:, 0::2], slopes[:, 1::2] = -sigma * (up + down), 1j * omega * (up - down)
+        jacobian = self.ground.remove_background(part, slopes)
+        crossing = q.swapaxes(1, 2) @ jacobian
+        jacobian -= q @ crossing
+        turned = jacobian.swapaxes(1, 2)
+        return _Residues(
+            residues, residual, inverse, crossing, turned @ jacobian, _times(turned, residual)
+        )
+
+    @cached_property
+    def sse(self) -> float:
+        """Sum of squared residuals; infinite where a pole does not oscillate."""
+        if (self.theta[0::2] - self.theta[1::2] >= np.log(MOST_DAMPED)).any():
+            return np.inf
+        return float((self.solution.residuals**2).sum())
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """Half the slope of the sum of squares by theta."""
+        return np.asarray(-self.solution.gradient.sum(axis=0))
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Of Gauss and Newton."""
+        return np.asarray(self.solution.normal.sum(axis=0))
+
+    def ahead(self, step: FloatArray) -> PoleTrial:
+        """The trial a short step away."""
+        return replace(self, theta=self.theta + step)
+
+    @cached_property
+    def misfit(self) -> FloatArray:
+        """Squared residual of each line over its variance, shape (channels, n)."""
+        residuals = self.solution.residuals
+        return np.asarray((residuals.reshape(len(residuals), -1, 2) ** 2).sum(axis=2))
+
+    @property
+    def residues(self) -> ComplexArray:
+        """Shape (channels, modes)."""
+        return self.solution.residues
+
+    @property
+    def beta(self) -> FloatArray:
+        """The residues' real and imaginary parts in turn, shape (channels * 2 modes,)."""
+        return self.residues.view(float).ravel()
+
+    def only(self, modes: list[int]) -> PoleTrial:
+        """The chosen modes."""
+        return replace(self, theta=self.theta.reshape(-1, 2)[modes].ravel())
+
+
+class Scan(NamedTuple):
+    """Poles to be tried, and what does not depend on those that are there already."""
+
+    poles: ComplexArray
+    rows: FloatArray  # (2 poles, 2n)
+    squares: FloatArray  # (3, channels, poles): of each pair of weighted rows, and their product
+
+
+def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
+    """Several (sigma, omega), as many in each as there is room for."""
+    weights = 1 / np.repeat(lines.sd, 2, axis=1) ** 2
+    value = max(1, ROOM // weights.shape[1])
+    scans = []
+    for at in range(0, len(starts), value):
+        poles = np.array([complex(-sigma, omega) for sigma, omega in starts[at : at + value]])
+        rows = _pairs(lines, poles).view(float)
+        values, other = rows[0::2], rows[1::2]
+        pairs = ((values, values), (values, other), (other, other))
+        scans.append(Scan(poles, rows, np.array([weights @ (u * v).T for u, v in pairs])))
+    return scans
+
+
+def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
+    """What a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
+    p = poles[:, None]
+    up, down = pole_kernel(lines, p), pole_kernel(lines, p.conj())
+    pairs = np.empty((2 * len(poles), len(lines.s)), complex)
+    pairs[0::2], pairs[1::2] = up + down, 1j * (up - down)
+    return pairs
+
+
+def _rows(columns: ComplexArray, sd: FloatArray) -> FloatArray:
+    """Weighted real and imaginary parts of each line, shape (channels, 2n, k)."""
+    return np.ascontiguousarray(columns / sd[:, None]).view(float).swapaxes(1, 2)
+
+
+def _subtract_projection(basis: FloatArray, rows: FloatArray) -> FloatArray:
+    """What of rows an orthonormal basis does not have, by channel."""
+    return np.asarray(rows - basis @ (basis.swapaxes(1, 2) @ rows))
+
+
+def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
+    """By channel."""
+    return np.asarray((matrix @ vector[..., None])[..., 0])
+
+
+# Modes as the poles of a rational fraction, fitted to what a record of finite length shows.
+#
+# The accelerance of lightly coupled modes is, on the Laplace plane,
+#
+# .. math:: A(s) = \sum_i \left[R_i\,\kappa(s, p_i) + R_i^*\,\kappa(s, p_i^*)\right] + b(s), \qquad
+#           \kappa(s, p) = \frac{1 - e^{(p - s) T + \vartheta^2 (p^2 - s^2)/2}}{s - p}
+#
+# where :math:`\kappa` is the transform of :math:`e^{pt}` over the record alone, T after the middle
+# of
+# a pulse of rms width :math:`\vartheta` (its own transform goes as :math:`e^{\vartheta^2 s^2/2}`
+# to
+# second order): leakage is part of the model, not an error. Residues and the background b enter
+# linearly and are solved for exactly at each trial of the poles (variable projection); b holds the
+# mass line, modes above the band and, as slow real poles, relaxation and modes below it.
+
+
+STEPS = 60
+ENOUGH = 0.2  # variances: what a last step may explain while modes are sought
+NOTHING_NEW = 1e-10  # of a column's square: what rounding leaves of one that is known
+SMALLEST_MODE = 0.01  # of the largest value in the band
+OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
+FARTHEST = 2.0  # beyond which the background says the same
+ALIKE = 0.8  # by the modal assurance criterion: two shapes that no close poles are told apart by
+
+
+@dataclass(frozen=True, eq=False)
+class PoleFit:
+    """Poles common to all channels, and each channel's residues.
+
+    Attributes
+    ----------
+    poles : complex array, shape (modes,)
+        Upper half of the plane, 1/s.
+    residues : complex array, shape (channels, modes)
+        Of the accelerance.
+    covariance : array, shape (2 modes, 2 modes)
+        Of sigma and omega of each mode.
+    residue_se : array, shape (channels, modes)
+        Of real and imaginary part together.
+    misfit : array, shape (modes,)
+        Squared over its variance, of the lines about each mode, for each degree of freedom.
+    """
+
+    poles: ComplexArray
+    residues: ComplexArray
+    covariance: FloatArray
+    residue_se: FloatArray
+    misfit: FloatArray
+
+
+def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleFit | None:
+    """Add modes, each where the others leave most, until none is left that matters.
+
+    Parameters
+    ----------
+    lines : FRFLines
+    most : int
+        Largest number of modes.
+    count : int, optional
+        Exactly this many instead of as many as matter.
+
+    Returns
+    -------
+    PoleFit or None
+        None if there is no mode in the lines.
+    """
+    trial = pole_trial = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
+    failures = 0
+    for _ in range(count or most):
+        last, trial = trial, _refine(_with_next_pole(trial), ENOUGH)
+        if count is not None or _matters(trial, last):
+            pole_trial, failures = trial, 0
+        else:
+            failures += 1  # one of two like modes does not matter before the other is there
+        if failures == 2:
+            break
+    pole_trial = _refine(pole_trial)
+    if count is None:
+        pole_trial = _prune(pole_trial)
+    modes = len(pole_trial.poles)
+    return _finish(_with_outer_poles(pole_trial), modes) if modes else None
+
+
+def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
+    """Best residues of each row at given poles, shape (channels, modes)."""
+    theta = np.log(np.ravel(np.column_stack((-poles.real, poles.imag))))
+    return PoleTrial(BackgroundProjection.from_lines(lines), theta).residues
+
+
+def _prune(trial: PoleTrial) -> PoleTrial:
+    """Drop what is no mode until all are."""
+    while trial.theta.size:
+        good = [i for i in range(len(trial.poles)) if _is_mode(trial, i)]
+        if len(good) == len(trial.poles):
+            break
+        trial = trial.only(good)
+        trial = _refine(trial) if good else trial
+    return trial
+
+
+def _select_mode_lines(lines: FRFLines, p: complex) -> BoolArray:
+    """The lines that decide about a mode: ten to either side, or three half-power widths."""
+    omega = lines.s.imag
+    reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
+    return np.asarray(np.abs(omega - p.imag) <= reach)
+
+
+def _refine(trial: PoleTrial, enough: float = 0.0) -> PoleTrial:
+    """To the nearest optimum of the poles, the residues projected out.
+
+    Ends where a step promises no more than `enough` variances, as one for each row of the lines.
+    """
+    free = np.full(len(trial.theta), np.inf)
+    objective = Objective(lambda theta, _: replace(trial, theta=theta), -free, free)
+    flat = max(1e-13, enough / trial.ground.rest.size)
+    ended = descend(objective, trial.theta, flat=flat, limit=STEPS)
+    return trial if ended is None else ended.point
+
+
+def _with_next_pole(trial: PoleTrial) -> PoleTrial:
+    """Scan frequency and damping about the line that the poles so far miss by most."""
+    lines, omega = trial.ground.lines, trial.ground.lines.s.imag
+    missed = (trial.misfit * lines.sd**2).sum(axis=0)
+    worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
+    # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
+    starts = [(r * worst, worst + i * step) for r in RATIOS for i in np.linspace(-1.5, 1.5, 7)]
+    return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
+
+
+def _with_best(trial: PoleTrial, tried: list[Scan]) -> tuple[PoleTrial, float]:
+    """Add the pole, of several, that explains most, and say how much that is."""
+    gains = np.concatenate([_gains(trial, scan) for scan in tried])
+    best = int(np.argmax(gains))
+    pole = np.concatenate([scan.poles for scan in tried])[best]
+    theta = np.append(trial.theta, np.log((-pole.real, pole.imag)))
+    return replace(trial, theta=theta), float(gains[best])
+
+
+def _gains(trial: PoleTrial, scan: Scan) -> FloatArray:
+    """What each of these poles, none of them refined, takes off the squared residuals."""
+    ground, count = trial.ground, len(scan.poles)
+    gains = np.zeros(count)
+    for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
+        weight = 1 / np.repeat(sd, 2)
+        values = np.hstack((ground.basis[i], trial.basis(slice(i, i + 1))[1][0])) * weight[:, None]
+        # what the rest cannot say as well: the rest is orthonormal, and the residual without it
+        stated = (scan.rows @ values).reshape(count, 2, -1)
+        x, y = (scan.rows @ (r * weight)).reshape(-1, 2).T
+        a, b, c = scan.squares[:, i]
+        least = NOTHING_NEW * (a + c)
+        a, c = (value - (stated[:, k] ** 2).sum(axis=1) + least for k, value in enumerate((a, c)))
+        b = b - (stated[:, 0] * stated[:, 1]).sum(axis=1)
+        gains += (c * x**2 - 2 * b * x * y + a * y**2) / (a * c - b**2)
+    return gains
+
+
+def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
+    """Add poles beyond either end of the band, as background, where they explain what is missed."""
+    omega, size = trial.ground.lines.s.imag, trial.ground.rest.size
+    low, high = float(omega[0]), float(omega[-1])
+    places = [float(at) for by in OUTSIDE for at in (low / by, high * by)]
+    starts = [(ratio * at, at) for at in places for ratio in (0.003, 0.02, 0.1)]
+    tried = scans(trial.ground.lines, starts)
+    for _ in range(2):
+        more, gain = _with_best(trial, tried)
+        # a scan shows a part of what a refined pole explains
+        if 10 * gain < trial.sse * _worth(trial) / size:
+            break
+        more = _refine(more)
+        at = more.poles[-1].imag
+        excess = low / FARTHEST < at <= low or high <= at < high * FARTHEST
+        if not excess or trial.sse - more.sse < more.sse * _worth(trial) / size:
+            break
+        trial = more
+    return trial
+
+
+def _worth(trial: PoleTrial) -> float:
+    """What a pole must explain, in variances, to be there."""
+    return float(3 * _parameters(trial.misfit) * np.log(trial.ground.rest.size))
+
+
+def _finish(trial: PoleTrial, modes: int) -> PoleFit:
+    """Residues of the first poles, and all errors: every channel tells the poles."""
+    solved = trial.solution
+    by = 1 / np.ravel(np.column_stack((-trial.poles.real, trial.poles.imag)))  # not by logarithms
+    normal = trial.curvature * np.outer(by, by)
+    scale = np.sqrt(np.diag(normal))
+    whole = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    covariance = whole[: 2 * modes, : 2 * modes]
+    inverse = solved.inverse[:, : 2 * modes]
+    change = inverse @ (solved.crossing * by)
+    variance = (inverse**2).sum(axis=2) + ((change @ whole) * change).sum(axis=2)
+    # what the model misses about a mode widens that mode's error
+    misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])
+    worse = np.sqrt(np.maximum(misfit, 1.0))
+    return PoleFit(
+        poles=trial.poles[:modes],
+        residues=trial.residues[:, :modes],
+        covariance=covariance * np.outer(np.repeat(worse, 2), np.repeat(worse, 2)),
+        residue_se=np.sqrt(variance[:, 0::2] + variance[:, 1::2]) * worse,
+        misfit=misfit,
+    )
+
+
+def _chi2(trial: PoleTrial, p: complex) -> float:
+    """Misfit per degree of freedom of the lines about a mode."""
+    near = trial.misfit[:, _select_mode_lines(trial.ground.lines, p)]
+    return float(near.sum()) / max(2 * near.size - _parameters(near), 1)
+
+
+def _parameters(channels: FloatArray) -> int:
+    """Of one mode: its pole, and a residue in each channel."""
+    return 2 + 2 * len(channels)
+
+
+def _matters(trial: PoleTrial, before: PoleTrial) -> bool:
+    """Tell whether the last mode added is one, and explains more than chance would."""
+    if not _is_mode(trial, len(trial.poles) - 1):
+        return False
+    p = trial.poles[-1]
+    near = _select_mode_lines(trial.ground.lines, p)
+    gain = float((before.misfit - trial.misfit)[:, near].sum()) / max(_chi2(trial, p), 1e-300)
+    return bool(gain > _worth(trial))
+
+
+def _is_mode(trial: PoleTrial, i: int) -> bool:
+    """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
+    lines, p = trial.ground.lines, trial.poles[i]
+    omega, record = lines.s.imag, lines.record
+    if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
+        return False
+    # what stands on one line is hum: lines are no closer than a record is long
+    longest = record or 2 * np.pi / float(np.median(np.diff(omega)))
+    if -p.real * longest < 1e-2:
+        return False
+    residue = np.abs(trial.residues)
+    taller = residue.max(axis=0) > residue[:, i].max()
+    # closer than this no record of such length tells two modes apart, unless their shapes do
+    difference = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
+    alike = mac(trial.residues, trial.residues[:, [i]])[:, 0] > ALIKE
+    if (np.abs(trial.poles - p)[taller & alike] < difference).any():
+        return False
+    height = residue[:, i] * float(np.abs(pole_kernel(lines, p)).max())
+    return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())

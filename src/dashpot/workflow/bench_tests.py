@@ -1,0 +1,331 @@
+"""From relaxation tests, or their files, to prepared records and the solid behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.option_fields import (
+    FamilyAsked,
+    Method,
+    RampLawAsked,
+    copy_option,
+    make_nested_options,
+)
+from dashpot.base.result_mixins import HasSummary
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.specimen import Specimen, make_file_specimens
+from dashpot.fitting.input_tests import depths_of
+from dashpot.fitting.relaxation import fit as fit_relaxation
+from dashpot.preprocessing.prepare import prepare
+from dashpot.reading.columns.kind_detection import other_kind
+from dashpot.reading.raw_file import add_name_to_errors
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.detect_kind import recognise
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.registry import FIT_FILES, KINDS, find_handler, load_object
+from dashpot.workflow.job import Cuts, Job, ShiftChoices, require_test_for_machine
+
+# From relaxation tests, or their files, to prepared records; whose tests they are.
+
+
+def prepared_tests(
+    tests: Sequence[RelaxationTest | RampHold],
+    *,
+    filter: str | None = None,
+    machine: Machine | None = None,
+    cuts: Cuts | None = None,
+    cycle: int | None = None,
+    checked: bool = True,
+    each_depth: bool = False,
+) -> tuple[RampHold, ...]:
+    """Prepare ramps and holds; what is prepared already stays as it is.
+
+    Parameters
+    ----------
+    tests : sequence of RelaxationTest or RampHold
+    filter, machine, cycle, checked
+        As :func:`~dashpot.preprocessing.prepare.prepare` takes them.
+    cuts : Cuts, optional
+        Of one test, by hand.
+    each_depth : bool
+        Of one record every depth that it holds, as a test of its own.
+
+    Raises
+    ------
+    FitError
+        If it is said how to prepare them, and one is prepared.
+    DataError
+        If several are cut by hand, or one cannot be prepared.
+    """
+    cuts = cuts or Cuts()
+    cuts.refuse_several(len(tests))
+    ready = any(isinstance(test, RampHold) for test in tests)
+    if ready and (filter or machine or cuts != Cuts()):
+        raise FitError(
+            "a test that is prepared already is fitted as it is: say filter, machine and cuts "
+            "in test.prepare(...)"
+        )
+    how = {"filter": filter, "machine": machine, "cycle": cycle, "judged": checked, **asdict(cuts)}
+    if each_depth and len(tests) == 1 and cycle is None and cuts == Cuts():
+        (test,) = tests
+        if isinstance(test, RelaxationTest):
+            return depths_of(test, filter=filter, machine=machine, judged=checked)
+    return tuple(
+        record if isinstance(record, RampHold) else prepare(record, **how) for record in tests
+    )
+
+
+def prepared_files(
+    files: Sequence[str | Path],
+    *,
+    options: ReadOptions | None = None,
+    machine: Machine | None = None,
+    temperatures: Sequence[float] = (),
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+) -> tuple[RampHold, ...]:
+    """Return the relaxation tests in files, prepared, each by the loading that was asked for.
+
+    `temperatures`, K, are one for all of them, or one for each; `filter` and `cuts` as
+    :func:`prepared_tests` takes them.
+    """
+    tests = [
+        read_relaxation(path, options=options, specimen=specimen)
+        for path, specimen in zip(
+            files, make_file_specimens(None, temperatures, len(files)), strict=True
+        )
+    ]
+    cycle = None if options is None else options.cycle
+    return prepared_tests(tests, filter=filter, machine=machine, cuts=cuts, cycle=cycle)
+
+
+def refuse_unfitted_tests(tests: Sequence[RampHold], fit: Fit) -> None:
+    """Refuse records that a fit was not made from: their bounds would be of another seal.
+
+    Raises
+    ------
+    DataError
+    """
+    entries = {source.sha256: source.file for source in fit.source}
+    for test in tests:
+        if entries and test.source is not None and test.source.sha256 not in entries:
+            raise DataError(
+                f"{test.source.file} is not what was fitted (its SHA-256 is another): the fit is "
+                f"of {', '.join(dict.fromkeys(entries.values()))}; give that file by --record, or "
+                "fit this one"
+            )
+
+
+def fill_missing_temperatures(tests: Sequence[RampHold], fit: Fit) -> tuple[RampHold, ...]:
+    """Return records that do not say their temperature with that under which they were fitted."""
+    step = next((step for step in reversed(fit.steps) if step.name == "fit"), None)
+    text = dict(step.parameters).get("temperatures_K", "") if step is not None else ""
+    entries = dict(zip((source.sha256 for source in fit.source), text.split(", "), strict=False))
+
+    def fill_temperature(test: RampHold) -> RampHold:
+        kelvin = entries.get(test.source.sha256) if test.source is not None else None
+        if not kelvin or test.specimen.temperature is not None:
+            return test
+        return replace(test, specimen=replace(test.specimen, temperature=float(kelvin)))
+
+    return tuple(map(fill_temperature, tests))
+
+
+# What a user says of tests at several temperatures: one of them alone, or all, shifted to one.
+
+
+def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:
+    """Return what :func:`~dashpot.fitting.relaxation.fit` is to do with several temperatures.
+
+    Raises
+    ------
+    FitError
+        If a choice is for sweeps, moduli and creep alone.
+    """
+    if choices.at is not None or choices.shifts is not None:
+        raise FitError(
+            "--only and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
+            "shifts: leave them out"
+        )
+    vertical = "free" if choices.vertical == "auto" else choices.vertical
+    return {"reference": choices.reference, "shift_law": choices.law, "vertical": vertical}
+
+
+# Which fit suits which record: from files to the solid behind them.
+
+
+Bench: TypeAlias = HasSummary
+"""A test of a bench, as read."""
+Record: TypeAlias = Any
+"""The same as it is fitted, of the type that its handler makes."""
+
+
+@dataclass(frozen=True)
+class BenchFitOptions:
+    """What is asked of the fit of tests on a bench, whatever the records turn out to be.
+
+    Attributes
+    ----------
+    arms, method, law, family, filter, machine
+        As of :class:`~dashpot.workflow.job.Job`; `machine` None is a machine of which nothing is
+        known.
+    cuts : Cuts
+        Of one relaxation test, by hand.
+    depth_law : bool
+        Tests of different depths share their relaxation times and an elastic law; each has its own
+        stiffnesses (:func:`~dashpot.fitting.depth_dependence.fit_depths`).
+    thorough, intervals : bool
+        As :func:`~dashpot.fitting.relaxation.fit` takes them; sweeps, moduli and creep always have
+        intervals.
+    cycle : int or None
+        The loading to use, where a relaxation test has several.
+    shifting : ShiftChoices
+        Of sweeps or moduli at several temperatures: which one, or how all are shifted.
+    specimen : Specimen or None
+        What was said of the first test: a temperature of its own refuses sweeps at several.
+    """
+
+    arms: int | Literal["auto"] = copy_option(Job, "arms")
+    method: Method = copy_option(Job, "method")
+    depth_law: bool = False
+    thorough: bool = False
+    law: RampLawAsked = copy_option(Job, "law")
+    family: FamilyAsked = copy_option(Job, "family")
+    intervals: bool = True
+    filter: str | None = copy_option(Job, "filter")
+    cuts: Cuts = make_nested_options(Cuts)
+    machine: Machine | None = None
+    cycle: int | None = None
+    shifting: ShiftChoices = make_nested_options(ShiftChoices)
+    specimen: Specimen | None = None
+
+    def nothing_of(self, *names: str) -> bool:
+        """Whether each of these is left at what it is where nothing is said."""
+        return all(getattr(self, name) == getattr(BenchFitOptions, name) for name in names)
+
+
+def fit_files(
+    files: Sequence[str | Path],
+    *,
+    specimen: Specimen | None = None,
+    temperatures: Sequence[float] = (),
+    options: ReadOptions | None = None,
+    **asked: Any,
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one solid to the records in files, each in the way that suits it.
+
+    Parameters
+    ----------
+    files : sequence of path
+    specimen, options
+        As in :func:`~dashpot.reading.readers.relaxation.read_relaxation`; `cycle` is for
+        preparation.
+    temperatures : sequence of float
+        Of the tests, K: one for all files, or one for each, in their order.
+    asked
+        Fields of :class:`BenchFitOptions`.
+
+    Returns
+    -------
+    fit : Fit
+    records : tuple
+        What is behind it, as fitted.
+
+    Raises
+    ------
+    ReadError, DataError, FitError
+        If a file cannot be read, prepared or fitted, or the choices exclude each other.
+    """
+    options = options or ReadOptions()
+    specimens = make_file_specimens(specimen, temperatures, len(files))
+    tests = [
+        read_test(path, options, specimen) for path, specimen in zip(files, specimens, strict=True)
+    ]
+    fit_options = BenchFitOptions(**asked, cycle=options.cycle, specimen=specimens[0])
+    return fit_records(tests, fit_options, name=Path(files[0]).name)
+
+
+def fit_records(
+    tests: Sequence[Bench], asked: BenchFitOptions, *, name: str = ""
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
+
+    Ramps and holds are fitted together, also such as are prepared; what is with other tests, by
+    the handler of these. `name`, of the first file, stands before what is wrong.
+    """
+    named = (find_handler("fit records", test) for test in tests)
+    fit_others = next((item for item in named if item is not None), None)
+    if fit_others is not None:
+        result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, asked, name=name)
+        return result
+    prepared = prepare_ramps(tests, asked)
+    return _fit_ramps(prepared, asked), prepared
+
+
+def prepare_ramps(
+    tests: Sequence[Any], result: BenchFitOptions, *, among_others: bool = False
+) -> tuple[RampHold, ...]:
+    """Prepare ramps and holds, those that are fitted with other tests with all their checks."""
+    prepared = prepared_tests(
+        tests, filter=result.filter, machine=result.machine, cuts=result.cuts, cycle=result.cycle,
+        checked=result.intervals or among_others, each_depth=result.depth_law and not among_others,
+    )  # fmt: skip
+    require_test_for_machine(result.machine, tests=len(prepared), add="a ramp and hold")
+    return prepared
+
+
+def read_test(
+    path: str | Path, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> Bench:
+    """Return the test of a bench in a file, by the reader of its kind.
+
+    What is of no kind is asked for the columns of a ramp and hold.
+
+    Raises
+    ------
+    ReadError
+        If the file is of another kind, or leaves open which column is what or in which unit.
+    """
+    detection = recognise(path, options)
+    row = KINDS.get(detection.kind, KINDS["relaxation"])
+    if row.fit != FIT_FILES:
+        with add_name_to_errors(Path(path).name):
+            raise ReadError(other_kind(detection.kind, detection.reason, "a test of a bench is"))
+    test: Bench = load_object(row.reader)(path, options=options, specimen=specimen)
+    return test
+
+
+def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
+    """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
+    if not options.depth_law:
+        return fit_relaxation(
+            tests,
+            arms=options.arms,
+            method=options.method,
+            thorough=options.thorough,
+            law=options.law,
+            family=options.family,
+            intervals=options.intervals,
+            **shifted_ramps(options.shifting),
+        )
+    usual = options.nothing_of("method", "law", "family")
+    if not usual or options.thorough or options.shifting != ShiftChoices():
+        raise FitError(
+            "a law of the depth is of arms of one temperature, found from ramps and holds with "
+            "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
+            "--shift, --vertical, --only and --shifts"
+        )
+    from dashpot.fitting.depth_dependence import fit_depths
+
+    return fit_depths(tests, arms=options.arms).fit
+
+
+def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
+    """The optimum with so many arms alone, which is drawn, not judged."""
+    return fit_relaxation(test, arms=arms, method=method, intervals=False)

@@ -1,0 +1,310 @@
+"""An FRF, or its files, compared with a fit, and the mass at which both agree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.result_mixins import HasVerdict, Series
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import format_quantity
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import find_handler
+from dashpot.vibration.comparison.compare import compare, infer_mass
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
+from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
+from dashpot.workflow.checks import fit_is_tested
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
+from dashpot.workflow.static_equilibrium import (
+    LIMIT_LINES,
+    StaticEquilibrium,
+    find_static_equilibrium,
+    formal_limits,
+    frf_limits,
+)
+
+# rounds in which a mass and the stiffness under it find each other
+WEIGHINGS = 100
+
+
+def weighed(
+    fit: Fit,
+    frf: FRF,
+    *,
+    mass: float | None,
+    seals: float,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+) -> MassOnSeals:
+    """Return the mass given, else the one that the peak of the FRF in `band`, Hz, implies.
+
+    The seals are as stiff as under that mass, or at the compression given, m.
+    """
+    if mass is not None:
+        return MassOnSeals(mass, seals, compression)
+    near = frf if band is None else frf.band(*band)
+    mass = infer_mass(seals * fit.model, near)[0]
+    for _ in range(WEIGHINGS):
+        point = operating_point(fit, mass=mass, seals=seals, compression=compression)
+        last, mass = mass, infer_mass(seals * point.solid(fit), near)[0]
+        if abs(mass - last) <= 1e-9 * mass:
+            return MassOnSeals(mass, seals, compression)
+    raise DataError(
+        "no mass rests where its peak is: the stiffness of the seals changes too fast with the "
+        "compression; give --mass"
+    )
+
+
+def compare_with_measured(
+    fit: Fit, measured: FRF, on: MassOnSeals, *, band: tuple[float, float] | None = None
+) -> tuple[FRF, Comparison]:
+    """Return what a fit predicts on the measured lines, and how well that agrees."""
+    predicted = predict_frf(
+        fit,
+        frequency=measured.frequency,
+        kind=measured.quantity,
+        shift=measured.shift,
+        **on.keywords,
+    )
+    return predicted, compare(predicted, measured, fit=fit, band=band, **on.keywords)
+
+
+@dataclass(frozen=True)
+class LeaveOneOut(Serialisable):
+    """How well hits are predicted by a fit that has not seen them.
+
+    Attributes
+    ----------
+    error : float
+        Mean over the hits of the rms error, over the rms of the measured accelerance.
+    hits : int
+        Each left out once.
+    frequency : (float, float)
+        Least and largest error of the peak's frequency, Hz.
+    height : (float, float)
+        And of its height, relative.
+    """
+
+    keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
+
+    error: float
+    hits: int
+    frequency: tuple[float, float]
+    height: tuple[float, float]
+
+
+@dataclass(frozen=True, repr=False)
+class Agreement(HasVerdict, Serialisable):
+    """What ``dashpot compare`` found.
+
+    Attributes
+    ----------
+    comparison : Comparison
+    mass : float
+        What moves, kg.
+    mass_inferred : bool
+        True if the mass was taken from the measured FRF, so that the frequency proves nothing.
+    noted : tuple of Check
+        What the FRF and the mass of the seals say beside the comparison's own checks.
+    at_rest : AtRest
+        Where the mass rests, and what secant and tangent make of it.
+    interval : (array, array)
+        Lines, Hz, and limits of the predicted accelerance by standard errors alone, 1/kg.
+    limits : FRFBounds or None
+        By both kinds of ignorance, if the relaxation record is at hand.
+    seals : float
+        How many carry the block.
+    in_sample : bool
+        The fit was made from this very record: its agreement tests nothing.
+    unseen : LeftOut or None
+        Of such a fit: how well hits that were left out in turn are predicted, if the relaxation
+        record is at hand.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> hits = dp.simulate("impact", hits=3)
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> dp.compare(fit, hits).mass_inferred
+    True
+    """
+
+    # the verdict is of the measured FRF too, not of the comparison alone
+    keys = (
+        "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unseen", "verdict",
+        "*at_rest.told",
+    )  # fmt: skip
+
+    comparison: Comparison
+    mass: float
+    mass_inferred: bool
+    noted: tuple[Check, ...]
+    at_rest: StaticEquilibrium
+    interval: tuple[FloatArray, FloatArray] = field(compare=False)
+    limits: FRFBounds | None = None
+    seals: float = 1.0
+    in_sample: bool = False
+    unseen: LeaveOneOut | None = None
+
+    @property
+    def series(self) -> Series:
+        """Measured and predicted, line by line."""
+        return self.comparison.series
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of the comparison and what was noted, what forbids the use of the FRF first."""
+        useless = select_failed_stops(self.comparison.measured)
+        others = tuple(check for check in self.noted if check not in useless)
+        return (*useless, *self.comparison.checks, *others)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the prediction; it says how near it came, where the FRF is one."""
+        new_verdict = verdict(self.checks)
+        if select_failed_stops(self.comparison.measured):
+            return new_verdict
+        if self.in_sample:
+            return replace(new_verdict, says=self._circular())
+        if not self.mass_inferred:
+            return replace(new_verdict, says=self.comparison.says)
+        return replace(
+            new_verdict,
+            says=f"The mass, {format_quantity(self.mass, 'g')}, was found from the measured peak, "
+            "so the "
+            "stiffness is not tested. Weigh the block, and give its mass.",
+        )
+
+    def _circular(self) -> str:
+        """What a comparison with the hits that were fitted shows."""
+        off = 100 * self.comparison.frequency_error
+        says = f"The peak is off by {off:+.2g} %. This tests nothing"
+        first = f"{says}, because the fit was made from these hits."
+        if self.unseen is None:
+            return f"{first} Compare it with other hits, or give the fitted relaxation record too."
+        low, high = (100 * value for value in self.unseen.height)
+        return (
+            f"{first} Each hit left out in turn is predicted within "
+            f"{100 * self.unseen.error:.2g} % rms, its peak {low:+.2g} to {high:+.2g} % high."
+        )
+
+
+def compare_files(
+    fit: Fit,
+    measured: Sequence[str | Path],
+    *,
+    hammer: HammerChoices,
+    options: ReadOptions,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    records: Sequence[str | Path] = (),
+    options_with: ReadOptions | None = None,
+    **asked: Any,
+) -> Agreement:
+    """Hold the prediction of a fit against the hits or the FRF in files.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    measured : sequence of path
+    hammer, options
+        How hits are averaged, and what the user said of the files.
+    records : sequence of path
+        The relaxation tests behind the fit: they bound the unresolved arms.
+    options_with : ReadOptions, optional
+        What the user said of those.
+    mass, band, asked
+        As of :func:`agreement`.
+    """
+    impact, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    tests = prepared_files(records, options=options_with)
+    held = agreement(fit, frf, tests=tests, mass=mass, band=band, **asked)
+    if not (held.in_sample and tests):
+        return held
+    leave_out = find_handler("leave one out", impact)
+    if leave_out is None:
+        return held
+    unmeasured = leave_out(
+        impact,
+        tests,
+        fit,
+        MassOnSeals(held.mass, held.seals, asked.get("compression")),
+        choices=hammer,
+        band=band,
+    )
+    return replace(held, unseen=unmeasured)
+
+
+def agreement(
+    fit: Fit,
+    frf: FRF,
+    *,
+    tests: Sequence[RampHold] = (),
+    mass: float | None = None,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+) -> Agreement:
+    """Hold the prediction of a fit against an FRF.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    frf : FRF
+    tests : sequence of RampHold
+        The relaxation tests behind the fit.
+    mass, seal_mass : float, optional
+        Of the block, inferred from the FRF if missing, and of one seal, kg.
+    seals : float
+        How many carry the block.
+    band : (float, float), optional
+        Lines compared, Hz.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
+    """
+    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    frf = remove_seal_mass(frf, total, seal_mass, seals)
+    on = weighed(fit, frf, mass=total, seals=seals, band=band, compression=compression)
+    _, comparison = compare_with_measured(fit, frf, on, band=band)
+    rests = find_static_equilibrium(fit, on)
+    lines = comparison.measured.frequency[comparison.measured.frequency > 0]
+    formal = formal_limits(fit, rests.point, on, frequency=lines)
+    limits = None
+    circular = find_fitted_files(fit, frf)
+    if tests and not circular:  # the unseen arms of a joint fit have no bound
+        refuse_unfitted_tests(tests, fit)
+        about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
+        limits = frf_limits(fit, tests, rests.point, on, frequency=about)
+    noted = (*frf.checks, *noted, fit_is_tested(len(circular)))
+    return Agreement(
+        comparison, on.mass, mass is None, noted, rests, (lines, formal), limits, seals,
+        in_sample=bool(circular),
+    )  # fmt: skip
+
+
+def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
+    """The files of an FRF, by what they hold, that a fit was made from."""
+    return frozenset(source.sha256 for source in fit.source) & {
+        source.sha256 for source in frf.source
+    } - {""}
+
+
+def select_failed_stops(frf: FRF) -> tuple[Check, ...]:
+    """What forbids the use of an FRF by itself."""
+    return tuple(check for check in frf.checks if check.failed and check.grade == "stop")

@@ -1,0 +1,669 @@
+"""From a fit to the FRF of a mass on it, or on a part, with its peak, modes and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, ClassVar, Literal, Protocol, get_args, overload
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import format_band
+from dashpot.base.option_fields import PartMode
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict, Series
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.value_ranges import SIZES
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.checks import temperature_tested
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.random_response import RandomLimits, RandomResponse
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.reading.read_options import ReadOptions
+from dashpot.registry import find_handler
+from dashpot.solids.maxwell import Solid
+from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, Geometry, named_shape
+from dashpot.vibration.systems.frf_prediction import (
+    MassOnSeals,
+    compute_coupled_mass,
+    geometry_factor,
+    isolation_frequency,
+    model_modes,
+    moving_mass,
+    on_heavy_mounts,
+    predict_frf,
+)
+from dashpot.workflow.bench_tests import (
+    fill_missing_temperatures,
+    prepared_files,
+    refuse_unfitted_tests,
+)
+from dashpot.workflow.checks import base_band_informed, prediction_informed
+from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
+from dashpot.workflow.static_equilibrium import (
+    LIMIT_LINES,
+    RivalModes,
+    StaticEquilibrium,
+    family_checks,
+    find_static_equilibrium,
+    formal_limits,
+    frf_limits,
+    rest_checks,
+    rival_modes,
+)
+
+# What part of a material a mass rests on: its geometry, from what a user says of it.
+
+
+def apply_part_factor(
+    part: PartChoices,
+    fit: Fit,
+    *,
+    seals: float,
+    base: bool,
+    peak: Callable[[Solid, float, float], float] | None = None,
+) -> Fit:
+    """Return the fit of one of `seals` such parts; the fit itself where nothing is said.
+
+    `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
+    the user was measured.
+
+    Raises
+    ------
+    DataError
+        If more than one geometry is given, or one that cannot be.
+    """
+    provided = [flag for flag in (*_PART_SHAPES, "resonance") if getattr(part, flag) is not None]
+    if not provided:
+        if part != PartChoices():
+            raise DataError(
+                "--loading, --lubricated and --resonance-mass belong to a --shape or to a "
+                "--resonance; add one, or leave them out"
+            )
+        return fit
+    if len(provided) > 1:
+        raise DataError(
+            f"--{provided[0]} and --{provided[1]} both give the geometry; leave one of them out"
+        )
+    if part.resonance is None:
+        if part.resonance_mass is not None:
+            raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
+        return fit.part(
+            parse_part_shape(provided[0], getattr(part, provided[0])),
+            _part_mode(part.mode),
+            bonded=not part.lubricated,
+        )
+    factor = _part_factor(part, part.resonance, fit.solid, base=base, peak=peak)
+    return fit.part(factor / seals)
+
+
+def _part_factor(
+    part: PartChoices,
+    resonance: float,
+    solid: Solid,
+    *,
+    base: bool,
+    peak: Callable[[Solid, float, float], float] | None,
+) -> float:
+    """The geometry factor of all the parts, by the resonance of a mass on them."""
+    if part.resonance_mass is None:
+        raise DataError("--resonance needs the mass that it was measured with: --resonance-mass")
+    if part.mode is not None or part.lubricated:
+        raise DataError(
+            "a resonance gives the factor, however the part is loaded: leave --loading "
+            "and --lubricated out"
+        )
+    kind = "transmissibility" if base else "accelerance"
+    factor = geometry_factor(solid, mass=part.resonance_mass, peak=resonance, kind=kind)
+    if peak is not None:
+        for _ in range(_FACTOR_ROUNDS):
+            value = peak(factor * solid, factor, part.resonance_mass)
+            factor *= (resonance / value) ** 2
+    return factor
+
+
+_FACTOR_ROUNDS = 6
+"""To a factor whose resonance at a level is the measured one: each leaves a tenth at most."""
+_PART_SHAPES: dict[str, type[Disc | Block | Bush | Bulb]] = {
+    "disc": Disc, "block": Block, "bush": Bush, "bulb": Bulb,
+}  # fmt: skip
+
+
+@overload
+def parse_part_shape(flag: Literal["disc"], lengths: str | None) -> Disc: ...
+@overload
+def parse_part_shape(flag: Literal["block"], lengths: str | None) -> Block: ...
+@overload
+def parse_part_shape(flag: str, lengths: str | None) -> Geometry: ...
+def parse_part_shape(flag: str, lengths: str | None) -> Geometry:
+    """Return the shape that an option names, of its lengths with commas between them.
+
+    Raises
+    ------
+    DataError
+        If there are too few or too many, or one is no length > 0.
+    """
+    return named_shape(f"{flag}:{lengths}")
+
+
+def _part_mode(word: str | None) -> PartMode | None:
+    return next((arg for arg in get_args(PartMode) if arg == word), None)
+
+
+# From a fit to the FRF of a mass on it, with its peak, its modes and its limits.
+
+
+BAND = (1.0, 50.0)
+"""Hz, where none is said."""
+
+
+@dataclass(frozen=True)
+class ResponseLimits(Serialisable):
+    """Limits of the accelerance, 1/kg, or of T, over frequencies, Hz.
+
+    Attributes
+    ----------
+    kind : Kind
+        Of a force on the mass the accelerance, from which the others follow.
+    frequency : array, shape (n,)
+    parameter : array, shape (2, n)
+        By standard errors alone.
+    bounds : FRFBounds or None
+        By both kinds of ignorance, if the relaxation record is at hand.
+    """
+
+    keys = ("kind", "frequency_hz=frequency", "parameter", "*by_tests~")
+
+    kind: Kind
+    frequency: FloatArray
+    parameter: FloatArray
+    bounds: FRFBounds | None
+
+    @property
+    def by_tests(self) -> dict[str, Any] | None:
+        """What the tests that were fitted do not reject."""
+        bounds = self.bounds
+        if bounds is None:
+            return None
+        where, height = bounds.peak_frequency, bounds.peak_height
+        return {"unseen": bounds.unseen, "peak_frequency_hz": where, "peak_height": height}
+
+
+@dataclass(frozen=True)
+class ShakenMass(Serialisable):
+    """Standard deviations over a base that shakes at random.
+
+    Attributes
+    ----------
+    response : RandomResponse
+    of : str
+        The file that says how it shakes, or white noise.
+    band : (float, float) or None
+        Of that file, Hz.
+    limits : RandomLimits or None
+        If the relaxation record is at hand.
+    """
+
+    keys = ("*response", "of", "band_hz=band", "limits~?")
+
+    response: RandomResponse
+    of: str
+    band: tuple[float, float] | None
+    limits: RandomLimits | None
+
+
+@dataclass(frozen=True, repr=False)
+class Prediction(HasVerdict, Serialisable):
+    """The FRF of a mass on `seals` seals, and what is known of it.
+
+    Attributes
+    ----------
+    fit : Fit
+        Of one seal, at its temperature and of its shape.
+    mass, moving_mass : float
+        Of the block, and with the seals' share, kg.
+    seals : float
+    frf : FRF
+    modes : tuple of Mode
+    peak : (float, float)
+        Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
+    at_edge : bool
+        That magnitude stands at an end of the band: it is no peak.
+    limited : Limited
+    checks : tuple of Check
+        Where the mass rests, whether the peak is informed, those of the fit, and what the mass
+        of the seals does.
+    verdict : Verdict
+        What to make of it.
+    at_rest : AtRest
+        Where the mass rests, and what secant and tangent make of it.
+    rival : RivalModes or None
+    of_part : bool
+        Of a part of a material, not of the fit itself.
+    shaken : ShakenMass or None
+        Over a base that shakes at random.
+    isolation : float or None
+        Above it the mass moves less than its base, Hz.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> dp.predict(fit, mass="104g", seals=2).frf.unit
+    '(m/s^2)/N'
+    """
+
+    schema = "dashpot/prediction@1"
+    keys: ClassVar[tuple[str, ...]] = (
+        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
+        "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
+        "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
+        "frf.value.imag", "limits=limited", "random=shaken?", "isolation_hz=isolation?",
+        "verdict",
+    )  # fmt: skip
+
+    fit: Fit
+    mass: float
+    moving_mass: float
+    seals: float
+    frf: FRF
+    modes: tuple[Mode, ...]
+    peak: tuple[float, float]
+    at_edge: bool
+    limited: ResponseLimits
+    checks: tuple[Check, ...]
+    verdict: Verdict
+    at_rest: StaticEquilibrium
+    rival: RivalModes | None = None
+    of_part: bool = False
+    shaken: ShakenMass | None = None
+    isolation: float | None = None
+
+    @property
+    def facts(self) -> tuple[ReportedValue, ...]:
+        """Frequency, damping ratio and residue of each mode."""
+        return tuple(fact for mode in self.modes for fact in mode.facts)
+
+    @property
+    def series(self) -> Series:
+        """The response over frequency."""
+        return self.frf.series
+
+    @property
+    def limits(self) -> FRFBounds | None:
+        """By both kinds of ignorance, if the relaxation record is at hand."""
+        return self.limited.bounds
+
+    @property
+    def interval(self) -> tuple[FloatArray, FloatArray]:
+        """Lines, Hz, and limits by standard errors alone, of the accelerance, 1/kg, or of T."""
+        return self.limited.frequency, self.limited.parameter
+
+    @property
+    def height_between(self) -> tuple[float, float] | None:
+        """Limits of the magnitude at the peak by the errors of a fit to vibration; None of others.
+
+        The errors hold what the rig of the hammer may have added unseen.
+        """
+        frequency, limits = self.interval
+        if self.fit.method not in {"frf", "joint"} or self.at_edge or len(frequency) < 2:
+            return None
+        low, high = (float(np.interp(self.peak[0], frequency, row)) for row in limits)
+        return (low, high) if np.isfinite(high) and low < high else None
+
+    @property
+    def largest(self) -> dict[str, float | bool]:
+        """The largest magnitude by the names of its numbers."""
+        return {"frequency_hz": self.peak[0], "value": self.peak[1], "at_edge": self.at_edge}
+
+    @property
+    def extrapolated(self) -> bool:
+        """Whether a mode lies outside the band that the test informs."""
+        low, high = self.fit.band
+        return any(not low <= mode.frequency <= high for mode in self.modes)
+
+    @property
+    def written(self) -> FRF:
+        """The FRF that a table holds."""
+        return self.frf
+
+
+class PredictedLevels(Protocol):
+    """What a level makes of a mass on seals."""
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of the levels."""
+
+    def complete(self, plain: Prediction) -> Prediction:
+        """Return the prediction with its levels."""
+
+
+class LevelPredictor(Protocol):
+    """What a level does to parts, as a row of the registry names it."""
+
+    def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
+        """Return the resonance of a mass at the level of the user's; None by a vanishing one."""
+
+    def respond(
+        self,
+        rig: MountedMass,
+        part: PartChoices | None,
+        *,
+        scale: float,
+        about: float,
+        frequency: FloatArray,
+    ) -> PredictedLevels:
+        """Return the resonance at each level: of `scale` parts, `about` a frequency, Hz."""
+
+
+def predict_files(
+    fit: Fit,
+    records: Sequence[str | Path] = (),
+    *,
+    mass: float,
+    part: PartChoices | None = None,
+    at_level: LevelChoices | None = None,
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+    **asked: Any,
+) -> Prediction:
+    """Predict the FRF of a mass on a fitted seal, bounded by files of the tests behind the fit.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    records : sequence of path
+        The relaxation tests behind it: they bound the unresolved arms.
+    machine : Machine, optional
+        What is known of the machine of those tests.
+    options : ReadOptions, optional
+        What the user said of their files.
+    mass, part, at_level, asked
+        As of :func:`prediction`.
+
+    Raises
+    ------
+    DataError
+        If a machine is described and no test was made on it, or a record is not what was fitted.
+    """
+    require_test_for_machine(machine, tests=len(records), add="the record (--record)")
+    swept = None
+    if at_level is not None and at_level != LevelChoices():
+        read_sweep = find_handler("read sweep", at_level)
+        swept = read_sweep(at_level, unit=fit.unit, part=part, options=options)
+    tests = prepared_files(records, machine=machine, options=options)
+    return prediction(fit, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
+
+
+def prediction(
+    fit: Fit,
+    tests: Sequence[RampHold] = (),
+    *,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    lines: int = 2001,
+    kind: str | None = None,
+    base: bool = False,
+    relative: bool = False,
+    compression: float | None = None,
+    temperature: float | None = None,
+    part: PartChoices | None = None,
+    at_level: LevelChoices | None = None,
+    swept: object = None,
+    base_psd: str | None = None,
+) -> Prediction:
+    """Predict the FRF of a mass on a fitted seal.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    tests : sequence of RampHold
+        The relaxation tests behind it: they bound the unresolved arms.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    seals : float
+    band : (float, float), optional
+        Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
+    kind : str, optional
+        What the FRF of a force relates, as in
+        :func:`~dashpot.vibration.systems.frf_prediction.predict_frf`.
+    base, relative : bool
+        The base moves, and the motion of the mass is taken relative to it.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
+    temperature : float, optional
+        K; by default that of the fit's solid.
+    part : PartChoices, optional
+        The geometry of a part, where the fit is of a material's modulus.
+    at_level : LevelChoices, optional
+        How far the part is moved.
+    swept : object, optional
+        What a sweep says that this does to it, of the extension that predicts at levels.
+    base_psd : str, optional
+        A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
+
+    Raises
+    ------
+    DataError
+        If the choices exclude each other, or a record is not what was fitted.
+    """
+    SIZES["mass"].refuse(mass)
+    frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
+    band, predictor = band or BAND, _level_predictor(at_level, swept)
+    moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
+    here = fit if temperature is None else fit.at_temperature(temperature)
+    stiffer, of_part = 1.0, part is not None and part != PartChoices()
+    if part is not None and of_part:
+        _refuse_records(tests)
+        material = here.solid
+        measured = None if predictor is None else predictor.measured_peak(frf_kind)
+        here = fit = apply_part_factor(
+            part, here, seals=seals, base=frf_kind.over_base, peak=measured
+        )
+        stiffer = float(
+            abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
+        )
+    # over a base, mounts that weigh something couple the mass to it
+    coupled = compute_coupled_mass(seal_mass, seals) if frf_kind.over_base else 0.0
+    load = MassOnSeals(moving, seals, compression, coupled)
+    rests = find_static_equilibrium(here, load)
+    on = MountedMass(here, rests, load, frf_kind)
+    frf = on.frf(np.linspace(*band, lines))
+    bounded = _bounds(on, fit, tests, temperature=temperature)
+    limited = on.limited(frf, bounded)
+    peak, at_edge = on.peak(frf)
+    about = on.modes[0].frequency if on.modes else peak[0]
+    levels = None
+    if predictor is not None:
+        levels = predictor.respond(
+            on, part, scale=seals * stiffer, about=about,
+            frequency=frf.frequency[frf.frequency > 0],
+        )  # fmt: skip
+    checks = (
+        # what the test must inform is the resonance, inside the band or not
+        *_led_by(on, mass=mass, band=band, response=about if at_edge else peak[0]),
+        *(() if levels is None else levels.checks),
+        *fit.checks,
+        *_check_temperature_tested(fit, temperature),
+        noted,
+        *family_checks(here, rests.point, load),
+    )
+    plain = Prediction(
+        here,
+        mass,
+        moving,
+        seals,
+        frf,
+        on.modes,
+        peak,
+        at_edge,
+        limited,
+        checks,
+        verdict(checks, headline=_format_headline(frf, peak, fit, at_edge=at_edge)),
+        rests,
+        on.rival,
+        of_part,
+        on.shaken(base_psd, bounded),
+        on.isolation,
+    )
+    return plain if levels is None else levels.complete(plain)
+
+
+def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
+    """What a level does to the parts; None where none is asked for."""
+    if choices is None or not choices.levels:
+        return None
+    predictor: LevelPredictor = find_handler("predict at levels", choices)(choices, swept)
+    return predictor
+
+
+def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
+    """What the FRF of a mass relates: to a force on it, or to the motion of its base."""
+    if base and kind is not None:
+        raise DataError("--kind is of a force on the mass, --base of none: leave one out")
+    if relative and not base:
+        raise DataError(
+            "--relative is of a mass over a base that moves: add --base (Python: base=True)"
+        )
+    if not base:
+        return Kind(kind or Kind.ACCELERANCE)
+    return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
+
+
+def _format_headline(frf: FRF, peak: tuple[float, float], fit: Fit, *, at_edge: bool) -> str:
+    """Return where the predicted peak lies, how high it is, and where the model is valid."""
+    hz, height = peak
+    name, unit = frf.quantity.replace("_", " "), frf.read
+    size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
+    top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
+    return f"{top}. The model is valid {format_band(fit.band)}"
+
+
+def _refuse_records(tests: Sequence[RampHold]) -> None:
+    if tests:
+        raise DataError(
+            "a record (--record) bounds the part that was tested, not another of its material: "
+            "leave it or the geometry out"
+        )
+
+
+@dataclass(frozen=True)
+class MountedMass:
+    """A mass on seals that were fitted: the fit of one, and where they rest."""
+
+    fit: Fit
+    rests: StaticEquilibrium
+    load: MassOnSeals
+    kind: Kind
+
+    @property
+    def solid(self) -> Solid:
+        """All the seals, as small vibration feels them."""
+        return self.load.seals * self.rests.point.solid(self.fit)
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        """Those of the mass on them."""
+        return model_modes(self.solid, self.load.mass)
+
+    @property
+    def isolation(self) -> float | None:
+        """Above it the mass moves less than its base, Hz."""
+        if self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        return isolation_frequency(self.solid, self.load.mass - self.load.coupled)
+
+    def frf(self, frequency: FloatArray) -> FRF:
+        """Return the FRF at some frequencies, Hz."""
+        frf = predict_frf(self.solid, mass=self.load.mass, frequency=frequency, kind=self.kind)
+        if self.load.coupled > 0:
+            frf = on_heavy_mounts(frf, mass=self.load.mass, coupled=self.load.coupled)
+        return frf
+
+    def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
+        """Frequency and height of the largest magnitude, and whether it stands at an end."""
+        top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
+        low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
+        fine = self.frf(np.linspace(low, high, 2001))
+        height = np.abs(fine.value)
+        peak = float(fine.frequency[height.argmax()]), float(height.max())
+        return peak, top in {0, last} and peak[0] in {low, high}
+
+    @property
+    def rival(self) -> RivalModes | None:
+        """What the other family of solids that explains the test makes of the resonance."""
+        other = self.fit.alternative
+        if other is None or not other.explains:
+            return None
+        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
+
+    def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
+        """The limits of the response, over fewer lines."""
+        kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
+        lines, bounds = frf.frequency[frf.frequency > 0], None
+        few = np.linspace(lines[0], lines[-1], LIMIT_LINES)
+        if bounded is not None:
+            few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
+            bounds = bounded(frequency=few, kind=kind)
+            few = bounds.frequency
+        formal = formal_limits(self.fit, self.rests.point, self.load, frequency=few, kind=kind)
+        return ResponseLimits(kind, few, formal, bounds)
+
+    def shaken(
+        self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+    ) -> ShakenMass | None:
+        """What a base that shakes at random does, and between which limits."""
+        if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        shaken: ShakenMass = find_handler("random base", "mass")(self, base_psd, bounded)
+        return shaken
+
+
+def _bounds(
+    on: MountedMass,
+    fit: Fit,
+    tests: Sequence[RampHold],
+    *,
+    temperature: float | None,
+) -> Callable[..., FRFBounds] | None:
+    """What bounds the FRF by the relaxation tests; None without them."""
+    if not tests:
+        return None
+    refuse_unfitted_tests(tests, fit)
+    return partial(
+        frf_limits,
+        fit,
+        fill_missing_temperatures(tests, fit),
+        on.rests.point,
+        on.load,
+        temperature=temperature,
+    )
+
+
+def _led_by(
+    on: MountedMass, *, mass: float, band: tuple[float, float], response: float
+) -> tuple[Check, ...]:
+    """A mass in a wrong unit first; then a solid that is not known at the peak."""
+    informed = [prediction_informed(response, on.fit.band)]
+    if on.kind.over_base:
+        informed.append(base_band_informed(band, response, on.fit.band))
+    return (*rest_checks(on.rests.point, mass), *informed)
+
+
+def _check_temperature_tested(fit: Fit, temperature: float | None) -> tuple[Check, ...]:
+    """Whether a temperature that is asked for was tested."""
+    if temperature is None or fit.temperatures is None:
+        return ()
+    return (temperature_tested(fit.temperatures, temperature),)

@@ -1,0 +1,283 @@
+"""From a hammer test, alone or with relaxation tests, to the solid behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.version import byline
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.identification.prior_knowledge import HammerRig
+from dashpot.fitting.order_selection import FitOptions
+from dashpot.reading.read_options import ReadOptions
+from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness, dynamic_stiffness
+from dashpot.vibration.systems.frf_prediction import MassOnSeals
+from dashpot.workflow.bench_tests import BenchFitOptions, prepared_files, shifted_ramps
+from dashpot.workflow.checks import seals_counted
+from dashpot.workflow.frf_comparison import select_failed_stops
+from dashpot.workflow.job import Cuts, HammerChoices, require_test_for_machine
+from dashpot.workflow.measured_frf import (
+    ImpactResult,
+    build_impact_result,
+    find_modes_or_reason,
+    read_measured,
+    remove_seal_mass,
+    total_mass,
+)
+from dashpot.workflow.static_equilibrium import StaticEquilibrium, find_static_equilibrium
+
+
+class Changes(NamedTuple):
+    """Of the stiffness, relative, and of the loss factor."""
+
+    stiffness_relative: FloatArray
+    loss_factor: FloatArray
+
+
+@dataclass(frozen=True)
+class DirectStiffness(Serialisable):
+    """Stiffness and damping of a seal straight from the FRF, each with all its errors."""
+
+    keys = (
+        "frequency_hz=of.frequency", "stiffness=of.storage", "stiffness_sd=of.storage_sd",
+        "of.damping", "of.loss_factor", "of.loss_factor_sd", "stiffness_band_hz=of.storage_band~",
+        "loss_band_hz=of.loss_band~", "sensitivity",
+    )  # fmt: skip
+
+    of: DynamicStiffness
+
+    @property
+    def sensitivity(self) -> dict[str, Changes]:
+        """What a degree of phase, and a per cent of mass, change."""
+        phase, mass = self.of.changes("phase", DEGREE), self.of.changes("mass", 0.01)
+        return {"phase_1_degree": Changes(*phase), "mass_1_percent": Changes(*mass)}
+
+    @property
+    def table(self) -> str:
+        """They as CSV, with the bands where they are good in the head."""
+        of = self.of
+        head = (
+            f"# {byline('stiffness from the FRF')}\n"
+            f"# stiffness good to 10 % from {of.storage_band[0]:.4g} to {of.storage_band[1]:.4g} "
+            f"Hz, loss to 30 % from {of.loss_band[0]:.4g} to {of.loss_band[1]:.4g} Hz\n"
+            "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
+            "sd of loss factor [1]\n"
+        )
+        columns = (
+            of.frequency, of.storage, of.storage_sd, of.damping, of.loss_factor, of.loss_factor_sd,
+        )  # fmt: skip
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+@dataclass(frozen=True, repr=False)
+class Identified(HasVerdict, Serialisable):
+    """What ``dashpot fit`` found.
+
+    Attributes
+    ----------
+    fit : Fit
+    direct : Direct
+    noted : tuple of Check
+        What the FRF and the mass of the seals say beside the fit's own.
+    at_rest : AtRest
+        Where the mass rests on it.
+    vibration : ImpactResult or None
+        The modes of what was measured, where nothing else was fitted.
+    """
+
+    keys = (
+        "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
+        "*at_rest.told",
+    )  # fmt: skip
+
+    fit: Fit
+    direct: DirectStiffness
+    noted: tuple[Check, ...]
+    at_rest: StaticEquilibrium
+    vibration: ImpactResult | None = None
+
+    @property
+    def kept(self) -> Fit:
+        """The fit with every check that decided the verdict."""
+        return self.fit.with_checks(self.checks)
+
+    @property
+    def facts(self) -> tuple[ReportedValue, ...]:
+        """Those of the fit."""
+        return self.fit.facts
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of the fit, and what was noted."""
+        return (*self.fit.checks, *self.noted)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the fit."""
+        return verdict(self.checks, headline=self.fit.sound)
+
+
+def identify_files(
+    measured: Sequence[str | Path],
+    *,
+    hammer: HammerChoices,
+    options: ReadOptions,
+    mass: float,
+    band: tuple[float, float] | None = None,
+    tests: Sequence[str | Path] = (),
+    bench: BenchFitOptions | None = None,
+    temperatures: Sequence[float] = (),
+    impact_temperature: float | None = None,
+    options_with: ReadOptions | None = None,
+    **asked: Any,
+) -> Identified:
+    """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
+
+    Parameters
+    ----------
+    measured, tests : sequence of path
+        The hammer's files, and relaxation tests to fit together with them.
+    bench : BenchFitOptions, optional
+        How the tests are prepared and fitted.
+    temperatures : sequence of float
+        Of the tests, K: one for all of them, or one for each, in their order; without tests, of
+        the seals.
+    impact_temperature : float, optional
+        Of the seals under the hammer, K, where tests at several temperatures are fitted too.
+    options_with : ReadOptions, optional
+        What the user said of the files of the tests.
+    hammer, mass, band, asked
+        As of :func:`identify_solid`.
+    """
+    bench = bench or BenchFitOptions()
+    machine, specimen = bench.machine, bench.specimen
+    on_bench = machine and machine.on_bench
+    require_test_for_machine(on_bench, tests=len(tests), add="a relaxation test")
+    _refuse_both(asked.get("fits", ()), tests)
+    if impact_temperature is not None and not (tests or asked.get("fits")):
+        raise ReadError(
+            "--hammer-temperature is for seals whose relaxation tests, or their fit, are of other "
+            "temperatures, and there are none here; say that of the seals by --temperature"
+        )
+    if not tests and len(temperatures) > 1:
+        raise ReadError(
+            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
+            "of the seals under the hammer"
+        )
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    shifts = shifted_ramps(bench.shifting)
+    apart = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough, **shifts)
+    if not tests and (apart.choices or bench.cuts != Cuts() or bench.filter):
+        raise DataError(
+            "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
+            "tests are prepared and fitted, and there are none here. Give the tests in place of "
+            "their fit, or leave those options out."
+        )
+    prepared = prepared_files(
+        tests, machine=on_bench, options=options_with, temperatures=temperatures,
+        filter=bench.filter, cuts=bench.cuts,
+    )  # fmt: skip
+    if not tests and temperatures:
+        specimen = replace(specimen or Specimen(), temperature=temperatures[0])
+    asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
+    return identify_solid(
+        frf, tests=prepared, mass=mass, band=band,
+        temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=apart, **asked,
+    )  # fmt: skip
+
+
+def identify_solid(
+    frf: FRF,
+    *,
+    tests: Sequence[RampHold] = (),
+    fits: Sequence[Fit] = (),
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+    temperature: float | None = None,
+    specimen: Specimen | None = None,
+    hammer: HammerChoices | None = None,
+    seals_assumed: bool = False,
+    **choices: Any,
+) -> Identified:
+    """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
+
+    Parameters
+    ----------
+    frf : FRF
+    tests : sequence of RampHold
+        Relaxation tests to fit together with it.
+    fits : sequence of Fit
+        At most one, in place of the tests.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    band : (float, float), optional
+        Lines fitted, Hz.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
+    temperature : float, optional
+        Of the seals under the hammer, K, where tests at several temperatures are fitted too.
+    specimen : Specimen, optional
+        What is known of the seals; it wins over what the tests say.
+    hammer : HammerChoices, optional
+        How hits were averaged.
+    seals_assumed : bool
+        Nobody counted the seals: `seals` is what is usual, and this is said.
+    choices
+        As in :func:`~dashpot.fitting.identification.identify.identify`.
+    """
+    from dashpot.fitting.identification.identify import identify
+
+    _refuse_both(fits, tests)
+    vibration = None
+    if not tests and not fits:
+        vibration = build_impact_result(
+            frf, find_modes_or_reason(frf, band)[0], hammer or HammerChoices()
+        )
+    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    if seals_assumed:
+        noted = (*noted, seals_counted(seals))
+    frf = remove_seal_mass(frf, total, seal_mass, seals)
+    mass = total or mass
+    straight = dynamic_stiffness(frf, mass, seals=seals, band=band)
+    fit = identify(
+        frf,
+        band=band,
+        tests=tests,
+        fit=fits[0] if fits else None,
+        mass=mass,
+        seals=seals,
+        compression=compression,
+        temperature=temperature,
+        **choices,
+    )
+    if specimen is not None:
+        provenance = replace(fit.provenance, specimen=specimen.over(fit.specimen))
+        fit = replace(fit, provenance=provenance)
+    useless = select_failed_stops(frf)
+    # an FRF that is none comes before what a solid makes of it
+    evidence = replace(fit.evidence, checks=(*useless, *fit.checks))
+    others = tuple(check for check in frf.checks if check not in useless)
+    fit = replace(fit, evidence=evidence)
+    rests = find_static_equilibrium(fit, MassOnSeals(mass, seals, compression))
+    return Identified(fit, DirectStiffness(straight), (*others, *noted), rests, vibration)
+
+
+def _refuse_both(fits: Sequence[Fit], tests: Sequence[Any]) -> None:
+    """Refuse several fits, and a fit beside the tests that it may be of."""
+    if len(fits) > 1 or (fits and tests):
+        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")

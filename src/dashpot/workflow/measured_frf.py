@@ -1,0 +1,490 @@
+"""From files of what was struck or shaken to an FRF that is judged, and its modes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import overload
+
+import numpy as np
+
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.number_format import format_count
+from dashpot.base.option_fields import flag_of, iterate_option_fields
+from dashpot.base.provenance import Step
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import Plottable, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.value_ranges import SIZES
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.frf import FRF, Mode
+from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.base_excitation import read_shaken
+from dashpot.reading.readers.detect_kind import recognise
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.impact import HITS, hits_in, read_impact
+from dashpot.registry import RESPONSES
+from dashpot.vibration.impact.checks import (
+    channels_not_clipped,
+    coherence,
+    frf_dissipates,
+    mass_over_base,
+    resonance,
+    scatter_known,
+    segments_resolve,
+)
+from dashpot.vibration.impact.estimators import estimate_transmissibility
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.frf_prediction import (
+    as_relative,
+    compute_coupled_mass,
+    moving_mass,
+    on_light_mounts,
+)
+from dashpot.workflow.job import HammerChoices
+
+# What was measured, whatever was struck or shaken: from files to an FRF that is judged.
+
+
+_NO_MASS = (
+    "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
+    "give the mass (--mass)"
+)
+_UNIT = 1.0
+"""kg; the mass that a transmissibility leaves open."""
+_NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
+
+
+def read_measured(
+    paths: Sequence[str | Path],
+    *,
+    choices: HammerChoices,
+    options: ReadOptions,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> tuple[ImpactTest | None, FRF]:
+    """Return the hits that files hold and their FRF, or the FRF that a file holds.
+
+    Its checks are about the resonance in `band`, Hz.
+    """
+    record: FRF | ShakenTest | ImpactTest
+    if options.base_acceleration is not None:
+        record = read_shaken(paths, options)
+    elif len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
+        record = read_frf(paths[0], options=options)
+    else:
+        record = hits_in(list(paths), options, f"an FRF or {HITS}")
+    frf = measured_frf(record, choices=choices, mass=mass, band=band)
+    return record if isinstance(record, ImpactTest) else None, frf
+
+
+def measured_frf(
+    record: FRF | ShakenTest | ImpactTest | Sequence[ImpactTest],
+    *,
+    choices: HammerChoices,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> FRF:
+    """Return the FRF of what was measured, with what it says of itself.
+
+    Raises
+    ------
+    ReadError
+        If it is of a base that moves, and no mass, kg, is given.
+    """
+    if isinstance(record, ShakenTest):
+        if mass is None:
+            raise ReadError(_NO_MASS)
+        return estimate_base_transmissibility(record, choices=choices, mass=mass, band=band)[0]
+    if isinstance(record, FRF):
+        refuse_choices_of_hits(choices, "the file holds an FRF", but=("motion", "polarity"))
+        frf = _apply_polarity(as_measured(record, choices.motion), choices)
+        if frf.quantity.over_base and mass is None:
+            raise ReadError(_NO_MASS)
+        return add_frf_checks(frf, band, mass=mass)
+    return average(record, choices=choices, mass=mass, band=band)
+
+
+def _apply_polarity(frf: FRF, choices: HammerChoices) -> FRF:
+    """The FRF with the sign that the user gives it; refuse what else is of hits.
+
+    Raises
+    ------
+    ReadError
+    """
+    refuse_choices_of_hits(choices, "an FRF was averaged already", but=("polarity", "motion"))
+    return with_polarity([frf], choices.polarity)[0]
+
+
+def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[FRF, ...]:
+    """Return FRFs with the sign that is given to each, +1 or -1; without any as they are.
+
+    Raises
+    ------
+    ReadError
+        If there is not one sign for each.
+    """
+    if polarity is None:
+        return tuple(frfs)
+    if len(polarity) != len(frfs):
+        raise ReadError(
+            f"--polarity was given {len(polarity)} times for {format_count(len(frfs), 'FRF')}; "
+            "give +1 "
+            "or -1 for each, in their order"
+        )
+    step = Step("polarity", (("turned", "FRF"),), "the sign of the FRF was turned, as given")
+    return tuple(
+        replace(frf, value=-frf.value, steps=(*frf.steps, step)) if sign < 0 else frf
+        for frf, sign in zip(frfs, polarity, strict=True)
+    )
+
+
+def estimate_base_transmissibility(
+    test: ShakenTest,
+    *,
+    choices: HammerChoices,
+    mass: float | None,
+    band: tuple[float, float] | None = None,
+) -> tuple[FRF, tuple[Mode, ...], str]:
+    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
+
+    Frequency and damping do not depend on the mass, kg: where it is not given, 1 kg stands for it.
+    """
+    refuse_choices_of_hits(
+        choices, "the base was shaken (--column base-acceleration)",
+        but=("estimator", "record", "motion"),
+    )  # fmt: skip
+    frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
+    frf = as_measured(frf, choices.motion)
+    whole = channels_not_clipped(test)
+    mass = _UNIT if mass is None else mass
+    modes: tuple[Mode, ...] = ()
+    reason = ""
+    try:
+        modes = frf.to("accelerance", mass=mass).modes(band=band)
+    except (DataError, FitError) as error:
+        reason = str(error)
+    main = next(iter(modes), None)
+    checks = [] if main is not None else [resonance(frf, None)]
+    resolved = segments_resolve(frf, main)
+    frf = add_frf_checks(frf, band, mass=mass)
+    return replace(frf, checks=(*frf.checks, whole, *checks, resolved)), modes, reason
+
+
+def as_measured(frf: FRF, motion: str) -> FRF:
+    """The same, relative where the user says so of the motion of a mass over a base."""
+    if motion == "absolute":
+        return frf
+    if not frf.quantity.over_base:
+        raise ReadError(_NO_BASE)
+    return as_relative(frf)
+
+
+def refuse_choices_of_hits(choices: HammerChoices, why: str, *, but: Sequence[str] = ()) -> None:
+    """Refuse choices that only hits have a use for, all `but` some.
+
+    Raises
+    ------
+    ReadError
+    """
+    default = HammerChoices()
+    odd = [
+        flag_of(field)
+        for field in iterate_option_fields(choices)
+        if field.name not in but and getattr(choices, field.name) != getattr(default, field.name)
+    ]
+    if odd:
+        raise ReadError(f"{', '.join(odd)}: of hits, and {why}; leave out")
+
+
+def add_frf_checks(
+    frf: FRF,
+    band: tuple[float, float] | None,
+    main: Mode | None = None,
+    *,
+    mass: float | None = None,
+    driven: bool = True,
+) -> FRF:
+    """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
+
+    The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
+    Only where a point is struck itself (`driven`) does its phase tell whether the part dissipates.
+    """
+    near = frf.to("accelerance", mass=mass)
+    near = near if band is None else near.band(*band)
+    peak = find_peak(near) if main is None else main
+    at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
+    checks = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
+    if frf.quantity.over_base:
+        checks.insert(0, mass_over_base(frf))
+    if frf.coherence is not None:
+        checks.append(coherence(near, at))
+    elif frf.sd is None:
+        checks.append(scatter_known())
+    checks += caution_checks(frf.source)
+    return replace(frf, checks=(*frf.checks, *checks))
+
+
+def average(
+    impact: ImpactTest | Sequence[ImpactTest],
+    *,
+    choices: HammerChoices,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> FRF:
+    """Return the FRF of an impact test under these choices."""
+    options = asdict(choices)
+    if options.pop("motion") != "absolute":
+        raise ReadError(_NO_BASE)
+    return estimate_frf(impact, **options, mass=mass, resonance_band=band)
+
+
+def total_mass(
+    block: float | None, *, seal: float | None, seals: float
+) -> tuple[float | None, tuple[Check, ...]]:
+    """Return the block's mass with what moves of the seals, where both are known."""
+    if block is not None:
+        SIZES["mass"].refuse(block)
+    if block is None or seal is None:
+        return block, ()
+    mass, check = moving_mass(block, seal=seal, seals=seals)
+    return mass, (check,)
+
+
+def remove_seal_mass(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
+    """Return a transmissibility as seals without mass would show it; another FRF as it is."""
+    if not frf.quantity.over_base or mass is None:
+        return frf
+    return on_light_mounts(frf, mass=mass, coupled=compute_coupled_mass(seal_mass, seals))
+
+
+# What every search for modes gives: a sequence of them, judged with the FRF that shows them.
+
+
+@dataclass(frozen=True)
+class ImpactMode:
+    """A mode as the document tells it: what a method cannot tell is None."""
+
+    frequency_hz: float
+    damping_ratio: float
+    frequency_se_hz: float | None
+    damping_ratio_se: float | None
+    method: str
+
+    @property
+    def mode(self) -> Mode:
+        """The pole with its errors: nan where a method cannot tell."""
+        values = (self.frequency_se_hz, self.damping_ratio_se)
+        frequency, ratio = (np.nan if se is None else se for se in values)
+        return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
+
+
+@dataclass(frozen=True, repr=False)
+class Modes(Plottable, Serialisable, Sequence[Mode]):
+    """Natural frequencies, damping ratios and shapes, each with its standard error.
+
+    A sequence of :class:`~dashpot.datamodel.frf.Mode`, the one that moves most first.
+
+    Attributes
+    ----------
+    frf : FRF
+        That they were found in, with every check.
+    modes : tuple of ImpactMode
+        As the document tells them.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> found = dp.fit(dp.simulate("impact", seal="broad", hits=3))
+    >>> len(found), round(found[0].damping_ratio, 3)
+    (1, 0.029)
+    """
+
+    frf: FRF
+    modes: tuple[ImpactMode, ...]
+
+    @overload
+    def __getitem__(self, index: int) -> Mode: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Mode, ...]: ...
+    def __getitem__(self, index: int | slice) -> Mode | tuple[Mode, ...]:
+        """The mode at a place, or several."""
+        return tuple(mode.mode for mode in self.modes)[index]
+
+    def __len__(self) -> int:
+        """Number of modes."""
+        return len(self.modes)
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Of the FRF and of its modes."""
+        return self.frf.checks
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the FRF and its modes."""
+        return verdict(self.frf.checks, headline=self.sound)
+
+    @property
+    def sound(self) -> str:
+        """The first mode and how many there are."""
+        return format_modes_headline(self)
+
+    @property
+    def facts(self) -> tuple[ReportedValue, ...]:
+        """Frequency, damping ratio and residue of each mode."""
+        return tuple(fact for mode in self for fact in mode.facts)
+
+    @property
+    def series(self) -> Series:
+        """The modes as a table."""
+        columns = collect_columns(
+            self, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
+        )
+        return {"mode": (np.arange(1, len(self) + 1), ""), **columns}
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, and each mode."""
+        rows = (mode.facts for mode in self)
+        return (
+            str(self.verdict),
+            *(f"{hz.cells.with_unit}, damping {ratio.cells.with_unit}" for hz, ratio, _ in rows),
+        )
+
+
+def format_modes_headline(modes: Sequence[Mode]) -> str:
+    """Return frequency and damping of the first of some modes, and how many there are."""
+    if not modes:
+        return "0 modes were found"
+    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
+    count = "" if len(modes) == 1 else f", the first of {format_count(len(modes), 'mode')}"
+    return f"resonance at {frequency}, damping ratio {ratio}{count}"
+
+
+# From the files of a hammer test to an FRF, to a comparison, and to the solid behind it.
+
+
+@dataclass(frozen=True, repr=False)
+class ImpactResult(Modes):
+    """What hits tell: an FRF that one can trust, and its modes.
+
+    Attributes
+    ----------
+    frf : FRF
+        With every hit and check.
+    modes : tuple of ImpactMode
+    estimator, window : str
+        How the hits were averaged and windowed.
+    file : str or None
+        Where the FRF was written.
+    """
+
+    schema = "dashpot/impact@1"
+    keys = (
+        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks", "verdict",
+        "frf.source", "file", "frf",
+    )  # fmt: skip
+
+    estimator: str
+    window: str
+    file: str | None = None
+
+    @property
+    def peak(self) -> dict[str, float]:
+        """Frequency, Hz, and magnitude of the highest line."""
+        height = np.abs(self.frf.value)
+        top = int(height.argmax())
+        return {"frequency_hz": float(self.frf.frequency[top]), "value": float(height[top])}
+
+
+def impact_files(
+    files: Sequence[str | Path],
+    *,
+    hammer: HammerChoices | None = None,
+    options: ReadOptions | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    file: str | None = None,
+) -> tuple[ImpactResult, str]:
+    """Average the hits in files into an FRF and find its modes.
+
+    Parameters
+    ----------
+    files : sequence of path
+    hammer, options
+        How the hits are averaged, and what the user said of the files.
+    mass : float, optional
+        kg, of the block: checks the mass line.
+    band : (float, float), optional
+        Where to look for modes, Hz.
+    file : str, optional
+        Where the FRF will be written; told in the document.
+
+    Returns
+    -------
+    result : ImpactResult
+    reason : str
+        Why no mode was found, else empty.
+    """
+    options = options or ReadOptions()
+    driven = options.of(files[0]).base_acceleration is not None
+    test = read_shaken(files, options) if driven else read_impact(list(files), options=options)
+    result, reason = modes_of_hits(test, hammer=hammer, mass=mass, band=band)
+    return replace(result, file=file), reason
+
+
+def modes_of_hits(
+    test: ImpactTest | ShakenTest,
+    *,
+    hammer: HammerChoices | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> tuple[ImpactResult, str]:
+    """Average hits, or a base that was shaken, into an FRF and find its modes.
+
+    The parameters and what is returned are those of :func:`impact_files`.
+    """
+    hammer = hammer or HammerChoices()
+    if isinstance(test, ShakenTest):
+        frf, modes, reason = estimate_base_transmissibility(
+            test, choices=hammer, mass=mass, band=band
+        )
+    else:
+        frf = average(test, choices=hammer, mass=mass, band=band)
+        modes, reason = find_modes_or_reason(frf, band)
+    return build_impact_result(frf, modes, hammer), reason
+
+
+def find_modes_or_reason(
+    frf: FRF, band: tuple[float, float] | None
+) -> tuple[tuple[Mode, ...], str]:
+    """The modes of an FRF, or why there is none."""
+    try:
+        return frf.modes(band=band), ""
+    except DataError as error:
+        return (), str(error)
+
+
+def build_impact_result(frf: FRF, modes: Sequence[Mode], hammer: HammerChoices) -> ImpactResult:
+    """Return the modes of a measured FRF with the choices that led to them."""
+    shown = tuple(
+        ImpactMode(
+            mode.frequency,
+            mode.damping_ratio,
+            finite(mode.frequency_se),
+            finite(mode.damping_ratio_se),
+            mode.method,
+        )
+        for mode in modes
+    )
+    return ImpactResult(frf, shown, hammer.estimator, hammer.window)
+
+
+def finite(value: float) -> float | None:
+    """Return a number, or None where it is not known."""
+    return value if np.isfinite(value) else None

@@ -1,0 +1,314 @@
+"""Where a mass rests on the fitted seals: secant and tangent at its peak, and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.option_fields import Family
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import Kind, Mode
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.prediction_bounds import PredictedFRF, formal_frf_band, frf_band
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested, mass_of_a_block
+from dashpot.vibration.systems.frf_prediction import (
+    MassOnSeals,
+    OperatingPoint,
+    model_modes,
+    operating_point,
+)
+from dashpot.workflow.checks import families_predict_alike
+
+# Where a mass rests on the fitted seals: what secant and tangent make of its peak, and limits.
+
+
+# lines of the limits over a band
+LIMIT_LINES = 401
+# what a tangent in doubt keeps at least of its value
+SOFTEST = 0.05
+
+
+@dataclass(frozen=True)
+class StiffnessAt:
+    """One stiffness of a seal, and the frequency of the mass on it.
+
+    Attributes
+    ----------
+    stiffness, stiffness_se : float
+        Relaxed, of one seal, N/m. The error is that of the elastic law's shape.
+    frequency, damping_ratio : float or None
+        Of the first mode, Hz; None if nothing oscillates.
+    """
+
+    stiffness: float
+    stiffness_se: float
+    frequency: float | None
+    damping_ratio: float | None
+
+
+class EquilibriumSummary(NamedTuple):
+    """Compression and depth tested, m; whether its law is extrapolated; both stiffnesses."""
+
+    compression: float | None
+    depth: float | None
+    extrapolated_law: bool
+    secant: StiffnessAt
+    tangent: StiffnessAt
+
+
+@dataclass(frozen=True)
+class StaticEquilibrium:
+    """Where a mass rests, and both linear solids that could be meant.
+
+    Attributes
+    ----------
+    point : OperatingPoint
+    secant : StiffnessAt
+        The fit's own, at the depth of the relaxation test.
+    tangent : StiffnessAt
+        At the compression of the mass: what a prediction takes.
+    """
+
+    point: OperatingPoint
+    secant: StiffnessAt
+    tangent: StiffnessAt
+
+    @property
+    def told(self) -> EquilibriumSummary:
+        """As the document of what stands on it tells it."""
+        point = self.point
+        at = point.compression if np.isfinite(point.compression) else None
+        law = point.beyond and not point.linear
+        return EquilibriumSummary(at, point.depth, law, self.secant, self.tangent)
+
+    def __str__(self) -> str:
+        point, secant, tangent = self.point, self.secant, self.tangent
+        if point.linear:
+            return ""
+        where = "as given" if point.given else "under its weight"
+        here, depth = (
+            format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
+        )
+        lines = [f"The seals are compressed by {here} {where}; they were tested to {depth}."]
+        for name, stiffness in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
+            peak = (
+                "no resonance" if stiffness.frequency is None else f"{stiffness.frequency:.5g} Hz"
+            )
+            error = (
+                f" ± {convert_to_unit(stiffness.stiffness_se, 'N/mm'):.2g}"
+                if stiffness.stiffness_se > 0
+                else ""
+            )
+            lines.append(
+                f"  {name}  {convert_to_unit(stiffness.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}"
+            )
+        if point.beyond:
+            lines.append("  ! deeper than tested: the last tangent is used")
+        return "\n".join(lines)
+
+
+def find_static_equilibrium(fit: Fit, on: MassOnSeals) -> StaticEquilibrium:
+    """Return where a mass rests on seals, with the secant and the tangent solid."""
+    point = operating_point(fit, **on.keywords)
+    k = fit.solid.k_inf
+
+    def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:
+        mode = next(iter(model_modes(on.seals * solid, on.mass)), None)
+        items = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
+        return StiffnessAt(solid.k_inf, error, *items)
+
+    return StaticEquilibrium(
+        point,
+        evaluate_stiffness(fit.solid, 0.0),
+        evaluate_stiffness(point.solid(fit), k * point.factor_se),
+    )
+
+
+def rest_checks(point: OperatingPoint, mass: float) -> tuple[Check, ...]:
+    """Ask whether a mass, kg, is a block's and rests no deeper than the seals were tested."""
+    return mass_of_a_block(mass), compression_tested(point.compression, point.depth)
+
+
+def frf_limits(
+    fit: Fit,
+    tests: RampHold | Sequence[RampHold],
+    point: OperatingPoint,
+    on: MassOnSeals,
+    *,
+    frequency: npt.ArrayLike,
+    temperature: float | None = None,
+    kind: Kind = Kind.ACCELERANCE,
+) -> FRFBounds:
+    r"""Limits of the response by both kinds of ignorance, where the mass rests.
+
+    A solid that is s times as stiff and a times as slow answers at :math:`\omega` as the fit at
+    :math:`a\omega` under a mass :math:`m/(a^2 s)`, an accelerance times :math:`1/(a^2 s)`. The
+    doubt of the tangent, and of b_T, slides the limits along the frequency axis (:func:`_slid`);
+    that of a_T is met by the limits at both of its ends.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    tests : RampHold or sequence of RampHold
+        What it was fitted to.
+    point : OperatingPoint
+        At `temperature`.
+    on : MassOnSeals
+    frequency : array_like, shape (n,)
+        Hz, > 0.
+    temperature : float, optional
+        K; by default that of the fit's solid.
+    kind : Kind
+        Accelerance or transmissibility.
+    """
+    forced = kind is Kind.ACCELERANCE
+    shifts, f = fit.temperatures, np.asarray(frequency, dtype=float)
+    b_t, ends, here, doubt_b = 1.0, [1.0], fit, 0.0
+    if temperature is not None and shifts is not None and temperature != shifts.reference:
+        here, b_t = fit.at_temperature(temperature), shifts.b_t(temperature)
+        doubt_a, doubt_b = shifts.error(temperature)
+        reach = NORMAL * doubt_a
+        ends = list(float(shifts.law.a_t(temperature)) * np.exp([-reach, reach]))
+    s = point.factor * b_t
+    bounds = []
+    for a in ends:
+        scale = a**2 * s
+        of = frf_band(
+            fit, tests, mass=on.mass / scale, frequency=a * f, seals=on.seals, kind=kind,
+            coupled=on.coupled / scale,
+        )  # fmt: skip
+        bounds.append(_scale_bounds(of, 1 / a, 1 / scale if forced else 1.0))
+    if here is fit:
+        joined = bounds[0]
+    else:
+        omega = 2 * np.pi * f
+        K = point.solid(here).complex_stiffness(omega=omega)
+        values = PredictedFRF(on, kind).magnitude(K, omega)
+        formal = formal_frf_band(here, on.scaled_down(point.factor), frequency=f, kind=kind)
+        joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
+    doubt = "; with the doubt of the tangent at the compression of the mass"
+    slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
+    return replace(
+        joined,
+        parameter=_slid(f, joined.parameter, slid),
+        unseen=_slid(f, joined.unseen, slid),
+        says=joined.says + doubt * (point.factor_se > 0),
+    )
+
+
+def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
+    """Limits on an axis so many times as long, so many times as high."""
+
+    def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if ends is None else (scale * ends[0], scale * ends[1])
+
+    return replace(
+        of,
+        frequency=frequency * of.frequency,
+        magnitude=height * of.magnitude,
+        parameter=height * of.parameter,
+        unseen=height * of.unseen,
+        peak_frequency=times(frequency, of.peak_frequency),
+        peak_height=times(height, of.peak_height),
+    )
+
+
+def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: FloatArray) -> FRFBounds:
+    """What holds every one of some limits, and the solid's own magnitude."""
+    low = np.min([values, *(bound.unseen[0] for bound in bounds)], axis=0)
+    high = np.max([values, *(bound.unseen[1] for bound in bounds)], axis=0)
+
+    def ends(pairs: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+        items = [pair for pair in pairs if pair is not None]
+        if len(items) < len(pairs):
+            return None
+        return min(pair[0] for pair in items), max(pair[1] for pair in items)
+
+    return replace(
+        bounds[0],
+        magnitude=values,
+        parameter=formal,
+        unseen=np.array([low, high]),
+        peak_frequency=ends([bound.peak_frequency for bound in bounds]),
+        peak_height=ends([bound.peak_height for bound in bounds]),
+    )
+
+
+def rival_of(fit: Fit) -> Fit | None:
+    """A fit with the other family's solid in place of its own, if that explains the tests too."""
+    other = fit.alternative
+    return None if other is None or not other.explains else replace(fit, solid=other.solid)
+
+
+def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode, ...]:
+    """Modes of a mass on the other family of solids, if one explains the tests as well."""
+    rival = rival_of(fit)
+    return () if rival is None else model_modes(on.seals * point.solid(rival), on.mass)
+
+
+def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Check, ...]:
+    """Whether another family of solids, where one was fitted, foretells the same resonance."""
+    if fit.alternative is None:
+        return ()
+    modes = model_modes(on.seals * point.solid(fit), on.mass)
+    rival = rival_modes(fit, point, on)
+    return (families_predict_alike(next(iter(modes), None), next(iter(rival), None)),)
+
+
+def formal_limits(
+    fit: Fit,
+    point: OperatingPoint,
+    on: MassOnSeals,
+    *,
+    frequency: FloatArray,
+    kind: Kind = Kind.ACCELERANCE,
+) -> FloatArray:
+    """Return the limits by the standard errors alone, shape (2, n), so too."""
+    s = point.factor
+    limits = formal_frf_band(fit, on.scaled_down(s), frequency=frequency, kind=kind)
+    limits = limits / s if kind is Kind.ACCELERANCE else limits
+    return _slid(frequency, limits, point)
+
+
+def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> FloatArray:
+    r"""Lowest and highest limit over the interval of a doubtful tangent, shape (2, n).
+
+    A stiffness that hardly changes over a few per cent of frequency, times s, answers at f as the
+    old one at :math:`f/\sqrt s`.
+    """
+    part = NORMAL * point.factor_se / point.factor
+    if part <= 0:
+        return limits
+    first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))
+    ends = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
+    low = np.min(ends[0], axis=0)
+    # beside a line that nothing limits, the straight line to it is no number
+    high = np.nan_to_num(np.max(ends[1], axis=0), nan=np.inf, posinf=np.inf)
+    windows = zip(
+        np.searchsorted(frequency, first), np.searchsorted(frequency, last, "right"), strict=True
+    )
+    for i, (start, stop) in enumerate(windows):
+        low[i] = min(low[i], limits[0, start:stop].min())
+        high[i] = max(high[i], limits[1, start:stop].max())
+    return np.array([low, high])
+
+
+# From a fit to the FRF of a mass on it, with its peak, its modes and its limits.
+
+
+class RivalModes(NamedTuple):
+    """Another family of solids that explains the test, and the modes of the mass on it."""
+
+    family: Family
+    modes: tuple[Mode, ...]

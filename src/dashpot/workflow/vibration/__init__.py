@@ -1,1 +1,0 @@
-"""From files of measured vibration to FRFs, modes, and the solid behind them."""
