@@ -19,5 +19,5 @@ The public names stand in ``__init__.pyi``; each is imported when it is first us
 
 from dashpot.base.lazy import build_lazy_exports, set_package_functions
 
-__getattr__, __dir__, __all__ = build_lazy_exports(__name__, __file__)
+__getattr__, __dir__ = build_lazy_exports(__name__, __file__)
 set_package_functions(__name__, "report", "export")

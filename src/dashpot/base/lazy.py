@@ -1,54 +1,67 @@
-"""Public names of a room, each imported when it is first used: they stand in ``__init__.pyi``."""
+"""Public names of a package, imported when they are first used: they stand in ``__init__.pyi``."""
 
 from __future__ import annotations
 
-import ast
 import sys
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from importlib.util import resolve_name
-from pathlib import Path
+from os.path import splitext
 from types import ModuleType
 from typing import Any
 
 
 def build_lazy_exports(
     package: str, file: str
-) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a module whose stub stands beside it.
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Return ``__getattr__`` and ``__dir__`` of a module whose stub stands beside it.
 
-    A line of the stub names the module that a name is of, in whatever room: a low room offers so
-    what stands in a higher one, and imports none of it.
+    A line of the stub names the module that a name is of, whatever its layer: a low package offers
+    so what stands in a higher one, and imports none of it. The stub is read when the first name is
+    asked for; its names are ``__all__``.
     """
-    stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
-    homes = {
-        alias.asname or alias.name: (
-            resolve_name("." * line.level + (line.module or ""), package),
-            alias.name,
-        )
-        for line in stub.body
-        if isinstance(line, ast.ImportFrom)
-        for alias in line.names
-    }
-    # ``_name``: where a name is whose signature another line of the stub names
-    homes |= {name[1:]: homes.pop(name) for name in list(homes) if name[1:] in homes}
 
-    for line in stub.body:  # ``public = _imported``: another public name of what a line imports
-        if isinstance(line, ast.Assign):
-            homes[ast.unparse(line.targets[0])] = homes.pop(ast.unparse(line.value))
+    @cache
+    def read_homes() -> dict[str, tuple[str, str]]:
+        return _read_homes(package, f"{splitext(file)[0]}.pyi")
 
     def find(name: str) -> Any:
-        if name not in homes:
+        if name == "__all__":
+            return sorted(read_homes())
+        if name not in read_homes():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, text = homes[name]
+        module, text = read_homes()[name]
         if module == package:  # a submodule
             return import_module(f"{package}.{text}")
         home = import_module(module)
         # a submodule that nobody has imported yet is no attribute of its package
         return getattr(home, text) if hasattr(home, text) else import_module(f"{module}.{text}")
 
-    names = sorted(homes)
-    return find, lambda: names, names
+    return find, lambda: sorted(read_homes())
+
+
+def _read_homes(package: str, stub: str) -> dict[str, tuple[str, str]]:
+    """Return the module and the name there of each public name of a stub."""
+    import ast  # not for ``dashpot --help``
+
+    with open(stub, encoding="utf-8") as file:
+        tree = ast.parse(file.read())
+    homes = {
+        alias.asname or alias.name: (
+            resolve_name("." * line.level + (line.module or ""), package),
+            alias.name,
+        )
+        for line in tree.body
+        if isinstance(line, ast.ImportFrom)
+        for alias in line.names
+    }
+    # ``_name``: where a name is whose signature another line of the stub names
+    homes |= {name[1:]: homes.pop(name) for name in list(homes) if name[1:] in homes}
+    for line in tree.body:  # ``public = _imported``: another public name of what a line imports
+        if isinstance(line, ast.Assign):
+            homes[ast.unparse(line.targets[0])] = homes.pop(ast.unparse(line.value))
+    return homes
 
 
 class LazyPackage(ModuleType):

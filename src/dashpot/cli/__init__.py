@@ -5,17 +5,15 @@ from __future__ import annotations
 import atexit
 import gc
 import os
-import shlex
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import click
 
-from dashpot import registry
 from dashpot.base.version import __version__
+from dashpot.registry import COMMANDS as ROWS
 
 # the matrices are small: threads of BLAS beside the one that works wait for it at full load. Named
 # before NumPy is loaded; who names another number is heeded
@@ -26,7 +24,7 @@ for _name in ("OMP", "OPENBLAS", "MKL"):
 # cycles on the way out, which takes as long as reading a short file
 atexit.register(gc.freeze)
 
-COMMANDS = {command.name: command.help for command in registry.COMMANDS.values()}
+COMMANDS = {command.name: command.help for command in ROWS.values()}
 
 
 _ASKED_AS_OPTIONS = {"help": "--help", "version": "--version"}
@@ -35,12 +33,14 @@ _ASKED_AS_OPTIONS = {"help": "--help", "version": "--version"}
 
 def _suggest_command(name: str, rest: Sequence[str]) -> str:
     """Return what to type in place of a word that is no command."""
+    import shlex
+
     from dashpot.cli._param_types import format_suggestion
 
     if name in _ASKED_AS_OPTIONS:
         names = [word for word in rest[:1] if word in COMMANDS]
         return f"Type: {shlex.join(['dashpot', *names, _ASKED_AS_OPTIONS[name]])}"
-    if Path(name).exists():
+    if os.path.exists(name):
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
     return format_suggestion(name, COMMANDS)
 
@@ -54,11 +54,11 @@ class _Lazy(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(registry.COMMANDS[cmd_name].module).command
+        command: click.Command = import_module(ROWS[cmd_name].module).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        commands = registry.COMMANDS.values()
+        commands = ROWS.values()
         for title in dict.fromkeys(command.group for command in commands):
             with formatter.section(title):
                 formatter.write_dl(

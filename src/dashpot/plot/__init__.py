@@ -13,15 +13,13 @@ from typing import Any
 from dashpot.base.lazy import build_lazy_exports
 from dashpot.registry import find_handler, list_names
 
-_find, _, _core = build_lazy_exports(__name__, __file__)
-
-__all__ = sorted([*_core, *list_names("plot")])  # noqa: PLE0605
+_find, _list = build_lazy_exports(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
     """Return what draws a figure: of the core, or of an extension."""
-    return find_handler("plot", name) or _find(name)
+    return __dir__() if name == "__all__" else find_handler("plot", name) or _find(name)
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted([*_list(), *list_names("plot")])

@@ -7,9 +7,9 @@ What a table must hold to be of a kind stands in `dashpot.reading.columns.kind_d
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from importlib import import_module
-from pkgutil import iter_modules
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -68,14 +68,10 @@ _PACKAGE = "dashpot.extensions"
 def _read_rows() -> Iterator[Extension]:
     """Iterate over the rows of the core and of every extension that is installed."""
     yield CORE
-    for module in iter_modules(import_module(_PACKAGE).__path__):
-        try:
-            rows = import_module(f"{_PACKAGE}.{module.name}.rows")
-        except ModuleNotFoundError as error:
-            if error.name != f"{_PACKAGE}.{module.name}.rows":
-                raise
-            continue
-        yield rows.EXTENSION
+    for folder in import_module(_PACKAGE).__path__:
+        for name in sorted(os.listdir(folder)):
+            if os.path.exists(os.path.join(folder, name, "rows.py")):
+                yield import_module(f"{_PACKAGE}.{name}.rows").EXTENSION
 
 
 def load_object(word: str) -> Any:

@@ -6,7 +6,7 @@ References are words, ``"package.module:name"``, imported when they are needed.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 Meant: TypeAlias = Literal[
@@ -30,6 +30,8 @@ Place: TypeAlias = Literal[
 ]
 """Where the app takes a kind."""
 
+_NONE: Mapping[str, Any] = MappingProxyType({})
+
 
 class Example(NamedTuple):
     """A file to learn on: the kind that it is recognised as, if any, and what writes it."""
@@ -39,8 +41,7 @@ class Example(NamedTuple):
     write: Callable[[], str]
 
 
-@dataclass(frozen=True)
-class Piece:
+class Piece(NamedTuple):
     """What a lot knows of one file besides what stands in it, SI.
 
     Attributes
@@ -62,8 +63,7 @@ class Piece:
     compression: float | None = None
 
 
-@dataclass(frozen=True)
-class KindOfTest:
+class KindOfTest(NamedTuple):
     """A kind of test.
 
     Attributes
@@ -127,11 +127,11 @@ class KindOfTest:
     name: str
     reader: str = ""
     fit: str = ""
-    nouns: Mapping[str, str] = field(default_factory=dict)
+    nouns: Mapping[str, str] = _NONE
     meant: Meant | Literal[""] = ""
     checks: str = ""
     place: Place = ""
-    pages: Mapping[str, str] = field(default_factory=dict)
+    pages: Mapping[str, str] = _NONE
     panel: str = ""
     also: str = ""
     alone: bool = False
@@ -150,8 +150,7 @@ class KindOfTest:
     order: int = 0
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """A command of the command line.
 
     Attributes
@@ -171,8 +170,7 @@ class Command:
     order: int = 0
 
 
-@dataclass(frozen=True)
-class FileFormat:
+class FileFormat(NamedTuple):
     """A file format.
 
     Attributes
@@ -194,8 +192,7 @@ class FileFormat:
     sheets: bool = False
 
 
-@dataclass(frozen=True)
-class SolverInput:
+class SolverInput(NamedTuple):
     """The input of a solver.
 
     Attributes
@@ -211,8 +208,7 @@ class SolverInput:
     order: int = 0
 
 
-@dataclass(frozen=True)
-class FitRow:
+class FitRow(NamedTuple):
     """A fit that records may mean, together and with what was said of them.
 
     Attributes
@@ -238,8 +234,7 @@ class FitRow:
     order: int = 0
 
 
-@dataclass(frozen=True)
-class Extension:
+class Extension(NamedTuple):
     """What one package adds to the core; the core's own rows are one, too.
 
     Attributes
@@ -247,44 +242,43 @@ class Extension:
     name : str
     kinds : tuple of KindOfTest
     handlers : mapping of str to mapping of str to str
-        For a task, the function that does it for a type (``"package.module:Class"``) or
-        for a name. Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds),
-        ``"html"`` (a page of its own look), ``"export"`` (the input of a solver), ``"deck terms"``
-        (what the decks on its page are asked for). ``"plot"``: a figure of `dashpot.plot` by its
-        name; ``"fit figure"``: of a fit and a record, or the tests of its temperatures; ``"pole
-        figure"``: of a measured FRF. ``"document"``: the class of a schema; ``"read document"``:
-        fields of that class from its values. ``"read"``: a file of a kind that is no record;
-        ``"read record"``: one whose reader asks for more; ``"read several"``: files of one kind;
-        ``"roles"``: of the columns of a file of a kind; ``"table rule"``: whether a table is of a
-        kind; ``"calibrate"``: a table by a file of its maker. ``"predict"``: from a model;
-        ``"predict with option"``, ``"predict with sweep"``, ``"read sweep"``, ``"predict at
-        levels"``: from a fit. ``"compare"``: two of a type. ``"fit records"``: tests of a bench of
-        which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
-        the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals;
-        ``"stations"``: of the seal in a file. ``"keep"``: a job and its report, in a folder.
-        Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, and ``"options"``, those
-        that it has besides. ``"fit complex modulus"``: from frequencies and moduli to a solid, as a
-        kind is fitted; ``"lot columns"``: what the row of a lot lists of a record; ``"process
-        capability"``: of values between two limits. Of the app: ``"fit job"``: a job to its result
-        and its `JobPage`; ``"figure cards"``: of a result, in place of its picture; ``"file row"``:
-        what the list of files says of a suffix; ``"predict open files"``: files of a kind that is
-        not fitted; ``"recorder"``: a device by its driver; ``"record"``: to a file; ``"open
-        folder"``: the last job kept in one, and what finds its files.
-        Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"``, those
-        that it has besides, and ``"option groups"``, those under titles of their own.
-        levels"``: from a fit; ``"random base"``: what a base that shakes at random does to a
-        ``"mass"`` on seals, or to a ``"system"`` of bodies. ``"compare"``: two of a type. ``"fit
-        records"``: tests of a bench of which one is of the type; ``"fit at several temperatures"``:
-        prepared tests, by the type of the first; ``"leave one out"``: the hits behind a fit.
-        ``"mounts"``: of a line of seals. Of a command: ``"compare files"``, ``"predict file"``,
-        ``"demo"``, and ``"options"``, those that it has besides. ``"fit complex modulus"``: from
-        frequencies and moduli to a solid, as a kind is fitted; ``"lot columns"``: what the row of a
-        lot lists of a record; ``"process capability"``: of values between two limits. Of the app:
-        ``"fit job"``: a job to its result and its `JobPage`; ``"figure cards"``: of a result, in
-        place of its picture; ``"file row"``: what the list of files says of a suffix; ``"predict
-        open files"``: files of a kind that is not fitted; ``"recorder"``: a device by its driver;
-        ``"record"``: to a file; ``"open folder"``: the last job kept in one, and what finds its
-        files.
+        For a task, the function that does it for a type (``"package.module:Class"``) or for a
+        name.
+
+        Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds), ``"html"`` (a
+        page of its own look), ``"export"`` (the input of a solver), ``"deck terms"`` (what the
+        solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
+        document"`` (fields of that class from its values), ``"lot columns"`` (what the row of a
+        lot lists).
+
+        Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
+        fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
+        FRF).
+
+        Of files: ``"read"`` (of a kind that is no record), ``"read record"`` (one whose reader
+        asks for more), ``"read several"`` (of one kind), ``"roles"`` (of the columns of a kind),
+        ``"table rule"`` (whether a table is of a kind), ``"calibrate"`` (a table by a file of its
+        maker), ``"mounts"`` (of a line of seals), ``"stations"`` (of the seal in a file),
+        ``"keep"`` (a job and its report, in a folder).
+
+        Of fits: ``"fit records"`` (tests of a bench of which one is of the type), ``"fit at
+        several temperatures"`` (prepared tests, by the type of the first), ``"fit complex
+        modulus"`` (from frequencies and moduli to a model), ``"leave one out"`` (the hits behind
+        a fit), ``"process capability"`` (of values between two limits).
+
+        Of predictions: ``"predict"`` (from a model), ``"predict with option"``, ``"predict with
+        sweep"``, ``"read sweep"``, ``"predict at levels"`` (from a fit), ``"random base"`` (what
+        a base that shakes at random does to a ``"mass"`` on seals, or to a ``"system"`` of
+        bodies), ``"compare"`` (two of a type).
+
+        Of commands: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"`` (those
+        that it has besides), ``"option groups"`` (those under titles of their own).
+
+        Of the app: ``"fit job"`` (a job to its result and its `JobPage`), ``"figure cards"`` (of
+        a result, in place of its picture), ``"file row"`` (what the list of files says of a
+        suffix), ``"predict open files"`` (of a kind that is not fitted), ``"recorder"`` (a device
+        by its driver), ``"record"`` (to a file), ``"open folder"`` (the last job kept in one, and
+        what finds its files).
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command
@@ -294,7 +288,7 @@ class Extension:
 
     name: str
     kinds: tuple[KindOfTest, ...] = ()
-    handlers: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    handlers: Mapping[str, Mapping[str, str]] = _NONE
     fits: tuple[FitRow, ...] = ()
     commands: tuple[Command, ...] = ()
     formats: tuple[FileFormat, ...] = ()

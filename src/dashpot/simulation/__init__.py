@@ -2,4 +2,4 @@
 
 from dashpot.base.lazy import build_lazy_exports
 
-__getattr__, __dir__, __all__ = build_lazy_exports(__name__, __file__)
+__getattr__, __dir__ = build_lazy_exports(__name__, __file__)
