@@ -21,13 +21,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 import dashpot as dp
+from dashpot.extensions.depths.depth_dependence import fit_depths
 from dashpot.extensions.materials.cld.datamodel import CLD
 from dashpot.extensions.materials.cld.equilibrium_curve import relaxed_law
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.indentation.fit import fit_indentation
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.fitting.depth_dependence import fit_depths
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 

@@ -25,7 +25,7 @@ from kit.structure import (
     write_example_files,
 )
 
-MOST_TOKENS = 450_000  # of the core; goal 430,000
+MOST_TOKENS = 448_000  # of the core; goal 430,000
 MOST_FILES = 276  # of the core
 MOST_FILES_OF_FIT = 115  # that `dashpot fit FILE` runs
 MOST_FILES_OF_REPORT = 199  # that `dashpot report TEST HAMMER` runs

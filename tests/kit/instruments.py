@@ -261,7 +261,7 @@ def one_of_each(folder: Path) -> dict[str, bytes]:
     import h5py
     from scipy.io import savemat
 
-    from dashpot.reading.write import frf_uff
+    from dashpot.extensions.formats.write_uff import frf_uff
 
     tdms(folder / "tdms", hits=2)
     (folder / "uff frf").write_bytes(frf_uff(frf(n=10)))

@@ -18,12 +18,13 @@ from dashpot.base.provenance import Source
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.vibration_tests import ImpactTest
+from dashpot.extensions.formats.write_uff import frf_uff
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.reading.write import frf_uff, write_frf, write_impact, write_relaxation
+from dashpot.reading.write import write_frf, write_impact, write_relaxation
 
 # what a test writes: nines alone are a logger's mark of no reading, and 1e-150 N no force
 finite = st.floats(-1e6, 1e6, allow_nan=False, width=64).filter(

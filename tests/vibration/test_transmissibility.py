@@ -12,9 +12,10 @@ import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError, Status
 from dashpot.datamodel.machine import USUAL
+from dashpot.extensions.formats.write_uff import frf_uff
 from dashpot.fitting.identification.identify import identify
 from dashpot.reading.readers.inspect import inspect_file
-from dashpot.reading.write import frf_uff, write_frf
+from dashpot.reading.write import write_frf
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.text_output import results as text
 from dashpot.vibration.comparison.compare import compare

@@ -15,8 +15,9 @@ from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import is_ours
 from dashpot.export import TARGETS
+from dashpot.extensions.formats.write_uff import frf_uff
 from dashpot.reading.read_options import ReadOptions, dump_profile
-from dashpot.reading.write import frf_uff, write_frf
+from dashpot.reading.write import write_frf
 from dashpot.workflow.json_archive import to_json
 from dashpot.workflow.outputs import Outputs
 

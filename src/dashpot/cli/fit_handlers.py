@@ -30,7 +30,7 @@ from dashpot.cli._param_types import format_suggestion
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, load_object
+from dashpot.registry import KINDS, find_handler, load_object
 from dashpot.text_output import results as text_of
 from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.job import HammerChoices
@@ -327,13 +327,13 @@ def run_hits(value: FitRequest) -> CommandResult:
 
 def write_frf(result: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
     """Write the result as JSON, or its FRF as CSV or UFF 58, by how the file's name ends."""
-    from dashpot.reading.write import frf_uff, write_frf
+    from dashpot.reading.write import write_frf
 
-    ends = path.lower()
-    if ends.endswith(".json"):
+    ending = Path(path).suffix.lower()
+    if ending == ".json":
         write(path, format_json(result) + "\n")
     else:
-        write(path, frf_uff(frf) if ends.endswith((".uff", ".unv")) else write_frf(frf))
+        write(path, (find_handler("write frf", ending) or write_frf)(frf))
 
 
 # Vibration under a known mass, alone or with tests on a bench: one solid for all.

@@ -248,8 +248,8 @@ class Extension(NamedTuple):
         Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds), ``"html"`` (a
         page of its own look), ``"export"`` (the input of a solver), ``"deck terms"`` (what the
         solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
-        document"`` (fields of that class from its values), ``"lot columns"`` (what the row of a
-        lot lists).
+        document"`` (fields of that class from its values), ``"write frf"`` (to bytes, by the
+        ending of a file), ``"lot columns"`` (what the row of a lot lists).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
@@ -262,9 +262,10 @@ class Extension(NamedTuple):
         ``"keep"`` (a job and its report, in a folder).
 
         Of fits: ``"fit records"`` (tests of a bench of which one is of the type), ``"fit at
-        several temperatures"`` (prepared tests, by the type of the first), ``"fit complex
-        modulus"`` (from frequencies and moduli to a model), ``"leave one out"`` (the hits behind
-        a fit), ``"process capability"`` (of values between two limits).
+        several temperatures"`` (prepared tests, by the type of the first), ``"fit at several
+        depths"`` (prepared tests, one law of stiffness over depth), ``"fit complex modulus"``
+        (from frequencies and moduli to a model), ``"leave one out"`` (the hits behind a fit),
+        ``"process capability"`` (of values between two limits).
 
         Of predictions: ``"predict"`` (from a model), ``"predict with option"``, ``"predict with
         sweep"``, ``"read sweep"``, ``"predict at levels"`` (from a fit), ``"random base"`` (what

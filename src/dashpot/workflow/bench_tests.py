@@ -179,7 +179,7 @@ class BenchFitOptions:
         Of one relaxation test, by hand.
     depth_law : bool
         Tests of different depths share their relaxation times and an elastic law; each has its own
-        stiffnesses (:func:`~dashpot.fitting.depth_dependence.fit_depths`).
+        stiffnesses.
     thorough, intervals : bool
         As :func:`~dashpot.fitting.relaxation.fit` takes them; sweeps, moduli and creep always have
         intervals.
@@ -321,9 +321,8 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
             "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
             "--shift, --vertical, --only and --shifts"
         )
-    from dashpot.fitting.depth_dependence import fit_depths
-
-    return fit_depths(tests, arms=options.arms).fit
+    fit: Fit = find_handler("fit at several depths", tests[0])(tests, arms=options.arms).fit
+    return fit
 
 
 def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:

@@ -8,6 +8,10 @@ EXTENSION = Extension(
         "calibrate": {
             "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:add_calibrated_force",
         },
+        "write frf": {
+            ".uff": "dashpot.extensions.formats.write_uff:frf_uff",
+            ".unv": "dashpot.extensions.formats.write_uff:frf_uff",
+        },
     },
     formats=(
         FileFormat("lvm", "dashpot.extensions.formats.lvm", marks=(b"LabVIEW Measurement",)),

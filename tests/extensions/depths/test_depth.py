@@ -12,7 +12,7 @@ from kit.ramps import Law, cubic, linear
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.fitting.depth_dependence import fit_depths
+from dashpot.extensions.depths.depth_dependence import fit_depths
 from dashpot.fitting.relaxation import fit
 from dashpot.solids.elastic import ElasticLaw, compare_with_curve
 from dashpot.solids.maxwell import GeneralizedMaxwell

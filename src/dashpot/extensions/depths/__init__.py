@@ -1,0 +1,1 @@
+"""One law of stiffness over depth from tests at several compressions."""
