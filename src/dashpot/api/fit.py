@@ -1,4 +1,4 @@
-"""Which fit suits which records: from records to the model behind them."""
+"""Public functions that fit a viscoelastic model to records of one or several kinds."""
 
 from __future__ import annotations
 

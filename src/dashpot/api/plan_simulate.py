@@ -1,4 +1,4 @@
-"""Before a test: what it will tell, and a test of a known seal to try everything on."""
+"""Public functions before a test: what it can determine, and simulated tests of known seals."""
 
 from __future__ import annotations
 

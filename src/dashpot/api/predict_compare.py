@@ -1,4 +1,4 @@
-"""What a solid makes of a mass, a door or a deck, and how well that agrees with a measurement."""
+"""Public functions that predict the response of a mass or door and compare it with measurements."""
 
 from __future__ import annotations
 

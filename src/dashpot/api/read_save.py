@@ -1,4 +1,4 @@
-"""From a file to the record or the result that it holds, and back."""
+"""Public functions that read records and results from files and save them."""
 
 from __future__ import annotations
 

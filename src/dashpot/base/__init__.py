@@ -1,1 +1,1 @@
-"""What every room stands on: errors, units, arrays, numbers, provenance, checks."""
+"""Foundation of all packages: errors, units, arrays, number format, provenance, checks."""

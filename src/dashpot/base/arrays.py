@@ -1,4 +1,4 @@
-"""Read-only, finite arrays, records that hold them, and the units that a user gives them in."""
+"""Read-only finite arrays, frozen dataclasses that hold them, and conversion to SI units."""
 
 from __future__ import annotations
 

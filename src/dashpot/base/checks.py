@@ -1,4 +1,4 @@
-"""Named checks: the register of criteria, each answer in words, and the verdict of them all."""
+"""Named checks with criteria and limits, and the verdict over several checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions, and the status with which a fit ends."""
+"""Exceptions of dashpot, and the status with which an optimisation ends."""
 
 from __future__ import annotations
 

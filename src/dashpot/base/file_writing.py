@@ -1,4 +1,4 @@
-"""Files written whole or not at all, and the operating system's lock on a file."""
+"""Atomic writing of files, and file locks of the operating system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers for people: no more digits than are known, N/mm, mm, Hz and ms."""
+"""Numbers as text: significant digits by their uncertainty, in N/mm, mm, Hz and ms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What users are asked for: words to choose among, options, fields of a form."""
+"""Options as dataclass fields: choices, units, names in the command line and in forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text that people read: its sentences, and what a terminal prints and does not obey."""
+"""Plain text for people: sentences, line breaking, and characters safe to print on a terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What packages of others add by entry points: formats, kinds of tests and decks.
+"""Entry points of other packages: file formats, kinds of tests and solver inputs.
 
 Three groups are looked into::
 

@@ -1,4 +1,4 @@
-"""What is being done now, for whoever wants to show it; nobody listens by default."""
+"""Progress of a computation, reported to a listener; none listens by default."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where numbers came from: the file, its hash, and each step taken since."""
+"""Provenance of numbers: the file, its hash, and every processing step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A number that a user sees, stated once: name, value, doubt, unit, words; faces derive theirs."""
+"""Reported values: name, value, uncertainty, unit and text, stated once for all outputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a noun offers to whoever looks at it: verbs of rooms above its own, found when called.
+"""Mixins of result classes: text, table, figure, saving; what they call is imported when called.
 
 This is the one place where a lower room names a higher one, by words and not by an import, so that
 a noun loads nothing that it is not asked for.

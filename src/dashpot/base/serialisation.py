@@ -1,4 +1,4 @@
-"""Results as documents: a noun lists its attributes, and one walk makes them plain values."""
+"""Documents of results: attributes as plain values with a schema, written and read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Student's t without a special-function library, whose import costs more than the fit.
+r"""Student's t distribution in NumPy alone: SciPy's special functions import too slowly.
 
 With :math:`x = \sqrt\nu \tan\varphi` the central probability is
 

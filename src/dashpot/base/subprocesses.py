@@ -1,4 +1,4 @@
-"""Processes of our own: another interpreter like this one, with one thread of BLAS."""
+"""Subprocesses that run this Python interpreter with one BLAS thread."""
 
 from __future__ import annotations
 

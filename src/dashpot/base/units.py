@@ -1,4 +1,4 @@
-"""Unit words at the edges; SI inside."""
+"""Units of quantities as text, and their conversion to SI."""
 
 from __future__ import annotations
 

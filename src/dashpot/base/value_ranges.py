@@ -1,4 +1,4 @@
-"""Ranges of single numbers: what a value must be, and what sizes tests of seals have."""
+"""Ranges of single values: what is valid, and what is plausible in tests of seals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The version, in one place, and the byline that every file dashpot writes carries."""
+"""Version of dashpot, and the byline of every file that it writes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One verb, one file: read, call, write."""
+"""Command line: each command reads its files, calls one function and writes the result."""
 
 from __future__ import annotations
 

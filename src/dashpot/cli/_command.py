@@ -1,4 +1,4 @@
-"""The grammar of the command line: verbs, options in groups, help in three steps.
+"""Command class, options in groups, and help at three levels of detail.
 
 A verb declares its options as data: ``--help`` shows the common ones on one screen, ``--help-all``
 every one, and ``FILE --help`` those of the kind that the file is of. No page of help needs NumPy.

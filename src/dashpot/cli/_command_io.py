@@ -1,4 +1,4 @@
-"""What every command shares: kinds of its files, its outcome, files in and out, exit codes."""
+"""Input, output and exit codes that all commands share."""
 
 from __future__ import annotations
 

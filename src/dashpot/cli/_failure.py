@@ -1,4 +1,4 @@
-"""What went wrong, in one sentence and an exit code; the last net under every command."""
+"""Failures of a command: one sentence and an exit code for every exception."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Options that several verbs share, in the groups in which the help shows them."""
+"""Options that several commands share, in the groups of the help."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is typed for an option: quantities, ranges, KEY=VALUE, and values for some files alone."""
+"""Parameter types of options: quantities, ranges, KEY=VALUE, and values for some files only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was said of the files: what was typed over what a profile keeps, and what makes no sense."""
+"""Reading options of a command line, merged with a profile and checked for contradictions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tests of a known seal, as texts: what ``simulate``, ``demo``, ``plan`` and ``record`` share."""
+"""Options of simulated tests, shared by ``simulate``, ``demo``, ``plan`` and ``record``."""
 
 from __future__ import annotations
 

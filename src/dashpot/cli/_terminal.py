@@ -1,4 +1,4 @@
-"""The terminal: text printed and never obeyed, its size and colour, and progress."""
+"""Output to the terminal: safe text, width, colour and progress."""
 
 from __future__ import annotations
 

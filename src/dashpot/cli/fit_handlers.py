@@ -1,4 +1,4 @@
-"""What ``dashpot fit`` does with each kind of records."""
+"""Handlers of ``dashpot fit`` for each kind of record."""
 
 from __future__ import annotations
 

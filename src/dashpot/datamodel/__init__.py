@@ -1,1 +1,1 @@
-"""The values that pass between rooms: what was measured, and the fit."""
+"""Values that packages exchange: tests as measured, and the fit."""

@@ -1,4 +1,4 @@
-"""Limits of a solid's stiffness, and how well it is known over frequency."""
+"""Limits of a solid's stiffness over frequency, and its relative errors in the valid band."""
 
 from __future__ import annotations
 

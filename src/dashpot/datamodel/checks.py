@@ -1,4 +1,4 @@
-"""What the files behind a result leave open, and how far its temperatures reach, as criteria."""
+"""Criteria on a result's source files and temperature range."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a fit says: the solid, how well it is known, and what it must not be asked."""
+"""Result of a fit: the solid, its uncertainty, and its limits of use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands behind a fit: orders, certificate, alternatives, what moved, and whence."""
+"""Diagnostics of a fit: model orders, optimality certificate, alternatives, provenance."""
 
 from __future__ import annotations
 

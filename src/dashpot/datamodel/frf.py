@@ -1,4 +1,4 @@
-"""The frequency response function."""
+"""Frequency response functions (FRF), hits and modes."""
 
 from __future__ import annotations
 

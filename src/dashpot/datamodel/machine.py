@@ -1,4 +1,4 @@
-"""The machine, or the oven, that a test was made in, as far as its user knows it."""
+"""Uncertainties of the test machine or oven that records do not show."""
 
 from __future__ import annotations
 

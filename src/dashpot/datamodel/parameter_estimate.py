@@ -1,4 +1,4 @@
-r"""From the covariance of a fit to standard errors, to intervals a reader can trust.
+r"""Standard errors and confidence intervals of fitted parameters.
 
 The rows of the covariance are k in N/m and ln tau; what people read follows by the delta method:
 

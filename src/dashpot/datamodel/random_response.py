@@ -1,4 +1,4 @@
-"""What a base that shakes at random does to what stands on it."""
+"""Response to random base motion, as standard deviations and their limits."""
 
 from __future__ import annotations
 

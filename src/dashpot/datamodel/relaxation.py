@@ -1,4 +1,4 @@
-"""Relaxation tests, raw and prepared, and the motion of the plate."""
+"""Relaxation tests, as recorded and prepared, and the trajectory of the plate."""
 
 from __future__ import annotations
 

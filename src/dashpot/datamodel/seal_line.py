@@ -1,4 +1,4 @@
-"""A seal along a line: how it lies, how far it is pressed, and what one metre of it is."""
+"""Seal along a line: its section per metre, friction, and springs at stations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What tests at several temperatures say of how a solid moves with temperature."""
+"""Shift factors of tests at several temperatures, and the law fitted through them."""
 
 from __future__ import annotations
 

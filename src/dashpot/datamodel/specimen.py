@@ -1,4 +1,4 @@
-"""What was tested."""
+"""Specimen of a test: name, dimensions, temperature and history."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A structure at several points: its FRFs, the shapes of its modes, its free modes."""
+"""Structure measured at several points: its FRFs, mode shapes and free modes."""
 
 from __future__ import annotations
 

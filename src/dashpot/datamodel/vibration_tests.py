@@ -1,4 +1,4 @@
-"""Vibration tests as recorded: hits of a hammer, and a mass on a shaken base."""
+"""Vibration tests as recorded: hammer hits, and a mass on a shaken base."""
 
 from __future__ import annotations
 

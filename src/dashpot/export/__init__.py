@@ -1,4 +1,4 @@
-"""Decks: a solid as text for a solver, one target, one file.
+"""Solver inputs (decks): a solid as text for a finite-element or multibody solver.
 
 Every target is a function ``target(solid, *, units, specimen, allow, form, ...)`` of a
 bare :class:`~dashpot.solids.maxwell.Solid` or of a

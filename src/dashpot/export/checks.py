@@ -1,4 +1,4 @@
-"""What a deck says beyond the test behind it, as a criterion with a limit and a sentence."""
+"""Criterion on a deck that goes beyond the test behind its solid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a solid or a fit to a deck that says what it is, or a refusal with its reasons."""
+"""Construction of a deck from a solid or fit, or its refusal with the reasons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frequency tables whose interpolation error is chosen, not hoped for."""
+"""Frequency tables with a bounded interpolation error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the springs of a deck stand: one at the origin, or three at each station of a line."""
+"""Springs of a deck: one at the origin, or three at each station of a line."""
 
 from __future__ import annotations
 

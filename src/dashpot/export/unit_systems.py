@@ -1,4 +1,4 @@
-"""How solvers read quantities: consistent unit systems, numbers with a decimal point."""
+"""Consistent unit systems of solvers, and their numbers with a decimal point."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What dashpot does beyond the paper's method; the core knows it by its registry alone."""
+"""Extensions beyond the paper's method, which the core finds by its registry alone."""

@@ -1,4 +1,4 @@
-"""Reading an acquisition device while it measures; never moving anything."""
+"""Recording from an acquisition device, which is only read and never controlled."""
 
 from dashpot.base.lazy import build_lazy_exports
 

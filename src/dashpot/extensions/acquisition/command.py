@@ -1,4 +1,4 @@
-"""dashpot record: what an instrument sends, to a file."""
+"""dashpot record: samples of an instrument, written to a file."""
 
 from __future__ import annotations
 

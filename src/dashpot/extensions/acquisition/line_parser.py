@@ -1,4 +1,4 @@
-"""Lines of numbers as an instrument sends them: what is whole, what is garbled, what is missing."""
+"""Parser of the lines of numbers that an instrument sends; counts garbled and missing ones."""
 
 from __future__ import annotations
 

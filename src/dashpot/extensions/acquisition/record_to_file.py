@@ -1,4 +1,4 @@
-"""What a recorder reads, kept: a file that every reader here takes, safe from second to second."""
+"""Recording to a file that the readers take, flushed every second."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an acquisition card is to dashpot: three methods, all of which only read."""
+"""Interface of an acquisition device: three methods, all of which only read."""
 
 from __future__ import annotations
 

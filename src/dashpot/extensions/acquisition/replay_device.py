@@ -1,4 +1,4 @@
-"""Records played again at their own pace: one of a file, or one of the virtual rig."""
+"""Simulated device that replays the record of a file or of the virtual rig in real time."""
 
 from __future__ import annotations
 

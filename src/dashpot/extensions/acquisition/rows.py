@@ -1,4 +1,4 @@
-"""The rows of recording an instrument."""
+"""Registry rows of the recording of an instrument."""
 
 from dashpot.registry.row import Command, Extension
 

@@ -1,4 +1,4 @@
-"""A serial line, or a USB device that is one: opened to read, never to write."""
+"""Serial port, or a USB device that acts as one, opened for reading only."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Tests at several amplitudes: what they do to stiffness and loss."""
+"""Amplitude dependence of stiffness and loss, from tests at several amplitudes."""

@@ -1,4 +1,4 @@
-"""Least squares of one law of amplitude: Kraus's, a cubic spring, or both."""
+"""Least-squares fits of amplitude laws: Kraus's, a cubic spring, or both."""
 
 from __future__ import annotations
 

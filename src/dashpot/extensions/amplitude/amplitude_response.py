@@ -1,4 +1,4 @@
-"""A mass on a part at a level: what an amplitude sweep of the material makes of its resonance."""
+"""Resonance of a mass on a part at a vibration level, predicted from an amplitude sweep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tests at several amplitudes, as Python asks for them."""
+"""Public Python functions for tests at several amplitudes."""
 
 from __future__ import annotations
 

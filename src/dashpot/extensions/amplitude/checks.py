@@ -1,4 +1,4 @@
-"""What an amplitude sweep, or FRFs at several levels, can be trusted with, as criteria."""
+"""Criteria on amplitude sweeps and on FRFs at several levels."""
 
 from __future__ import annotations
 

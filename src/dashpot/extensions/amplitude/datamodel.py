@@ -1,4 +1,4 @@
-"""Amplitude sweeps: storage and loss against how far a part is moved."""
+"""Amplitude sweeps, storage and loss against amplitude, and their fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A seal that rubs, moved and shaken at several amplitudes, simulated."""
+"""Simulated example files: a seal with friction, moved and shaken at several amplitudes."""
 
 from __future__ import annotations
 

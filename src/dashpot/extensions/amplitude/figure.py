@@ -1,4 +1,4 @@
-"""Figures of amplitude: hysteresis loops, stiffness and loss over amplitude, FRFs at levels."""
+"""Figures of amplitude dependence: hysteresis loops, stiffness and loss, FRFs at levels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From an amplitude sweep to how stiffness and loss move with amplitude."""
+"""Fit of amplitude laws of stiffness and loss to an amplitude sweep."""
 
 from __future__ import annotations
 

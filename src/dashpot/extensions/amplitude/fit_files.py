@@ -1,4 +1,4 @@
-"""From files to what stiffness and damping do with amplitude, and to a mass at another level."""
+"""Fit of amplitude dependence to files, and prediction of a mass at another level."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From FRFs at several levels to arms, sliders and a spring: linear, with the amplitude."""
+"""Fit of arms, sliders and a cubic spring to FRFs at several levels."""
 
 from __future__ import annotations
 

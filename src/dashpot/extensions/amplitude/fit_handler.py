@@ -1,4 +1,4 @@
-"""Loops, amplitude sweeps, and FRFs or hits at several levels: what amplitude does."""
+"""Handlers of ``dashpot fit`` for loops, amplitude sweeps, and FRFs or hits at several levels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Harmonic balance of a linear system some of whose mounts have friction.
+r"""Harmonic balance of a linear system with friction in some of its mounts.
 
 The linear rest is exact: with C the compliance that the mounts with friction see, and e_0 how the
 excitation would stretch them without it,

@@ -1,4 +1,4 @@
-"""Hits of different height as levels: what they say of a level that is asked for."""
+"""Resonance against amplitude from hammer hits of different height."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The prediction of a mass on seals at levels: by a sweep, or by an elastic law that bends."""
+"""Prediction of a mass on seals at levels, by a sweep or by a nonlinear elastic law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What FRFs at several levels say of a solid and its friction."""
+"""Results of FRFs at several levels: the solid and its friction."""
 
 from __future__ import annotations
 

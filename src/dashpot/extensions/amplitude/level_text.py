@@ -1,4 +1,4 @@
-"""The text of a prediction at levels."""
+"""Predictions at levels, as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a fit of several levels, and its numbers in the units of people."""
+"""Result page of a fit at several levels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a rubber loses with amplitude as a share of its stiffness at every frequency."""
+"""Payne softening: the share of stiffness that a rubber loses with amplitude."""
 
 from __future__ import annotations
 

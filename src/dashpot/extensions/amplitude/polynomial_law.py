@@ -1,4 +1,4 @@
-"""An elastic law that is a polynomial of the depth."""
+"""Elastic law as a polynomial of the depth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A mass pressed on a seal whose elastic law bends, and which it may leave: even harmonics.
+r"""Steady motion of a mass on a preloaded nonlinear seal that it may leave, by harmonics.
 
 With x the compression, P what presses at rest and F a force on the mass,
 

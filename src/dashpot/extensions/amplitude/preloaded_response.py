@@ -1,4 +1,4 @@
-"""A mass at a level on a seal whose own elastic law bends: its resonance, harmonics and shift."""
+"""Response of a mass at a level on a nonlinear seal: resonance, harmonics and shift."""
 
 from __future__ import annotations
 

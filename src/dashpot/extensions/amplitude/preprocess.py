@@ -1,4 +1,4 @@
-"""From recorded hysteresis loops to an amplitude sweep: the first harmonic of each cycle."""
+"""Preparation of recorded hysteresis loops as an amplitude sweep, by first harmonics."""
 
 from __future__ import annotations
 

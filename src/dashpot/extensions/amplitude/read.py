@@ -1,4 +1,4 @@
-"""From a file to an amplitude sweep: storage and loss against strain or displacement."""
+"""Reader of amplitude sweeps: storage and loss against strain or displacement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the mass under FRFs at several levels does at any level."""
+"""Response at any level of the mass under FRFs at several levels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a system with friction does at a level: responses, sweeps and backbones.
+"""Solver of a system with friction at a level: responses, sweeps and backbones.
 
 By harmonic balance (``dashpot.extensions.amplitude.harmonic_balance``).
 """

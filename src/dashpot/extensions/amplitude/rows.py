@@ -1,4 +1,4 @@
-"""The rows of tests at several amplitudes."""
+"""Registry rows of tests at several amplitudes."""
 
 from dashpot.registry.row import Extension, FitRow, KindOfTest
 

@@ -1,4 +1,4 @@
-"""What is told of amplitudes and levels, as text for people."""
+"""Results of tests at several amplitudes, as text."""
 
 from __future__ import annotations
 

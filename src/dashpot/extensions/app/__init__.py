@@ -1,1 +1,1 @@
-"""The local app: a page on this machine for whoever opens a window rather than a shell."""
+"""Local web app: a page in the browser, served on this machine."""

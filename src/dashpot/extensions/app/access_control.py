@@ -1,4 +1,4 @@
-"""The guard before every route: this machine, this page, this user, and nothing from elsewhere."""
+"""Access control of every route: this machine, page and user only."""
 
 from __future__ import annotations
 

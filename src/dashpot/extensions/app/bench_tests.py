@@ -1,4 +1,4 @@
-"""Tests that the page fits by themselves: sweeps, master curves, moduli over time, creep."""
+"""Result cards of bench tests: sweeps, master curves, relaxation moduli, creep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""dashpot app: the page."""
+"""dashpot app: the local web app."""
 
 from __future__ import annotations
 

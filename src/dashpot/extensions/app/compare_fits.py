@@ -1,6 +1,4 @@
-"""Two fits against each other: both responses, both residuals, and each number of the one in what
-the other left open.
-"""
+"""Comparison of two fits: responses, residuals, and each parameter by its interval."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be taken away: reports, decks, numbers, pictures; a profile, a project."""
+"""Downloads: reports, decks, tables, figures, a profile, a project."""
 
 from __future__ import annotations
 

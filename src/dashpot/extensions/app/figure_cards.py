@@ -1,4 +1,4 @@
-"""The page of a file in tiles: what stands beside each other, and what is alike under one key."""
+"""Cards of a page: their layout side by side, and shared keys."""
 
 from __future__ import annotations
 

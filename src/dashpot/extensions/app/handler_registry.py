@@ -1,4 +1,4 @@
-"""Every question that a page may put to a worker."""
+"""Table of the handlers of all requests of the page."""
 
 from __future__ import annotations
 

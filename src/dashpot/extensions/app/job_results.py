@@ -1,4 +1,4 @@
-"""Files of which several make one result: tests at several amplitudes, FRFs with their modes."""
+"""Jobs of several files with one result: amplitudes, FRFs with their modes."""
 
 from __future__ import annotations
 

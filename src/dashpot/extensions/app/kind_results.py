@@ -1,4 +1,4 @@
-"""Kinds that stand alone, as the page has them: verdict, lights, figure, table, checks of each.
+"""Result of a single kind of test on the page: verdict, lights, figure, table, checks.
 
 What one is asked beside its files, and its fit by what was answered, is its row's panel in the
 register; what it tells is what the page of its kind tells in `dashpot.report`.

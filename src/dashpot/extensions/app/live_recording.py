@@ -1,4 +1,4 @@
-"""An instrument that is read while the page looks on: one record at a time, kept in a file."""
+"""Recording of an instrument, displayed while it runs and saved to a file."""
 
 from __future__ import annotations
 

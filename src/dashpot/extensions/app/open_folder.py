@@ -1,4 +1,4 @@
-"""Folders that are opened: a project with its last job, a lot with its table.
+"""Opening of folders: a project with its last job, a lot with its table.
 
 A page names a folder, as the user typed it, and never a file: what is read of it is what the
 project's own history lists inside it, and of a lot the test whose contents the table knows.

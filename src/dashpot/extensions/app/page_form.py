@@ -1,4 +1,4 @@
-"""The form of the page: what a job declares of its choices and of what is usual, laid into it."""
+"""Form of the page: the declared options of a job with their choices and defaults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folders that were kept or opened last: a list in the user's own place for such things."""
+"""List of recently opened folders, kept in the user's data folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Relaxation tests, read once for all lanes: kept beside the files, as they lie in memory."""
+"""Cache on disk of relaxation tests, memory-mapped by all workers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Panels of ramp, hold and residual with the record upon its fit, as the app shows them."""
+"""Panels of ramp, hold and residual with the record and its fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the workers do: from a page's request to a message, one function for each verb.
+"""Handlers of requests in the workers: one function for each kind of request.
 
 Every function takes the request and the folder of the files; what it computes it keeps for the
 next question, by the job that asked for it.

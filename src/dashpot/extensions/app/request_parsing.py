@@ -1,4 +1,4 @@
-"""What a page says, as the nouns of the work: every control is a field of a `Job`."""
+"""Parsing of the page's request as the options of a `Job`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a job gives, kept for the next question by the job that asked for it."""
+"""Cache of a job's results, looked up by the job."""
 
 from __future__ import annotations
 

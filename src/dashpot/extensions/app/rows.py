@@ -1,4 +1,4 @@
-"""The rows of the local app."""
+"""Registry rows of the local app."""
 
 from dashpot.registry.row import Command, Extension
 

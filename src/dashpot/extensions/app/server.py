@@ -1,4 +1,4 @@
-"""The server: routes from a page to the lanes; it computes nothing itself."""
+"""Web server: routes of the page to the worker processes."""
 
 from __future__ import annotations
 

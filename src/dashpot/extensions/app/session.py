@@ -1,4 +1,4 @@
-"""The session that a server leaves behind: its choices and its files, in the user's own place.
+"""The last session, saved for the next start: its options and its files.
 
 There is one, the last; it goes when its files are removed from the page, or when it is told to.
 """

@@ -1,4 +1,4 @@
-"""Files that a page was given: kept by their hash in a folder that goes with the server."""
+"""Uploaded files, kept by their hash in a temporary folder of the server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Nouns for the eye: panels as drawn for the page, pieces of it, and bare curves while it moves.
+"""View models: panels, tables and curves in the form that the page displays.
 
 Pure functions, tested without a server. Words, digits and marks are those of the report.
 """

@@ -1,4 +1,4 @@
-"""What passes between page, server and workers: a JSON head, then numbers as they lie in memory.
+"""Messages between page, server and workers: a JSON head and binary arrays.
 
 ::
 

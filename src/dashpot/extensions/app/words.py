@@ -1,4 +1,4 @@
-"""Sentences as the page says them: it has controls, where a command has options."""
+"""Texts of results for the page: controls in place of command-line options."""
 
 from __future__ import annotations
 

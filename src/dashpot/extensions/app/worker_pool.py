@@ -1,4 +1,4 @@
-"""Lanes: worker processes side by side, so that a long computation never holds up a short one."""
+"""Pool of worker processes, divided so that a long computation delays no short one."""
 
 from __future__ import annotations
 

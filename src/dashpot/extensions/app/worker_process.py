@@ -1,4 +1,4 @@
-"""A worker: one process that answers one question after the other until its server is gone.
+"""Worker process: answers requests one by one until its server ends.
 
 Questions come by standard input, answers leave by standard output, as frames of `wire`. A thread
 waits for the end of the input: a server that dies, however it dies, closes it, and the worker

@@ -1,4 +1,4 @@
-"""Many tests: one table, one page.
+"""Batches of many tests: one table and one page.
 
 The names stand in ``__init__.pyi``; each is imported when it is first used.
 """

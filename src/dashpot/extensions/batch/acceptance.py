@@ -1,4 +1,4 @@
-"""What acceptance limits make of each seal of a lot."""
+"""Decisions on the seals of a lot by acceptance limits."""
 
 from __future__ import annotations
 

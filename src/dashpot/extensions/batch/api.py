@@ -1,4 +1,4 @@
-"""Many tests at once: files to a lot, or arrays on one clock to their solids."""
+"""Public Python functions for many tests: files to a lot, arrays to their solids."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What decides a row besides its file."""
+"""Options by which every test of a batch is read and fitted."""
 
 from __future__ import annotations
 

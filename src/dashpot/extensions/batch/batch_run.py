@@ -1,4 +1,4 @@
-"""A batch of tests to one table, which a second run completes."""
+"""Run of a batch of tests to one table, which a second run completes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a batch of tests says of itself, as criteria with a sentence."""
+"""Criteria on a batch of tests."""
 
 from __future__ import annotations
 

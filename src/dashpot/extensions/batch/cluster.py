@@ -1,4 +1,4 @@
-"""A cluster of dask.distributed that somebody else runs: the same chunks, the same rows."""
+"""Rows of a batch computed on an existing dask.distributed cluster."""
 
 from __future__ import annotations
 

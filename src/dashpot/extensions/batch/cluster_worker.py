@@ -1,4 +1,4 @@
-"""What a worker of a cluster does: it asks processes of our own, as this machine would.
+"""Task of a cluster worker: a chunk of rows, computed in local subprocesses.
 
 They are kept for the next chunk. So a file that costs a process its life costs the worker nothing,
 the worker's environment (its threads, dask's limit for giving memory back) does not matter, and

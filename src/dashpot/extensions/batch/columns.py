@@ -1,4 +1,4 @@
-"""The columns of a row."""
+"""Columns of a lot's table."""
 
 from __future__ import annotations
 

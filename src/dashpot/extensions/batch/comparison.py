@@ -1,4 +1,4 @@
-"""Two lots held against each other, quantity by quantity."""
+"""Comparison of two lots, quantity by quantity."""
 
 from __future__ import annotations
 

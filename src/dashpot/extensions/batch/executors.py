@@ -1,4 +1,4 @@
-"""What makes the rows of a batch: this machine, or a cluster."""
+"""Choice of the executor of a batch: this machine or a cluster."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of a lot: control charts, capability, every curve."""
+"""Figures of a lot: control charts, capability, all curves."""
 
 from __future__ import annotations
 

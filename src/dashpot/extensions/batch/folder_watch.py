@@ -1,4 +1,4 @@
-"""A folder that is being filled: each test has its row when its file has been still for a while."""
+"""Watch of a folder: each file is fitted once it has ceased to change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a hammer says of a test: its fit held against the hits, or joined with them."""
+"""Comparison of a lot's fit with a hammer test, or their joint fit."""
 
 from __future__ import annotations
 

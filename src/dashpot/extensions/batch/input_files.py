@@ -1,4 +1,4 @@
-"""Which files a batch takes, and what is known of each beside its contents."""
+"""Files of a batch, with seal, lot and conditions of each."""
 
 from __future__ import annotations
 

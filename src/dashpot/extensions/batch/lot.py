@@ -1,4 +1,4 @@
-"""A lot: many tests, one row each, and what they say together."""
+"""Lot: a table of many tests, one row each, with its statistics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the commands of many tests share: their options, the files they write, what they print."""
+"""Options and output that the commands of lots share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A lot as one page: what it is like, where its scatter comes from, what stands out, every test."""
+"""Page of a lot: distribution, variance components, outliers and all tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows on disk: Parquet parts, each whole or not there, found again by what made them."""
+"""Table rows on disk as Parquet parts, written atomically and found by their inputs."""
 
 from __future__ import annotations
 

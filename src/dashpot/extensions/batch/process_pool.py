@@ -1,4 +1,4 @@
-"""Worker processes of this machine: chunks in, rows out, whichever of them dies."""
+"""Pool of worker processes on this machine that survives the death of one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The quantities of a lot: a column of its table, its name, and how people read it."""
+"""Quantities of a lot: table column, name, unit and number format."""
 
 from __future__ import annotations
 

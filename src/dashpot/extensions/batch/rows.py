@@ -1,4 +1,4 @@
-"""The rows of lots of files."""
+"""Registry rows of lots of files."""
 
 from dashpot.registry.row import Command, Extension
 

@@ -1,4 +1,4 @@
-"""A worker: it makes one row after the other, until whoever asks is gone.
+"""Worker process that computes rows until its parent process ends.
 
 Questions come as lines of JSON by standard input, rows leave so by standard output. A thread waits
 for the end of the input: a parent that dies, however it dies, closes it, and the worker leaves at

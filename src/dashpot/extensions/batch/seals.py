@@ -1,4 +1,4 @@
-"""The tests of one seal, and the charts of several."""
+"""Tests grouped by seal, and the control charts of several lots."""
 
 from __future__ import annotations
 

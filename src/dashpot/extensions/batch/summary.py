@@ -1,4 +1,4 @@
-"""What a lot says, all of it, once: for the page, the shell and programs alike."""
+"""Summary of a lot for the page, the command line and programs."""
 
 from __future__ import annotations
 

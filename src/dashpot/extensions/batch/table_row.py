@@ -1,4 +1,4 @@
-"""One test to one row: what was found, or the sentence why not."""
+"""Row of one test: its results, or the error that prevented them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A lot as a workbook: its tests, its seals, its statistics."""
+"""Lot as a spreadsheet workbook: its tests, seals and statistics."""
 
 from __future__ import annotations
 

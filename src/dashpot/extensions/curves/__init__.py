@@ -1,1 +1,1 @@
-"""Curves of a material: creep, DMA, modulus, master curves, several temperatures."""
+"""Material curves: creep, DMA, modulus, master curves, several temperatures."""

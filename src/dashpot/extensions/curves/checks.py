@@ -1,4 +1,4 @@
-"""What curves of storage, loss and modulus, and a fit to them, must hold."""
+"""Criteria on curves of storage, loss and modulus, and on fits to them."""
 
 from __future__ import annotations
 

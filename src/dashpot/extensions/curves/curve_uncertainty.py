@@ -1,4 +1,4 @@
-"""A measured curve as data: what it does not reject, limits at its end, its valid band."""
+"""Uncertainty of a fit to a curve: admissible solids, limits, and valid band."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which fit suits which curve of a bench: sweeps, relaxation moduli, creep."""
+"""Choice of the fit for curves of a bench: sweeps, relaxation moduli, creep."""
 
 from __future__ import annotations
 

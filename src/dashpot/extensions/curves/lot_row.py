@@ -1,4 +1,4 @@
-"""What a lot lists of the records of a curve."""
+"""Lot row of a curve."""
 
 from __future__ import annotations
 

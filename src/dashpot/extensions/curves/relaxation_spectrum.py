@@ -1,4 +1,4 @@
-"""A dense discrete spectrum for a master curve over many decades."""
+"""Dense discrete relaxation spectrum of a master curve."""
 
 from __future__ import annotations
 

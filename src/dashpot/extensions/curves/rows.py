@@ -1,4 +1,4 @@
-"""The rows of curves over time, frequency and temperature."""
+"""Registry rows of curves over time, frequency and temperature."""
 
 from dashpot.registry.row import Extension, KindOfTest
 

@@ -1,4 +1,4 @@
-r"""A law through shift factors, by generalised least squares with their full covariance.
+r"""Fit of a law to shift factors, by generalised least squares with their covariance.
 
 .. math:: D = (s - f(\theta))' C^{-1} (s - f(\theta)), \qquad \mathrm{BIC} = D + p \ln n
 

@@ -1,4 +1,4 @@
-"""The figure of a relaxation modulus: what was measured, the fit, and what that leaves."""
+"""Figure of a relaxation modulus: data, fit and residual."""
 
 from __future__ import annotations
 

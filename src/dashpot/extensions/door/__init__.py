@@ -1,1 +1,1 @@
-"""The seal in the car: a door on its seals, and its closing."""
+"""Seal in a car door: vibration on the seal, and closing."""

@@ -1,4 +1,4 @@
-r"""Air pressed out of chambers through openings: compressible, choked where it must be.
+r"""Flow of air out of chambers through openings: compressible, choked at the limit.
 
 .. math:: \dot m = C_d A \sqrt{p_u \rho_u}\,\Psi(p_d/p_u), \qquad
     \Psi^2 = \frac{2\gamma}{\gamma-1}\left(x^{2/\gamma} - x^{(\gamma+1)/\gamma}\right)

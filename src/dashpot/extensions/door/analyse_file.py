@@ -1,4 +1,4 @@
-"""From the file of a door to its modes, FRFs and response to a base that shakes."""
+"""Analysis of a door file: modes, FRFs and response to random base motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A door, as Python asks for it."""
+"""Public Python functions for doors."""
 
 from __future__ import annotations
 

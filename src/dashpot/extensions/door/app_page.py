@@ -1,4 +1,4 @@
-"""A door on its seal in the app: predicted with the files that are open beside it, and shown."""
+"""Door on its seal in the app, predicted with the open files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a door to the system that it is: its bodies, and all that holds them."""
+"""Assembly of a door's system: its bodies, mounts and seal line."""
 
 from __future__ import annotations
 

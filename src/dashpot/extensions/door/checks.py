@@ -1,4 +1,4 @@
-"""What a door on its seal can be trusted with, as criteria with a sentence."""
+"""Criteria on a door on its seal."""
 
 from __future__ import annotations
 

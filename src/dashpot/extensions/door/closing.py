@@ -1,4 +1,4 @@
-r"""A door that closes on its seal, in time.
+r"""Closing motion of a door onto its seal.
 
 .. math:: I\ddot\theta = -\sum_i M_i, \qquad \delta_s = (\delta_{c,s} - \ell_s\theta)_+
 

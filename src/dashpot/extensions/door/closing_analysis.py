@@ -1,4 +1,4 @@
-"""Closing a door: its outcome, the least speed that closes it, and how that scatters."""
+"""Closing analysis of a door: outcome, minimum speed, and their scatter."""
 
 from __future__ import annotations
 

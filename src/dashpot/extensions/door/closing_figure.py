@@ -1,4 +1,4 @@
-"""The figure of a door that closes: what takes its energy, where, and which doors close."""
+"""Figure of a closing door: energy by source and place, and which doors close."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a closing door presses, stepped on from angle to angle: the seal with memory, and air."""
+"""Forces on a closing door: the viscoelastic seal and air, angle by angle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the file of a door to how it closes."""
+"""Closing analysis of a door file."""
 
 from __future__ import annotations
 

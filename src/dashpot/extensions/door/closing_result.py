@@ -1,4 +1,4 @@
-"""What was found of a door that closes."""
+"""Result of the closing of a door."""
 
 from __future__ import annotations
 

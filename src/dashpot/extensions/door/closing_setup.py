@@ -1,4 +1,4 @@
-"""What else resists a door that closes: air, latch, check, friction, weight; and what varies."""
+"""Resistances of a closing door besides its seal, and their tolerances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a door that closes."""
+"""Closing of a door, as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which part of a system holds the energy of a mode, and which loses it."""
+"""Shares of a mode's energy and loss by part of a system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``dashpot export`` takes of the file of a door: its seal as stations."""
+"""Handler of ``dashpot export`` for a door file: its seal as stations."""
 
 from __future__ import annotations
 

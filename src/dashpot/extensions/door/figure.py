@@ -1,4 +1,4 @@
-"""The figure of a door: how its seal is pressed, its modes, and FRFs with the seal and without."""
+"""Figure of a door: seal compression, modes, and FRFs with and without the seal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modes of a door with its seal and without, and what they rest on."""
+"""Modes of a door with and without its seal."""
 
 from __future__ import annotations
 

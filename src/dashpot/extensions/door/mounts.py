@@ -1,4 +1,4 @@
-"""A seal line as mounts between a body and what it seals against."""
+"""Seal line as mounts between a body and its counterpart."""
 
 from __future__ import annotations
 

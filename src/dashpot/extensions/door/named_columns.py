@@ -1,4 +1,4 @@
-"""Tables whose columns bear known names: points of a line, modes at points."""
+"""Tables with named columns: points of a line, modes at points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a door: its line, modes with what holds and what loses, shapes, and how it closes."""
+"""Page of a door: seal line, modes with energy shares, shapes, and closing."""
 
 from __future__ import annotations
 

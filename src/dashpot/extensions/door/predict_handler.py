@@ -1,4 +1,4 @@
-"""What ``dashpot predict`` does of a door: how it vibrates on its seal, and how it closes."""
+"""Handler of ``dashpot predict`` for a door: vibration on its seal, and closing."""
 
 from __future__ import annotations
 

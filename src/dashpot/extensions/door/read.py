@@ -1,4 +1,4 @@
-"""From a TOML file to the door that it describes."""
+"""Reader of a door from a TOML file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table [closing] of a door's file: what besides its seal meets the door as it closes."""
+"""Reader of the table [closing] of a door file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to the modes of a structure: shapes at points, with their frequencies."""
+"""Reader of the modes of a structure: frequencies and shapes at points."""
 
 from __future__ import annotations
 

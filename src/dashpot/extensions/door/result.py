@@ -1,4 +1,4 @@
-"""What was found of a door on its seal."""
+"""Result of a door on its seal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rows of the seal in a door."""
+"""Registry rows of the seal in a door."""
 
 from dashpot.registry.row import Extension, KindOfTest
 

@@ -1,4 +1,4 @@
-"""A seal along a line: its points, joints and compression, cut into stations."""
+"""Seal line: its points, joints and compression, divided into stations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a door vibrates on its seal, as text."""
+"""Vibration of a door on its seal, as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Named arrays of a binary file gathered to one table."""
+"""Table of the named arrays of a binary file."""
 
 from __future__ import annotations
 

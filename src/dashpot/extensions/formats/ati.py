@@ -1,4 +1,4 @@
-"""ATI force/torque transducers: six gauge voltages to force and torque, by their ``.cal`` file."""
+"""ATI force/torque transducers: gauge voltages to force and torque, by their ``.cal`` file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Factors in the attributes of a binary file that would change the numbers beside them."""
+"""Scale factors in the attributes of a binary file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which rows and columns of a workbook are hidden, for the child: what is not seen is read, too.
+"""Hidden rows and columns of a workbook, which are read with a note.
 
 Of xlsx and ods alone, whose parts are XML; of the older xls and of xlsb nothing is told.
 """

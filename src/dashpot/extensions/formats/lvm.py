@@ -1,4 +1,4 @@
-"""LabVIEW measurement files (LVM): several segments, with or without columns of time."""
+"""LabVIEW measurement files (LVM) of several segments, with or without time columns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rows of binary file formats."""
+"""Registry rows of binary file formats."""
 
 from dashpot.registry.row import Extension, FileFormat
 

@@ -1,4 +1,4 @@
-"""NI TDMS files through npTDMS: scaled, with each channel's own start offset."""
+"""NI TDMS files through npTDMS: scaled, with the start offset of each channel."""
 
 from __future__ import annotations
 

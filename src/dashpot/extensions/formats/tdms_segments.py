@@ -1,4 +1,4 @@
-"""The segments of a TDMS file, each with its own properties, which npTDMS merges: the last wins."""
+"""Segments of a TDMS file with their own properties, which npTDMS merges."""
 
 from __future__ import annotations
 

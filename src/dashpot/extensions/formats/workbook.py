@@ -1,4 +1,4 @@
-"""Spreadsheets (xls, xlsx, xlsb, ods) through calamine: each sheet is read as the text it shows."""
+"""Spreadsheets (xls, xlsx, xlsb, ods) through calamine: the displayed text of each sheet."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sheets of a workbook as text, for the child: it needs calamine and no numbers."""
+"""Sheets of a workbook as text, read in the child process with calamine alone."""
 
 from __future__ import annotations
 

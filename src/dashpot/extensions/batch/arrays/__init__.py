@@ -1,1 +1,1 @@
-"""Many records on one clock, fitted side by side."""
+"""Simultaneous fits of many records on one clock."""

@@ -1,4 +1,4 @@
-r"""Thousands of records on one sampling, fitted side by side.
+r"""Batched solver: least-squares fits of thousands of records with one sampling.
 
 What one record computes, a stack of them computes at once: compression is a matrix product, a start
 is the best of all sets of grid points (:class:`.GridSearch`), and every step of

@@ -1,4 +1,4 @@
-"""Thousands of relaxation records on one clock, in one call."""
+"""Fit of thousands of relaxation records on one clock in one call."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where many records start: the best of all sets of grid points."""
+"""Starting points of many records: the best set of grid points for each."""
 
 from __future__ import annotations
 

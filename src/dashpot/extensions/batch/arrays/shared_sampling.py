@@ -1,4 +1,4 @@
-"""Records that share a sampling: what a fit of many records needs to know of each kind."""
+"""Records with a shared sampling, reduced to what a batched fit needs."""
 
 from __future__ import annotations
 

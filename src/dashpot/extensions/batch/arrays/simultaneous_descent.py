@@ -1,4 +1,4 @@
-"""From a start of each of many records to its nearest optimum, all at once."""
+"""Simultaneous descent of many records from their starts to the nearest optima."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Control charts: points against what their own scatter allows, and runs that are odd."""
+"""Control charts: limits from the scatter of the points, and rules for runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gauge repeatability and reproducibility: how much of what tests differ by is the testing."""
+"""Gauge repeatability and reproducibility: the share of variance due to testing."""
 
 from __future__ import annotations
 

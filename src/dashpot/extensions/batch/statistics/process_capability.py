@@ -1,4 +1,4 @@
-"""How well a lot keeps within two limits: Cp and Cpk, as far as so many seals know them."""
+"""Process capability Cp and Cpk with confidence limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether two lots differ: by how much, how surely, and what difference could have been seen."""
+"""Two-sample comparison: difference, confidence, and smallest detectable difference."""
 
 from __future__ import annotations
 

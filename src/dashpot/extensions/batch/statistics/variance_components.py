@@ -1,4 +1,4 @@
-"""Where the scatter of a lot comes from, and which of its tests stand out."""
+"""Variance components of a lot, and its outliers."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Creep: from a step of force to a compliance and its solid."""
+"""Creep: the compliance after a force step, and the solid fitted to it."""

@@ -1,4 +1,4 @@
-"""What a creep test, and a fit to it, must hold."""
+"""Criteria on creep tests and their fits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a creep test measured, as the compliance that a step would have shown."""
+"""Compliance of a creep test, corrected to an ideal step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of a creep test, or of its curve: what was measured, the fit, what that leaves."""
+"""Figure of a creep test or compliance: data, fit and residual."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""From a creep test, or a creep compliance, to the solid behind it.
+r"""Fit of a solid to a creep test or compliance.
 
 The recorded force is the input, and the displacement its answer,
 

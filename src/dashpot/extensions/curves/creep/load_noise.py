@@ -1,4 +1,4 @@
-r"""What the noise of the load cell leaves unknown of a fit to creep.
+r"""Effect of load-cell noise on the uncertainty of a creep fit.
 
 The fit answers a load freed of its noise, :math:`\hat F = F + W e` with e the white noise of the
 readings. To first order the error moves the parameters by :math:`(J^TJ)^{-1} J^T S W e`, with S the

@@ -1,4 +1,4 @@
-"""From a raw creep test to a load and its hold."""
+"""Preparation of a raw creep test: its load and hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to a creep test, or to a creep compliance over time."""
+"""Reader of creep tests and creep compliances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From compliances to stiffnesses: the optimum of a creep fit, and the solid it stands for."""
+"""Retardation spectrum of a creep fit, and the equivalent relaxation solid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The virtual rig under force control: a seal, a load that is held, what it moves."""
+"""Simulated creep test: the virtual rig under force control."""
 
 from __future__ import annotations
 

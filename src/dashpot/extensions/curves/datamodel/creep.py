@@ -1,4 +1,4 @@
-"""Creep tests: the force is given, the displacement is the answer; raw, prepared, as a curve."""
+"""Creep tests, raw and prepared, and the creep compliance."""
 
 from __future__ import annotations
 

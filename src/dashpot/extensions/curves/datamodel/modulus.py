@@ -1,4 +1,4 @@
-"""A relaxation modulus over time: the answer to a unit step, as a curve."""
+"""Relaxation modulus over time: response to a unit step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What curves share that may have samples at several temperatures."""
+"""Temperatures of the samples of a curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sweeps or moduli at several temperatures, shifted to one: a master curve."""
+"""Superposition of sweeps or moduli at several temperatures: a master curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of a fit to a sweep of frequency."""
+"""Figure of a fit to a frequency sweep."""
 
 from __future__ import annotations
 

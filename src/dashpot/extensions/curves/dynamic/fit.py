@@ -1,4 +1,4 @@
-"""From a dynamic (DMA) test to a fitted solid, alone or together with relaxation tests."""
+"""Fit of a solid to a dynamic (DMA) test, alone or with relaxation tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to a dynamic (DMA) test."""
+"""Reader of dynamic (DMA) tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a relaxation modulus over time to the fewest arms that explain it."""
+"""Fit of a Maxwell solid with the fewest arms to a relaxation modulus."""
 
 from __future__ import annotations
 

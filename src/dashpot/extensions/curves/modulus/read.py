@@ -1,4 +1,4 @@
-"""From a file to a relaxation modulus over time."""
+"""Reader of relaxation moduli over time."""
 
 from __future__ import annotations
 

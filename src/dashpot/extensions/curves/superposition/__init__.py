@@ -1,1 +1,1 @@
-"""Time-temperature superposition: sweeps and moduli at several temperatures, one solid."""
+"""Time-temperature superposition of sweeps and moduli at several temperatures."""

@@ -1,4 +1,4 @@
-"""What tests at several temperatures must hold to be one solid that is shifted."""
+"""Criteria on tests at several temperatures for time-temperature superposition."""
 
 from __future__ import annotations
 

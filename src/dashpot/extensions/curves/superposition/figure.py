@@ -1,4 +1,4 @@
-"""The figure of a master curve: where every temperature came to lie, how far it moved, and why."""
+"""Figure of a master curve: the shifted data, their shift factors and law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""What was measured at one temperature, as rows of a positive spectrum that is shifted.
+r"""Isotherm: data at one temperature as rows of a shifted non-negative spectrum.
 
 With :math:`v = t / (a_T \tau)` over time, :math:`z = \omega a_T \tau` over frequency:
 

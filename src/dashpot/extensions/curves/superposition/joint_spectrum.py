@@ -1,4 +1,4 @@
-r"""One positive spectrum of many isotherms, and their shifts, by variable projection.
+r"""Joint fit of one non-negative spectrum and the shifts of many isotherms.
 
 At given shifts the spectrum is a convex problem on a grid of reduced relaxation times; the shifts
 descend with it (:mod:`dashpot.numerics.least_squares`). Nothing smooths the spectrum;

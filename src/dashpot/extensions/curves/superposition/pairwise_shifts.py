@@ -1,4 +1,4 @@
-"""Where the shifts of several temperatures start: each on its neighbour, chained."""
+"""Starting shifts of several temperatures: pairs of neighbours, chained."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a table of shift factors to shifts."""
+"""Reader of tables of shift factors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From tests at several temperatures to their master curve, its shifts and their law."""
+"""Superposition of tests at several temperatures: master curve, shifts and law."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Tests at several temperatures, one solid."""
+"""Joint fit of one solid to tests at several temperatures."""

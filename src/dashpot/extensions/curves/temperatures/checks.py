@@ -1,4 +1,4 @@
-"""Whether tests at several temperatures are of one solid that only gets slower, as criteria."""
+"""Criteria on one thermorheologically simple solid for tests at several temperatures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of one solid at several temperatures: every test with it, and its shifts."""
+"""Figure of one solid at several temperatures: tests, fits and shift factors."""
 
 from __future__ import annotations
 

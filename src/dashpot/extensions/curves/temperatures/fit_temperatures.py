@@ -1,4 +1,4 @@
-"""Tests of one seal at several temperatures: one solid, its shifts, and their law."""
+"""Fit of one solid, its shifts and their law to tests at several temperatures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well a solid and its shifts are known: every sample, every column, the noise as it is."""
+"""Covariance of a solid and its shifts under the noise of all records."""
 
 from __future__ import annotations
 

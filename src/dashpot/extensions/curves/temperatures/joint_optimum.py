@@ -1,4 +1,4 @@
-"""The optimum of one solid and its shifts over tests at several temperatures."""
+"""Optimum of one solid and its shifts over tests at several temperatures."""
 
 from __future__ import annotations
 

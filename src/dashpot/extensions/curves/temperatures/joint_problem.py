@@ -1,4 +1,4 @@
-r"""One solid, its shifts, and tests at several temperatures: least squares over all at once.
+r"""Least-squares problem of one solid and its shifts over tests at several temperatures.
 
 Everything that is shared is unknown together: k_inf and every k, which are linear, and every
 ln tau, ln a_T and ln b_T of every further temperature, and how much further slow arms shift than

@@ -1,4 +1,4 @@
-r"""One test at one temperature, as rows of unit noise, freed of all that is its own.
+r"""Data of one test at one temperature, with its own nuisance terms eliminated.
 
 At the temperature T the solid of the reference answers with every relaxation time times
 :math:`a_T` and every stiffness times :math:`b_T`, so that a test is the same data at other

@@ -1,4 +1,4 @@
-"""What an optimum over several temperatures says: its shifts, their law, where it comes from."""
+"""Result of a fit over several temperatures: shifts, law and provenance."""
 
 from __future__ import annotations
 

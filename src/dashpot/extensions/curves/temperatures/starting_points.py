@@ -1,4 +1,4 @@
-"""Where the descent starts, and how many arms: shifts by pairs, arms by the engine."""
+"""Starting shifts and number of arms of a fit over several temperatures."""
 
 from __future__ import annotations
 
