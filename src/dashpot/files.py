@@ -1,4 +1,4 @@
-"""What is read and written besides records: profiles, motions, instruments, tables.
+"""Public functions for files besides records: profiles, motions, instruments, tables.
 
 The names stand in ``files.pyi``; each is imported when it is first used.
 """

@@ -1,4 +1,4 @@
-"""What vibrates on seals: bodies, mounts, seal lines, doors, and what they are asked.
+"""Public functions for systems on seals: bodies, mounts, seal lines, doors.
 
 The names stand in ``systems.pyi``; each is imported when it is first used.
 """

@@ -1,4 +1,4 @@
-"""For authors of plug-ins: their format held to the contract, as dashpot would hold it.
+"""Contract test of a plug-in's file format, for its authors.
 
 ::
 

@@ -1,1 +1,1 @@
-"""Everything that ends in a fit."""
+"""Fits of viscoelastic solids to tests."""

@@ -1,4 +1,4 @@
-"""All the spectra that tests cannot reject, and the limits of stiffness that they allow."""
+"""Admissible spectra: all that the tests do not reject, and their limits of stiffness."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From an optimum to a Fit: checks, nuisances, band and provenance, alike for every fit."""
+"""Construction of a `Fit` from an optimum: checks, nuisances, valid band, provenance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a solid is fitted to: prepared tests as weighted blocks of rows, and their noise."""
+"""Data of a fit: prepared tests as weighted blocks of rows, and their noise."""
 
 from __future__ import annotations
 

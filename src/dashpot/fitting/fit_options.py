@@ -1,4 +1,4 @@
-"""What may be asked of a fit to relaxation tests, and what contradicts it."""
+"""Options of a fit to relaxation tests, and their contradictions."""
 
 from __future__ import annotations
 

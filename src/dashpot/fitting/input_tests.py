@@ -1,4 +1,4 @@
-"""The tests that a fit is given: prepared, no copies, their depths and temperatures."""
+"""Input tests of a fit: prepared, distinct, with their depths and temperatures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""What is known of a load cell and of the clocks before the fit: priors of the nuisance terms.
+r"""Priors of the nuisance terms: load cell and clocks.
 
 The force that the solid gives comes with an offset, a drift and a delay,
 

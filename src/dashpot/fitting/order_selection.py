@@ -1,4 +1,4 @@
-"""The number of arms: every number tried, one chosen, and what is known of it."""
+"""Selection of the number of arms, with the uncertainty of the chosen model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well the parameters of a fit are known: covariance, rig and encoder, profiles."""
+"""Uncertainty of fitted parameters: covariance, rig and encoder terms, profiles."""
 
 from __future__ import annotations
 

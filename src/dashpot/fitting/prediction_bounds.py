@@ -1,4 +1,4 @@
-"""How far a prediction may be off: by its parameters, and by arms that the test cannot see."""
+"""Bounds of a prediction: parameter errors, and arms outside the test's window."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From prepared relaxation tests to a fitted solid."""
+"""Fit of a solid to prepared relaxation tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The relaxation test as data to be explained, freed of what its rig adds.
+r"""Relaxation test as data of a fit, with the rig's contributions eliminated.
 
 What a rig adds to the force of the solid is linear: an offset, a drift, the change that a late
 clock makes, what the readings of the encoder leave unknown. Each is known beforehand to within a

@@ -1,4 +1,4 @@
-"""From a relaxation test to the data that a likelihood weighs: its rows, its noise, its rig."""
+"""Likelihood of a relaxation test: its rows, noise and rig terms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The band in which a fit is valid: informed by the tests, and known in stiffness and loss."""
+"""Valid band of a fit: informed by the tests, with stiffness and loss known."""
 
 from __future__ import annotations
 

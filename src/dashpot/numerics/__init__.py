@@ -1,1 +1,1 @@
-"""Sums of exponentials, exactly: no seal, no unit, no file in here."""
+"""Fits of exponential sums to plain arrays, and their inference."""

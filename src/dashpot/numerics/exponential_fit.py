@@ -1,4 +1,4 @@
-"""The best sum of exponentials in a stack of blocks, arm by arm, and its certificate."""
+"""Globally optimal exponential sum of a stack of blocks, with its certificate."""
 
 from __future__ import annotations
 

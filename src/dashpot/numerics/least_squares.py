@@ -1,4 +1,4 @@
-"""Least squares of models linear in some parameters: the problem of every fit and its descent."""
+"""Separable least squares: models linear in some parameters, and their descent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where to start, and the descent from there to the nearest optimum in ln tau."""
+"""Starting points in ln tau, and descent to the nearest optimum."""
 
 from __future__ import annotations
 

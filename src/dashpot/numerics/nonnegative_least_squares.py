@@ -1,4 +1,4 @@
-"""Least squares with coefficients that must not be negative, and how far data let them be."""
+"""Non-negative least squares and its confidence region."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a test can and cannot tell, before it is run."""
+"""Planning of tests: what they can determine, before they are run."""

@@ -1,4 +1,4 @@
-"""What a plan supposes of the seal."""
+"""Assumed seal of a plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a planned test will not tell, as criteria with a sentence."""
+"""Criteria on a planned test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""What a relaxation test and a hammer test would tell, before they are run.
+r"""Expected errors of a planned relaxation test and hammer test.
 
 The bench is judged by its Cramer-Rao bound. With the ramp known and white noise of standard
 deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` does better than

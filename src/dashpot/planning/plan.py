@@ -1,4 +1,4 @@
-"""Before a test: what it will tell at a frequency, and what to change."""
+"""Plan of a test: expected errors at a frequency, and advice on changes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked for a plan: a ramp and hold, and a hammer test, to be."""
+"""Options of a plan: its ramp and hold, and its hammer test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A ramp-and-hold test to be, and its repeats: what each sample says of the solid."""
+"""Planned ramp-and-hold test and its repeats: the information of its samples."""
 
 from __future__ import annotations
 

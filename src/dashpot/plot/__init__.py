@@ -1,4 +1,4 @@
-"""Results to figures: functions from results to a `Picture`, and writers of pictures.
+"""Figures: functions from results to a `Picture`, and writers of pictures.
 
 A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before anything draws it.
 :func:`save` writes it as SVG, PNG or PDF; :func:`to_svg` gives the text of the first,

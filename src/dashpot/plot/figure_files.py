@@ -1,4 +1,4 @@
-"""A picture to a file: SVG as it is, PNG and PDF drawn by matplotlib at the same places."""
+"""Figure files: SVG directly, PNG and PDF through matplotlib in the same layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the hammer half: the FRF, and the predicted against the measured one."""
+"""Figures of FRFs: measured, predicted, and both compared."""
 
 from __future__ import annotations
 

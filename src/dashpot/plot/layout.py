@@ -1,4 +1,4 @@
-"""Where everything of a strip of panels stands, in px: arrays become strokes, words get places.
+"""Layout of a strip of panels in px: polylines, markers and labels.
 
 What is laid out is drawn alike by `svg` and by `bitmap`, so a figure looks alike everywhere.
 """

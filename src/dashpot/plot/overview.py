@@ -1,4 +1,4 @@
-"""The whole method in one picture: the relaxation test and its fit, the FRF and its prediction."""
+"""Overview figure: relaxation test with its fit, measured and predicted FRF."""
 
 from __future__ import annotations
 

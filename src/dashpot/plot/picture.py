@@ -1,4 +1,4 @@
-"""Figures as values: what is drawn, before anything draws it.
+"""Figures as values, independent of their drawing.
 
 A `Picture` holds strips of panels; a panel holds marks in data coordinates, in the units that
 people read. `svg` writes it for a page or a file, `bitmap` gives it to matplotlib for PNG and PDF.

@@ -1,4 +1,4 @@
-"""What figures make of data: fewer points, limits, units people read, and a stamp of origin."""
+"""Data for figures: thinning, axis limits, display units, and a stamp of origin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of records before a fit: the columns of a file, the hits of a hammer test."""
+"""Figures of records before a fit: columns of a file, hits of a hammer test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the bench half: the test with its segments, and the fits to it."""
+"""Figures of relaxation tests: segments, and fits."""
 
 from __future__ import annotations
 

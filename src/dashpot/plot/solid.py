@@ -1,4 +1,4 @@
-"""Figures of the solid: its spectrum, its elastic law, its stiffness, fitted and from an FRF."""
+"""Figures of the solid: spectrum, elastic law, stiffness fitted and from an FRF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one set of colours, sizes and words of shape: for figures, the report, and pages to come.
+"""Colours, sizes and mark shapes of figures and pages.
 
 Colours of data are those of Okabe and Ito (2008), which readers with any colour vision tell
 apart. Green, orange and vermillion are kept for judgement: no curve of a sound measurement has

@@ -1,4 +1,4 @@
-"""Pictures as SVG text: one drawing for each strip in a page, or one file of all.
+"""SVG text of pictures: one drawing for each strip of a page, or one file.
 
 Letters stay letters. Colours are custom properties of the page (`tokens.css`), so that one drawing
 serves the light and the dark page; a file has them as they are on paper. Whatever is inside the

@@ -1,1 +1,1 @@
-"""From a raw relaxation test to a ramp and a hold."""
+"""Preparation of a raw relaxation test as a ramp and a hold."""

@@ -1,4 +1,4 @@
-"""Each way in which a record can deceive, before any fit, as a criterion with a sentence."""
+"""Criteria on records before any fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The load cell before contact, where the force first rises, and how late it comes."""
+"""First contact: load-cell baseline, onset of force, and its delay."""
 
 from __future__ import annotations
 

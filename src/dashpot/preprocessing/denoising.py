@@ -1,4 +1,4 @@
-r"""The motion behind a recorded displacement.
+r"""Denoising of a recorded displacement.
 
 A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a
 spike of force. The true force shows none, since nothing moved: taken at its word, the record would

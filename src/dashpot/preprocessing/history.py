@@ -1,4 +1,4 @@
-r"""What a seal went through before the loading that is fitted: its face under a plate that left it.
+r"""Loading history of a seal before the fitted loading, including loss of contact.
 
 The hereditary integral begins with the first sample. Where the plate is away from a seal that has
 not recovered, the face follows from its own force, which is zero

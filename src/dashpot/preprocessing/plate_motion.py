@@ -1,4 +1,4 @@
-"""What the recorded displacement says: rests, ramps and holds, and the ideal ramp in them."""
+"""Plate motion from the recorded displacement: rests, ramps, holds, and the ideal ramp."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a raw relaxation test to a ramp and a hold."""
+"""Preparation of a raw relaxation test: its ramp and hold."""
 
 from __future__ import annotations
 

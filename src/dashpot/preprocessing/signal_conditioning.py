@@ -1,4 +1,4 @@
-"""What is done to the samples of a record: filters, lines of hum, averages."""
+"""Signal conditioning of a record: filters, hum removal, averaging."""
 
 from __future__ import annotations
 

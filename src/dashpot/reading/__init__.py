@@ -1,1 +1,1 @@
-"""From files to records and back: options, formats, text, columns, readers, and one writer."""
+"""Reading and writing of records: options, formats, text, columns, readers, and a writer."""

@@ -1,4 +1,4 @@
-"""The bytes of a file, or of stdin, their hash, and the time that reading them may take."""
+"""Raw bytes of a file or of stdin, their hash, and a time limit on reading them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a reader cannot know and a user can say: columns, units, marks, encoding; kept as TOML."""
+"""Reading options, given by the user and kept as TOML: columns, units, marks, encoding."""
 
 from __future__ import annotations
 

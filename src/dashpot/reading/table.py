@@ -1,4 +1,4 @@
-"""A table of named columns as a file holds it: what every reader returns."""
+"""Table of named columns as a file holds it, returned by every format reader."""
 
 from __future__ import annotations
 

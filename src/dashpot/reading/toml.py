@@ -1,4 +1,4 @@
-"""A TOML document as its tables: quantities with their units, and no key that nobody knows."""
+"""TOML documents as validated tables: quantities with units, no unknown keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records to files that every reader here takes back: text, as for any spreadsheet, and UFF."""
+"""Writers of records, as text or UFF, which the readers read back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The registry: how the core finds what does a task for a type, a kind of test or a name.
+"""Registry: handlers of a task, found by type, kind of test or name.
 
 The core's own rows stand in `dashpot.registry.core`, those of an extension in its module `rows`. A
 row names functions by words, ``"package.module:name"``, which are imported when they are needed.

@@ -1,4 +1,4 @@
-"""The rows of the core: the paper's own tests, commands, formats and solver inputs."""
+"""Registry rows of the core: its tests, commands, formats and solver inputs."""
 
 from dashpot.registry.row import Command, Extension, FileFormat, FitRow, KindOfTest, SolverInput
 

@@ -1,4 +1,4 @@
-"""The rows by which the core knows a kind of test, a command, a format, a solver input.
+"""Types of registry rows: kind of test, command, file format, solver input, extension.
 
 References are words, ``"package.module:name"``, imported when they are needed.
 """

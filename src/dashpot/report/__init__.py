@@ -1,4 +1,4 @@
-"""A study or another judged result to one self-contained HTML file."""
+"""Reports: a study or result as one self-contained HTML file."""
 
 from __future__ import annotations
 

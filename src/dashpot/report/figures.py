@@ -1,4 +1,4 @@
-"""The figures of the report: inline SVG in two widths, a key, a caption."""
+"""Figures of the report: inline SVG in two widths, with key and caption."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first screen in words: who and what, three lights, the sentences, the files to take."""
+"""First screen of the report: specimen, three lights, sentences and files."""
 
 from __future__ import annotations
 

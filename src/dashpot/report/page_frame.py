@@ -1,4 +1,4 @@
-"""What every page shares: templates' environment, policy, and the files that it holds."""
+"""Frame of every page: templates, security policy and attached files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a result gives of itself: its picture, its view in a notebook, a file."""
+"""Output of a result: figure, notebook view and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a judged result: facts, verdict with lights, a figure, a table, checks, folds."""
+"""Page of a result: facts, verdict with lights, figure, table, checks, details."""
 
 from __future__ import annotations
 

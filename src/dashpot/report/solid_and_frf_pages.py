@@ -1,4 +1,4 @@
-"""The pages of a solid over frequency, and of FRFs: measured, predicted, both compared."""
+"""Pages of a solid over frequency, and of FRFs: measured, predicted, compared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of the report: cells as text, in the units that people read."""
+"""Tables of the report: cells as text in display units."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What one channel of a record shows: its scatter; the rests, ramps and holds of a motion."""
+"""Signals of single channels: noise, and segments of a motion."""

@@ -1,4 +1,4 @@
-"""What adds to a channel: its scatter and quantum, and disturbances of machine and room."""
+"""Noise of a channel: scatter, resolution, and disturbances by machine and climate."""
 
 from __future__ import annotations
 

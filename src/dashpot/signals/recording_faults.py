@@ -1,4 +1,4 @@
-"""Faults of a recording: a channel that hangs at one value, and a clock that jumps."""
+"""Recording faults: a channel stuck at one value, and a clock that jumps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ramps and holds in a recorded displacement, and the kind of test that they make up."""
+"""Segments of a recorded displacement: ramps, holds, and the kind of test they form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The virtual rig and the virtual hammer: records whose truth is known."""
+"""Simulated tests of known seals: the virtual rig and the virtual hammer."""
 
 from dashpot.base.lazy import build_lazy_exports
 

@@ -1,4 +1,4 @@
-"""A virtual door: an even plate that nothing holds, and its modes."""
+"""Modes of a free uniform plate as a virtual door."""
 
 from __future__ import annotations
 

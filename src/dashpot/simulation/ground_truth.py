@@ -1,4 +1,4 @@
-"""What a simulated file says of itself, and the truth that lies beside it."""
+"""Truth of a simulated file, written beside it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The virtual hammer test: a block on two seals, a soft tip, two accelerometers."""
+"""Simulated hammer test: a block on two seals, a soft tip, two accelerometers."""
 
 from __future__ import annotations
 

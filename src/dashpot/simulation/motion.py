@@ -1,4 +1,4 @@
-"""A ramp and a hold, or any other motion of the plate, on the virtual rig."""
+"""Simulated motion on the virtual rig: a ramp and hold, or any other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The virtual rig: what stands between a seal and the file."""
+"""Virtual rig: load cell, displacement, noise and climate of a simulated test."""
 
 from __future__ import annotations
 

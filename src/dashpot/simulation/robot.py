@@ -1,4 +1,4 @@
-"""The robot of the virtual rig: motor axes, set-points, where the plate is."""
+"""Robot of the virtual rig: motor axes, set-points and plate position."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The twin of a force/torque transducer, and the acquisition card that reads it."""
+"""Simulated force/torque transducer and its acquisition card."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a viscoelastic part is."""
+"""Viscoelastic solids and elements."""
 
 from dashpot.base.lazy import build_lazy_exports
 

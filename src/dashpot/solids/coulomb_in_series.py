@@ -1,4 +1,4 @@
-r"""A solid in series with a Coulomb element: its steady cycle, and the first harmonic of that.
+r"""Solid in series with a Coulomb element: steady cycle and its first harmonic.
 
 The force of the solid is linear in its elongation u until it reaches the slip force; then it stays
 there and u does not follow the motion x:

@@ -1,4 +1,4 @@
-"""The demonstration seals: Table 1 of the paper, and two with arms that a hold cannot see."""
+"""Demonstration seals: Table 1 of the paper, and two with arms hidden from a hold."""
 
 from __future__ import annotations
 

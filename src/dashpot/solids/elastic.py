@@ -1,4 +1,4 @@
-"""The elastic law of a seal, and how far the seal is believed to be pressed."""
+"""Elastic law of a seal, and agreement with a compression curve."""
 
 from __future__ import annotations
 

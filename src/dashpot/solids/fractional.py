@@ -1,4 +1,4 @@
-r"""The fractional Zener solid: four parameters for a spectrum that is broad and smooth.
+r"""Fractional Zener solid: four parameters for a broad, smooth spectrum.
 
 .. math:: K(s) = k_\infty + (k_0 - k_\infty) \frac{(s\tau)^\alpha}{1 + (s\tau)^\alpha}
     = \frac{k_\infty + k_0 (s\tau)^\alpha}{1 + (s\tau)^\alpha}

@@ -1,4 +1,4 @@
-r"""Friction as small values: Coulomb, Jenkins, Iwan, Berg, and Kraus's law of the Payne effect.
+r"""Friction elements: Coulomb, Jenkins, Iwan, Berg, and Kraus's law of the Payne effect.
 
 Sources: P. Gaillard and R. Singh, Applied Acoustics 60 (2000) 37 (Coulomb, Jenkins); W. D. Iwan,
 J. Appl. Mech. 33 (1966) 893; M. Berg, Vehicle System Dynamics 30 (1998) 197; G. Kraus, J. Appl.

@@ -1,4 +1,4 @@
-"""From relaxation to creep, exactly, and back."""
+"""Exact interconversion of relaxation and creep."""
 
 from __future__ import annotations
 

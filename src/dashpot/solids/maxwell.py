@@ -1,4 +1,4 @@
-"""What every solid offers, the generalized Maxwell solid, and solids side by side."""
+"""Base class of solids, the generalized Maxwell solid, and solids in parallel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arms of a seal under a moving plate: over an even step, and when the plate has left."""
+"""Exact update of Maxwell arms under a moving plate, including loss of contact."""
 
 from __future__ import annotations
 

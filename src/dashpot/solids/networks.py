@@ -1,4 +1,4 @@
-r"""Springs and dashpots in series and in parallel, each network as its canonical solid.
+r"""Networks of springs and dashpots, reduced to their canonical Maxwell solid.
 
 Every passive network of springs and dashpots is a generalized Maxwell solid: stiffnesses add
 in parallel, compliances add in series, and partial fractions bring both back to one form.

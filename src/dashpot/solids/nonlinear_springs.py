@@ -1,4 +1,4 @@
-r"""Springs that stiffen with deflection: cubic, and in stages."""
+r"""Nonlinear springs: cubic, and in stages."""
 
 from __future__ import annotations
 

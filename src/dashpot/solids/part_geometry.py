@@ -1,4 +1,4 @@
-r"""From a material's modulus to the stiffness of a part: :math:`K^* = g\,E^*`.
+r"""Geometry factor of a part, from modulus to stiffness: :math:`K^* = g\,E^*`.
 
 The geometry factor g, m (m^3 for torsion), of rubber parts that are small against the wave in
 them and nearly incompressible, :math:`G = E/3`:

@@ -1,4 +1,4 @@
-r"""How temperature moves a solid: time-temperature superposition.
+r"""Temperature laws of time-temperature superposition: WLF, Arrhenius, free shifts.
 
 .. math:: K^*(\omega; T) = b_T K^*(a_T\,\omega; T_r), \qquad
           k_j \to b_T k_j, \quad \tau_j \to a_T \tau_j

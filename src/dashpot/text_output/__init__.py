@@ -1,4 +1,4 @@
-"""What people are told of each result, as text: the same in a terminal and in Python."""
+"""Results as text, the same in the terminal and in Python."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How text is laid out: lines, tables of cells, and a judged result on a terminal."""
+"""Layout of text: lines, tables of cells, and results with a verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results as text for people: N/mm, mm, Hz, and no more digits than are known."""
+"""Text of each result, in N/mm, mm and Hz with significant digits only."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The hammer half: from impacts to frequency response functions, measured and predicted."""
+"""Vibration: FRFs from impacts, measured and predicted."""

@@ -1,4 +1,4 @@
-"""What a body on seals, and a stiffness read off an FRF, can be trusted with, as criteria."""
+"""Criteria on a body on seals, and on the stiffness from an FRF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every rule of the work that the command line and its siblings share.
+"""Workflows that the command line, Python and the app share.
 
 The names stand in ``__init__.pyi``; each is imported when it is first used.
 """

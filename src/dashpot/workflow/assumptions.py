@@ -1,4 +1,4 @@
-"""What every result supposes, what watches it, and what lifts it: one list for page and report."""
+"""Assumptions of results: which checks watch them, and what lifts them."""
 
 from __future__ import annotations
 

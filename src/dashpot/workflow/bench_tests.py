@@ -1,4 +1,4 @@
-"""From relaxation tests, or their files, to prepared records and the solid behind them."""
+"""Preparation and fit of relaxation tests or their files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the whole story shows, and what a project's history proves, as criteria with a sentence."""
+"""Criteria on a study."""
 
 from __future__ import annotations
 

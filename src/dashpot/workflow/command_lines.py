@@ -1,4 +1,4 @@
-"""A job as the command that is typed for it, so that what a page shows can be repeated."""
+"""Command lines equivalent to a job."""
 
 from __future__ import annotations
 

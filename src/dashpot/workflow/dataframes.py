@@ -1,4 +1,4 @@
-"""Nouns as tables of other libraries: pandas and xarray, where they are installed."""
+"""Results as pandas and xarray tables, where those are installed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Example files to learn on: simulated, stamped as such, the same every time.
+"""Example files, simulated reproducibly and marked as such.
 
 The virtual rig and hammer write them when asked. A package that carried them would carry megabytes
 of numbers that the code makes in a second, and they would be those of an older version.

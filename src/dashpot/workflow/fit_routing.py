@@ -1,4 +1,4 @@
-"""Which fit records mean, together and with what was said of them."""
+"""Choice of the fit for given records and options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An FRF, or its files, compared with a fit, and the mass at which both agree."""
+"""Comparison of an FRF or its files with a fit, and the mass at which both agree."""
 
 from __future__ import annotations
 

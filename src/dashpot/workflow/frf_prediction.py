@@ -1,4 +1,4 @@
-"""From a fit to the FRF of a mass on it, or on a part, with its peak, modes and limits."""
+"""Prediction of the FRF of a mass on a fitted seal or part: peak, modes, limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a hammer test, alone or with relaxation tests, to the solid behind it."""
+"""Identification of a solid from hammer files, alone or with relaxation tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What files hold, with what preparation sees in a relaxation test."""
+"""Inspection of files, with the preparation of relaxation tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The main job as a value, and its choices: which files, read and treated how."""
+"""Jobs as values: which files are read, and how they are treated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The archive: every result as versioned JSON, back and forth, and what it must not say."""
+"""Results as versioned JSON documents, written and read with validation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From files of what was struck or shaken to an FRF that is judged, and its modes."""
+"""FRF and modes from files of hammer or base-excitation tests."""
 
 from __future__ import annotations
 

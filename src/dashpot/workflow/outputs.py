@@ -1,4 +1,4 @@
-"""Where results go: never over what they came from, nor over anything that is not dashpot's."""
+"""Output paths of results, protected against overwriting inputs or foreign files."""
 
 from __future__ import annotations
 

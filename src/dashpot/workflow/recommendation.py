@@ -1,4 +1,4 @@
-"""The answer of a study: which solid to take, and the numbers one came for, with their ends."""
+"""Recommendation of a study: the solid, and the main values with their intervals."""
 
 from __future__ import annotations
 

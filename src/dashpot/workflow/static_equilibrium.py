@@ -1,4 +1,4 @@
-"""Where a mass rests on the fitted seals: secant and tangent at its peak, and limits."""
+"""Static equilibrium of a mass on fitted seals: secant and tangent stiffness, limits."""
 
 from __future__ import annotations
 

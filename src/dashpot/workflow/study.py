@@ -1,4 +1,4 @@
-"""The whole story of a seal: from a relaxation test and a hammer test to one result."""
+"""Study of a seal: one result from a relaxation test and a hammer test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Relaxation tests at several depths: what depends on depth, and what does not.
+r"""Depth dependence of stiffness in relaxation tests at several depths.
 
 If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 

@@ -1,1 +1,1 @@
-"""Tests of materials: compression, stress relaxation, elasticity, indentation, rods, slams."""
+"""Material tests: compression, stress relaxation, elasticity, indentation, rods, slams."""

@@ -1,4 +1,4 @@
-"""Options of ``dashpot fit`` on tests of materials; help loads no numbers by them."""
+"""Options of ``dashpot fit`` on material tests; imports no NumPy, so that help is fast."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rows of the tests of materials."""
+"""Registry rows of material tests."""
 
 from dashpot.registry.row import Extension, FitRow, KindOfTest
 

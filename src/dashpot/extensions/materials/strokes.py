@@ -1,4 +1,4 @@
-"""Where a plate turns: the strokes in and out of a record of compression and load."""
+"""Strokes in a record of compression and load: sample ranges between turning points."""
 
 from __future__ import annotations
 

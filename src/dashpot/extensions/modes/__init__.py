@@ -1,1 +1,1 @@
-"""Modes of several points, masses and hits: shapes, stabilisation, leave-one-out."""
+"""Modes over several points, masses and hits: shapes, stabilisation, leave-one-out."""

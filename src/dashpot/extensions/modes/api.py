@@ -1,4 +1,4 @@
-"""Modes of FRFs, as Python asks for them."""
+"""Public Python functions for the modes of FRFs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a second look says of the modes of measured FRFs."""
+"""Criteria on the modes of measured FRFs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""FRFs of one structure, or of one solid under several masses: their modes."""
+"""Handlers of ``dashpot fit`` for modes: FRFs of one structure, or of several masses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A hit left out in turn: how well a joint fit to the others predicts it.
+r"""Leave-one-out prediction: each hit by a joint fit to the others.
 
 A fit agrees with the hits that it was made from, whatever it is. Its error on a hit that it has not
 seen is a figure of its own: each hit in turn is held against the fit to the relaxation tests and to

@@ -1,4 +1,4 @@
-r"""What poles under several masses say of the solid that carries them.
+r"""Stiffness of a solid from the poles under several masses.
 
 Where a mass m rings, :math:`m p^2 + K(p) = 0`: each pole is one complex value of the stiffness,
 

@@ -1,4 +1,4 @@
-"""From the FRFs of several masses on the same seals to one solid, or to why there is none."""
+"""Stiffness of one solid from FRF files of several masses on the same seals."""
 
 from __future__ import annotations
 

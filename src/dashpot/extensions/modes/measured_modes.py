@@ -1,4 +1,4 @@
-"""From the files of measured FRFs to their modes."""
+"""Modes of measured FRF files."""
 
 from __future__ import annotations
 

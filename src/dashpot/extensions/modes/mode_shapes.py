@@ -1,4 +1,4 @@
-"""Shapes of modes: how nearly their points move in phase."""
+"""Mode shapes: phase collinearity of their points."""
 
 from __future__ import annotations
 

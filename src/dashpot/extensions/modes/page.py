@@ -1,4 +1,4 @@
-"""The page of one solid under several masses, and what the app shows of modes."""
+"""Page of one solid under several masses, and the app's cards of modes."""
 
 from __future__ import annotations
 

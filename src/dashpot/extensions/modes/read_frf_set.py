@@ -1,4 +1,4 @@
-"""From files to the FRFs of several points."""
+"""Reader of the FRFs of several points."""
 
 from __future__ import annotations
 

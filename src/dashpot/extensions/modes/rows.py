@@ -1,4 +1,4 @@
-"""The rows of modes of several points, masses and hits."""
+"""Registry rows of modes over several points, masses and hits."""
 
 from dashpot.registry.row import Extension, FitRow
 

@@ -1,4 +1,4 @@
-r"""Stabilisation chart: poles of one denominator after another, and which of them stay.
+r"""Stabilisation chart: poles over the model order, and which of them are stable.
 
 A right-hand fraction with one denominator for all points,
 :math:`H_o(\omega) = \sum_k \beta_{ok} z^k / \sum_k \alpha_k z^k`, :math:`z = e^{j\omega T}`, is

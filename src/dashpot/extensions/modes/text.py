@@ -1,4 +1,4 @@
-"""Modes of measured FRFs as text for people."""
+"""Modes of measured FRFs, as text."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The paper, reproduced: its equations as printed, its figures, its table, each beside dashpot."""
+"""Reproduction of the paper: its equations, figures and table beside dashpot's results."""

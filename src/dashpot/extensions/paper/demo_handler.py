@@ -1,4 +1,4 @@
-"""What ``dashpot demo --paper`` makes."""
+"""Handler of ``dashpot demo --paper``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Eqs. (1) to (7) as the paper prints them: nothing here is computed by dashpot's own solids.
+r"""Equations (1) to (7) as the paper prints them, computed without dashpot's own solids.
 
 Coefficients are those of Table 1 in SI: k_inf and k_j in N/m, b_j in N s/m, tau_j = b_j / k_j.
 """

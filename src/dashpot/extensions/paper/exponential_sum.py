@@ -1,4 +1,4 @@
-"""The best sum of exponentials in arrays of numbers, without a start: the bare engine."""
+"""Least-squares sum of exponentials in plain arrays, without starting values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of the paper, drawn again."""
+"""Figures of the paper, reproduced."""
 
 from __future__ import annotations
 

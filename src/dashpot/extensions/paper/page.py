@@ -1,4 +1,4 @@
-"""The page that lays the paper's statements beside what is found, and its figures."""
+"""Page of the paper's statements and figures beside the reproduced ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the paper computes and prints, made again: every statement beside what is found.
+"""Reproduction of the paper: each computed or printed statement beside dashpot's result.
 
 Two solvers stand against each other: the paper's equations as printed (:mod:`.equations`), and
 dashpot's own solids, fits and predictions. The paper has no data; the seal is that of its Table 1,

@@ -1,4 +1,4 @@
-"""The rows of the paper, reproduced."""
+"""Registry rows of the reproduced paper."""
 
 from dashpot.registry.row import Extension
 

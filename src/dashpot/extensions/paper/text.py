@@ -1,4 +1,4 @@
-"""What ``dashpot demo --paper`` found, as text."""
+"""Reproduction of the paper, as text."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A kind of test that a plug-in fits: columns in SI go in, numbers and checks come out."""
+"""Kinds of tests that a plug-in fits: columns in SI units to values and checks."""

@@ -1,4 +1,4 @@
-"""The columns that a plug-in's kind is given, and what it found in them."""
+"""Columns of a plug-in's kind of test, and its result."""
 
 from __future__ import annotations
 

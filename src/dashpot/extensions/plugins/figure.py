@@ -1,4 +1,4 @@
-"""The figure of what a plug-in found: each number with its interval."""
+"""Figure of a plug-in's result: each value with its interval."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From columns to what a plug-in finds in them, held to the contract."""
+"""Fit by a plug-in, validated against the plug-in contract."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to what a plug-in finds in it."""
+"""Fit by a plug-in to a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to its columns in SI units, with the roles that show themselves."""
+"""Reader of a file's columns in SI units, with the roles that are recognised."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The row of a kind of test that a plug-in fits."""
+"""Registry row of a kind of test that a plug-in fits."""
 
 from dashpot.registry.row import Extension, KindOfTest
 

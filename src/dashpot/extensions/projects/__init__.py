@@ -1,1 +1,1 @@
-"""What is kept of a study: documents, a project and its history, and the proof of both."""
+"""Projects: kept documents, their history, and the verification of both."""

@@ -1,4 +1,4 @@
-"""dashpot verify: a project, recomputed end to end."""
+"""dashpot verify: recomputation of a project."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The history of a project: one line per operation, each with the hash of the line before it.
+"""History of a project: one line per operation, each with the hash of the previous line.
 
 ``history.jsonl`` only grows, by one write for each line, and the hash of a line is that of its
 bytes up to the hash. ``history.head`` says how many lines were written and the hash of the last, so

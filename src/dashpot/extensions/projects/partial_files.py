@@ -1,4 +1,4 @@
-"""Files that runs which were killed left half written."""
+"""Removal of partial files that interrupted runs left behind."""
 
 from __future__ import annotations
 

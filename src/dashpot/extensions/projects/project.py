@@ -1,4 +1,4 @@
-"""A project folder: raw files untouched, every result traceable, the history append-only.
+"""Project folder: raw files, traceable results, and an append-only history.
 
 ::
 

@@ -1,4 +1,4 @@
-"""The rows of kept projects."""
+"""Registry rows of projects."""
 
 from dashpot.registry.row import Command, Extension
 

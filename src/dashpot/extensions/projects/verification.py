@@ -1,4 +1,4 @@
-"""A project held against itself: every hash, every line of history, every result again."""
+"""Verification of a project: every hash, history line and recomputed result."""
 
 from __future__ import annotations
 

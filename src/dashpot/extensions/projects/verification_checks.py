@@ -1,4 +1,4 @@
-"""What the history and the files of a project prove, as criteria with a sentence."""
+"""Criteria on the history and files of a project."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Bases that shake at random: what they do to a mass on seals, and to many bodies."""
+"""Random base motion: response of a mass on seals, and of multibody systems."""

@@ -1,4 +1,4 @@
-r"""Bodies whose base shakes at random."""
+r"""Response of a multibody system to random base motion."""
 
 from __future__ import annotations
 

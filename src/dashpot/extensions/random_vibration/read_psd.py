@@ -1,4 +1,4 @@
-"""The power spectral density of a base's acceleration: from a file, or from a word."""
+"""Reader of the power spectral density of base acceleration, from a file or by a name."""
 
 from __future__ import annotations
 

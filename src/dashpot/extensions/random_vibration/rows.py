@@ -1,4 +1,4 @@
-"""The rows of bases that shake at random."""
+"""Registry rows of random base motion."""
 
 from dashpot.registry.row import Extension
 

@@ -1,4 +1,4 @@
-"""A mass on seals, and a system of bodies, over a base whose noise a file or a word states."""
+"""Response of a mass on seals, and of a multibody system, to a given base spectrum."""
 
 from __future__ import annotations
 

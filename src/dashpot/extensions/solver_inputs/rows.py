@@ -1,4 +1,4 @@
-"""The rows of further solver inputs."""
+"""Registry rows of further solver inputs."""
 
 from dashpot.registry.row import Extension, SolverInput
 

@@ -1,1 +1,1 @@
-"""Each way in which a fit can deceive, as a criterion with a sentence."""
+"""Criteria on fits."""

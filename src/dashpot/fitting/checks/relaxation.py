@@ -1,4 +1,4 @@
-"""What a fit of relaxation tests must hold, and their records for it."""
+"""Criteria on a fit of relaxation tests and on their records."""
 
 from __future__ import annotations
 

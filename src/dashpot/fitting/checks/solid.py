@@ -1,4 +1,4 @@
-"""What a fitted solid must hold, whatever it was fitted to."""
+"""Criteria on a fitted solid, independent of the kind of test."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A fractional Zener solid fitted to whatever arms can be fitted to."""
+"""Fractional Zener solids, fitted to the same data as Maxwell arms."""

@@ -1,4 +1,4 @@
-"""Whether a fractional solid is known, explains the data, and is told apart from arms."""
+"""Criteria on a fractional solid: known, adequate, and distinct from arms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fractional element of some data beside their arms, and which of both to take."""
+"""Selection between a fractional solid and Maxwell arms for the same data."""
 
 from __future__ import annotations
 

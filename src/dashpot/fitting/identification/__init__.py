@@ -1,1 +1,1 @@
-"""Viscoelastic solids from vibration, alone or together with relaxation."""
+"""Identification of viscoelastic solids from vibration, with or without relaxation."""

@@ -1,4 +1,4 @@
-"""Each way in which an identification can deceive, as a criterion with a sentence."""
+"""Criteria on an identification."""
 
 from __future__ import annotations
 

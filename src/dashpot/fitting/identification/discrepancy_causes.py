@@ -1,4 +1,4 @@
-r"""Why a hammer test and a relaxation test disagree: each cause set free, and what it explains.
+r"""Causes of a discrepancy between hammer and relaxation tests, each freed in turn.
 
 Where the joint fit has to push the mass, the gain or the lines beyond what is known of them, it is
 made again with one quantity free at a time:

@@ -1,4 +1,4 @@
-"""From the optima of an identification to a Fit: family, errors, nuisances, what moved."""
+"""Construction of a `Fit` from an identification: family, errors, nuisances, changes."""
 
 from __future__ import annotations
 

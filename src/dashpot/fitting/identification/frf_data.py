@@ -1,4 +1,4 @@
-"""The hammer test as data to be explained: lines, their scatter, and what the rig adds to them."""
+"""Hammer test as data of an identification: lines, their scatter, and rig effects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From vibration, alone or with relaxation, to a solid."""
+"""Identification of a solid from vibration, alone or with relaxation tests."""
 
 from __future__ import annotations
 

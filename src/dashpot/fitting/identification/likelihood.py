@@ -1,4 +1,4 @@
-r"""One likelihood for relaxation tests, a hammer test, and what is known of the rig; its optimum.
+r"""Joint likelihood of relaxation tests, a hammer test and rig priors, and its optimum.
 
 With r the weighted residuals of each test and a prior on each nuisance, the fit minimises
 

@@ -1,4 +1,4 @@
-"""The solid that is sought, as free numbers: arms, or one fractional element.
+"""Parametrisation of the identified solid: Maxwell arms or one fractional element.
 
 A parametrisation writes a solid as a vector and back, gives the force of a relaxation test and its
 derivative by that vector, and says what the vector's covariance means in physical terms. Mass,

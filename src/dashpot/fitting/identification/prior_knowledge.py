@@ -1,4 +1,4 @@
-"""What the user of an identification knows beside its records: of the rig, and of the solid."""
+"""Prior knowledge of an identification: on the rig and on the solid."""
 
 from __future__ import annotations
 

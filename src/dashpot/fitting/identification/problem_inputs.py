@@ -1,4 +1,4 @@
-"""What an identification is given: mass and rig, earlier fit, tests; each checked, as a prior."""
+"""Inputs of an identification, validated: mass, rig, earlier fit and tests as priors."""
 
 from __future__ import annotations
 

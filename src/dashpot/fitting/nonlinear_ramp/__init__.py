@@ -1,1 +1,1 @@
-"""The elastic law of a seal from the ramps of its relaxation tests."""
+"""Elastic law of a seal from the ramps of its relaxation tests."""

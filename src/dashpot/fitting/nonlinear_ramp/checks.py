@@ -1,4 +1,4 @@
-"""Whether a solid follows the ramp, and its load cell and clocks are believed."""
+"""Criteria on the ramp of a fit, its load cell and its clocks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The elastic law that the ramps of prepared tests support, and how well it is known."""
+"""Selection of the elastic law that the ramps support, with its uncertainty."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From an elastic law and its solid to a fit."""
+"""Construction of a `Fit` from an elastic law and its solid."""
 
 from __future__ import annotations
 

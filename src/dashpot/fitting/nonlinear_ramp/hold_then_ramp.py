@@ -1,4 +1,4 @@
-r"""Hold first: the hold fixes number of arms, relaxation times and noise; the ramp only adds.
+r"""Fit in two stages: arms and noise by the hold, the elastic law by the ramp.
 
 A hold needs no elastic law: whatever the ramp was, :math:`F = F_\infty + \sum_j A_j e^{-t/\tau_j}`
 after it. Rows of the ramp enter with a variance of their own, what the law misses there included,

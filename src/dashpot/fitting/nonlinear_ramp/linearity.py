@@ -1,4 +1,4 @@
-"""Whether a linear solid explains relaxation tests to their noise, ramp and hold alike."""
+"""Test of linearity: whether a linear solid fits ramp and hold to their noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quasi-linear solids fitted to few rows of prepared tests by weighted least squares."""
+"""Quasi-linear solids, fitted to downsampled records by weighted least squares."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Blocks: one data set each, as a design matrix in the relaxation times."""
+"""Blocks: single data sets as design matrices in the relaxation times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Few numbers in place of many: weighted samples, and a basis of all relaxation kernels."""
+"""Compression of data: weighted samples, and a basis of all relaxation kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A recorded displacement on a uniform grid: correlated once, fitted at no cost per sample.
+r"""Correlations of a recorded displacement on a uniform grid, independent of record length.
 
 With d_i = x_i - x_{i-1}, z = h/tau, a = e^{-z}, G = (1 - e^{-z})/z and u_i = a u_{i-1} + d_i, an
 arm is q = G u, and every inner product that a fit asks for over the window W is a sum of

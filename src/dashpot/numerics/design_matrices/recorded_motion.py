@@ -1,4 +1,4 @@
-"""Blocks of a motion: a step, a ramp and hold, or any recorded displacement."""
+"""Blocks of a motion: a step, a ramp and hold, or a recorded displacement."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How well a solution is known, and how many arms the data support."""
+"""Inference: uncertainty of a solution, and selection of the model order."""

@@ -1,4 +1,4 @@
-"""Correlated noise: covariance of parameters under it, and a record in its metric."""
+"""Correlated noise: parameter covariance, and whitened records."""
 
 from __future__ import annotations
 

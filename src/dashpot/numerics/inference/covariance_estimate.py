@@ -1,4 +1,4 @@
-r"""How well an optimum is known, and whatever follows from it: one sandwich for every problem.
+r"""Sandwich covariance of an optimum, and of quantities derived from it.
 
 With J the derivative of the model by :math:`\theta` and :math:`\beta`, and
 :math:`\Gamma` the autocovariance of the residuals of each record

@@ -1,4 +1,4 @@
-r"""How many arms the data support, by two rules that fail in different ways.
+r"""Selection of the number of arms by two rules that fail in different ways.
 
 * BIC with the effective sample size, :math:`M_\mathrm{eff} \ln S + p \ln M_\mathrm{eff}`:
   correlated residuals do not count as fresh evidence.

@@ -1,4 +1,4 @@
-"""Profile likelihood: how bad the best fit becomes with one parameter held at a value."""
+"""Profile likelihood: best fit with one parameter held at a value."""
 
 from __future__ import annotations
 

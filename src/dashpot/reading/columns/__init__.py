@@ -1,1 +1,1 @@
-"""Which column is what."""
+"""Columns of a table: units, roles, and the kind of record."""

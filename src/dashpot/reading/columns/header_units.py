@@ -1,4 +1,4 @@
-"""What a heading says of a unit: beside the name, with a factor, or of one unit over another."""
+"""Units in a column heading: beside the name, with a factor, or as a ratio."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What kind of record a table is: a test, a curve derived from one, or no test at all."""
+"""Detection of the kind of record by its columns: a test, a derived curve, or neither."""
 
 from __future__ import annotations
 

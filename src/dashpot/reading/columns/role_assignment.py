@@ -1,4 +1,4 @@
-"""Which column plays which role, why, and what must be asked."""
+"""Assignment of roles to columns, with reasons and open questions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What columns are called in the languages that test machines speak."""
+"""Vocabulary of column names in the languages of test machines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One file format, one file; which one reads a file shows in its first bytes."""
+"""File formats, one module for each, recognised by the first bytes of a file."""
 
 from __future__ import annotations
 

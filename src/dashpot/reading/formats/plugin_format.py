@@ -1,4 +1,4 @@
-"""A file whose format a plug-in reads: its bytes go in, plain columns come out."""
+"""File format of a plug-in: bytes in, plain columns out."""
 
 from __future__ import annotations
 

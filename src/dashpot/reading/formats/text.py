@@ -1,4 +1,4 @@
-"""Delimited text of any lab, from what the text itself shows."""
+"""Delimited text format, with its dialect inferred from the text."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""From a table to a record."""
+"""Readers: records from tables."""

@@ -1,4 +1,4 @@
-"""From one file or several to the record of a base that is shaken and the mass on it."""
+"""Reader of base-excitation tests: a shaken base and the mass on it, in one file or several."""
 
 from __future__ import annotations
 

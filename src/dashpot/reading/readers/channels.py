@@ -1,4 +1,4 @@
-"""From the columns of a table to channels in SI units."""
+"""Channels in SI units from the columns of a table."""
 
 from __future__ import annotations
 

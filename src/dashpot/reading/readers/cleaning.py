@@ -1,4 +1,4 @@
-"""Faults of a recorded clock, or of two, and its samples: mended with a note, else refused."""
+"""Cleaning of recorded clocks and samples: repaired with a note, or refused."""
 
 from __future__ import annotations
 

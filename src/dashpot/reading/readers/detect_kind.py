@@ -1,4 +1,4 @@
-"""What a file is: one answer for whoever asks, and its table open for who reads it next."""
+"""Detection of a file's kind, with its table open for the reader."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to an FRF, also from two signals of an amplitude and a phase each."""
+"""Reader of FRFs, also from amplitude and phase of two signals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file's header states: the specimen's temperature and rest, an exponential window."""
+"""Metadata in a file's header: specimen temperature, rest, exponential window."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From one file or several to an impact test."""
+"""Reader of impact tests from one file or several."""
 
 from __future__ import annotations
 

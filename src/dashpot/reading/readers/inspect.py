@@ -1,4 +1,4 @@
-"""What is in a file, before anything in it is trusted."""
+"""Inspection of a file's contents before they are used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to a relaxation test, or to its motion alone."""
+"""Reader of relaxation tests, or of their motion alone."""
 
 from __future__ import annotations
 

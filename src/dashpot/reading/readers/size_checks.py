@@ -1,4 +1,4 @@
-"""Sizes that no test has: the unit is asked for again before its numbers are used."""
+"""Checks of sizes against those of real tests, which reveal a wrong unit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The columns of a sweep: frequency, and a complex modulus in parts or by its size and angle."""
+"""Columns of a frequency sweep: complex modulus by its parts, or by magnitude and angle."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Foreign parsers in a process of their own: what they break is not ours."""
+"""Sandbox: third-party parsers in a child process with limits."""

@@ -1,4 +1,4 @@
-"""The child: reads one file for its parent, and is gone."""
+"""Child process of the sandbox: reads one file for its parent and ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What reading a file may cost: memory, time and numbers."""
+"""Limits of reading a file: memory, time and numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the two processes say to each other: a JSON head and the bytes that it announces.
+"""Messages between parent and child process: a JSON head and binary arrays.
 
 The child is what is not trusted: no pickle, no object but text and numbers, every size bounded
 before it is read, every word of the head checked for its type.

@@ -1,4 +1,4 @@
-"""The parent: a child for each file, its answer within limits, and no trace of it afterwards.
+"""Parent process of the sandbox: starts a child for each file and validates its answer.
 
 A child costs the start of an interpreter, and the parent saves what the foreign library would
 have cost to import. One that serves several files would carry what one of them broke to the next.

@@ -1,1 +1,1 @@
-"""Delimited text, whoever wrote it."""
+"""Delimited text: dialect, header, cells and rows."""

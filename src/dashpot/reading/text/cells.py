@@ -1,4 +1,4 @@
-"""What a cell of a text table is: a number, a complex one, a clock time, missing or a word."""
+"""Cells of a text table: number, complex number, clock time, missing value or word."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a text is written: its encoding, where its table is, and how the cells are parted."""
+"""Dialect of a delimited text: encoding, position of the table, separators."""
 
 from __future__ import annotations
 

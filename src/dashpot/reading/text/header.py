@@ -1,4 +1,4 @@
-"""Names and units from the lines above a table."""
+"""Column names and units from the lines above a table."""
 
 from __future__ import annotations
 

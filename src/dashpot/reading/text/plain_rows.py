@@ -1,4 +1,4 @@
-"""Blocks of plain rows of one width, which NumPy reads, and decimals read digit by digit."""
+"""Blocks of plain rows of equal width, parsed by NumPy with exact decimals."""
 
 from __future__ import annotations
 

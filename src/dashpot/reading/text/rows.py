@@ -1,4 +1,4 @@
-"""The numbers of a text table, block by block: fast where rows are plain, patient where not."""
+"""Rows of a text table, parsed block by block: fast if plain, cell by cell otherwise."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Predicted against measured: what the hammer confirms, and which arms it tested."""
+"""Comparison of predicted and measured FRFs."""

@@ -1,4 +1,4 @@
-"""The questions put to a comparison, and the sentence that matters.
+"""Criteria on a comparison of FRFs.
 
 Where both peaks agree, the hammer has tested what the relaxation test could not: the prediction was
 extrapolated, or both tests compress the seal differently, and it held all the same.

@@ -1,4 +1,4 @@
-"""A predicted FRF held against a measured one."""
+"""Comparison of a predicted FRF with a measured one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a comparison of two FRFs says."""
+"""Result of a comparison of two FRFs."""
 
 from __future__ import annotations
 

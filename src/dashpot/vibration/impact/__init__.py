@@ -1,1 +1,1 @@
-"""From hits to a frequency response function."""
+"""FRF estimation from hammer hits."""

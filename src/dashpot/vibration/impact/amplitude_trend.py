@@ -1,4 +1,4 @@
-"""Hits of different height as levels: the resonance of each, and how it changes with amplitude."""
+"""Trend of the resonance of hits with amplitude."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the hits say about each other, and what the FRF can be trusted with."""
+"""Criteria on hits and on their FRF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the transforms of hits, or of a shaken base, to complex lines and their errors."""
+"""FRF estimators with errors, from the transforms of hits or of a shaken base."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The exponential window that a hammer record was multiplied by before it was written.
+r"""Exponential window that was applied to a hammer record before it was written.
 
 Analysers multiply a block by :math:`w = e^{-at}`, so that a response that rings on dies within it.
 Read as it stands, such a record decays by a more than its structure does. On force and response

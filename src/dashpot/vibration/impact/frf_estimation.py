@@ -1,4 +1,4 @@
-"""From hammer hits to a frequency response function: windowed, weighted, averaged."""
+"""FRF estimation from hammer hits: windowed, weighted, averaged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hammer hits: found in records, cut into blocks, freed of what still rings, judged."""
+"""Hammer hits: detected, cut into blocks, freed of residual ringing, judged."""
 
 from __future__ import annotations
 

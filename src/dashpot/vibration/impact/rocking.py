@@ -1,4 +1,4 @@
-r"""Several accelerometers as one: the mean, or the weights that do not see the block rock.
+r"""Combination of several accelerometers: their mean, or weights insensitive to rocking.
 
 A block that is struck off its centre bounces and rocks; accelerometer i sees, in hit h,
 :math:`A_{ih} = B(s) + q_{ih} R(s)`. The mean is free of rocking if the accelerometers are alike and

@@ -1,4 +1,4 @@
-"""Stiffness and damping straight from the FRF of a mass, without a model of the seal."""
+"""Dynamic stiffness and damping from the FRF of a mass, without a model of the seal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The highest peak of an FRF, read from the smooth inverse of the response."""
+"""Highest peak of an FRF, by interpolation of its inverse."""
 
 from __future__ import annotations
 

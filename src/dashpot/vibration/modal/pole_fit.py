@@ -1,4 +1,4 @@
-"""Modes as the poles of a rational fraction, fitted to the lines of measured FRFs."""
+"""Fit of poles: a rational fraction through the lines of measured FRFs."""
 
 from __future__ import annotations
 

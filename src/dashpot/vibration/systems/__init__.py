@@ -1,1 +1,1 @@
-"""Rigid bodies on mounts: prediction, state space, modes, response in time."""
+"""Systems of rigid bodies on mounts: FRFs, state space, modes, response in time."""

@@ -1,4 +1,4 @@
-"""A mass on a viscoelastic solid: where it rests, its poles, its FRF."""
+"""Predicted FRF of a mass on a viscoelastic solid: static equilibrium, poles, FRF."""
 
 from __future__ import annotations
 

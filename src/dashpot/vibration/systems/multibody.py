@@ -1,4 +1,4 @@
-"""Rigid and bending bodies joined by viscoelastic mounts: FRFs and transmissibility, exactly."""
+"""Multibody systems on viscoelastic mounts: FRFs and transmissibility."""
 
 from __future__ import annotations
 

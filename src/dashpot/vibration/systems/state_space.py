@@ -1,4 +1,4 @@
-"""A system as first-order equations: its motion in time, and its complex modes."""
+"""State space of a system: response in time, and complex modes."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Compression load deflection: cycles of a plate, and the elastic law under them."""
+"""Compression load deflection: loading cycles of a seal, and its elastic law."""

@@ -1,4 +1,4 @@
-"""Load deflection, as Python asks for it."""
+"""Public Python functions for compression load deflection."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the app asks of pressed pieces, and their figures by the fields of that form."""
+"""Form of the app for compression load deflection, and the fit by its fields."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a compression load deflection test can be trusted with, as criteria."""
+"""Criteria on compression load deflection tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compression load deflection (CLD): a seal pressed and released, as recorded and as cycles."""
+"""Compression load deflection (CLD) tests, as recorded and as cycles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The elastic law under a load deflection cycle: what is left when the memory is taken off.
+r"""Equilibrium force of a load deflection cycle: the elastic law without viscous stress.
 
 A quasi-linear seal (Fung) answers its relaxed force :math:`e(t) = F_e(x(t))` with memory,
 

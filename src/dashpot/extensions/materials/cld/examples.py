@@ -1,4 +1,4 @@
-"""A seal pressed and released, simulated."""
+"""Simulated example files of compression load deflection."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of compression load deflection: every cycle, and the compressions asked for."""
+"""Figure of compression load deflection: all cycles, and the requested compressions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From files of compression load deflection to the figures of pieces, and how they scatter."""
+"""Fit of compression load deflection files: the values of each piece and their scatter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Seals that are pressed and released: force, hysteresis, set, and what scatters."""
+"""Handler of ``dashpot fit`` for compression load deflection: force, hysteresis and set."""
 
 from __future__ import annotations
 

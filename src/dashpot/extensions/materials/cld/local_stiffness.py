@@ -1,4 +1,4 @@
-"""What a branch of a load deflection cycle shows at one compression."""
+"""Force and local stiffness of a branch of a load deflection cycle at one compression."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A row of a piece that was pressed and released."""
+"""Lot row of a compression load deflection test."""
 
 from __future__ import annotations
 

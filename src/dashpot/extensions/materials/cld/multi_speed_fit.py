@@ -1,4 +1,4 @@
-r"""Load deflection at several speeds: one elastic law and one memory under all of them.
+r"""Joint fit of one elastic law and one set of arms to load deflection at several speeds.
 
 The quasi-linear seal of :mod:`~dashpot.extensions.materials.cld.equilibrium_curve` is fitted to the
 chosen cycle of each record, its law on hats with tangents >= 0. Within the cycle the plate drives

@@ -1,4 +1,4 @@
-"""The page of pieces that were pressed and released."""
+"""Page of compression load deflection tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a compression load deflection record to cycles, and the figures of one of them."""
+"""Preparation of a compression load deflection record: its cycles and their values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Load deflection at several speeds: a spring and a dashpot that depend on compression, and arms.
+r"""Rate dependence of load deflection: spring and dashpot by compression, and Maxwell arms.
 
 .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
 

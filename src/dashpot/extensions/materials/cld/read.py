@@ -1,4 +1,4 @@
-"""From a file to a compression load deflection test: displacement and force, a clock or none."""
+"""Reader of compression load deflection tests: displacement and force, with or without time."""
 
 from __future__ import annotations
 

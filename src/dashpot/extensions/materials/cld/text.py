@@ -1,4 +1,4 @@
-"""Compression load deflection as text."""
+"""Compression load deflection, as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where compression and force of a load deflection record are zero."""
+"""Zero of compression and force in a load deflection record."""
 
 from __future__ import annotations
 

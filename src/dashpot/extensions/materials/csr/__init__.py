@@ -1,1 +1,1 @@
-"""Compression stress relaxation: how long a seal seals."""
+"""Compression stress relaxation (CSR): aging of the sealing force, and lifetime."""

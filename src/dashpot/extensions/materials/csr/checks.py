@@ -1,4 +1,4 @@
-"""What a law of aging can be trusted with, as criteria."""
+"""Criteria on a law of aging."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The counterforce of pieces held squeezed for weeks, and the law of aging behind it."""
+"""Counterforce of pieces compressed for weeks, and the fitted law of aging."""
 
 from __future__ import annotations
 

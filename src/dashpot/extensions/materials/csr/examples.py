@@ -1,4 +1,4 @@
-"""Pieces of a door seal in three ovens, simulated."""
+"""Simulated example files: pieces of a door seal in three ovens."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of a law of aging: F/F0 over time in every oven."""
+"""Figure of a law of aging: F/F0 over time in every oven."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the counterforce of pieces in several ovens to the law of aging.
+"""Fit of the law of aging to the counterforce of pieces in several ovens.
 
 Forces are fitted, with the F0 of every piece free: one noisy reading of F0 moves all ratios of a
 piece together. Every oven is off by an error of its own, a prior of :math:`N(0, s_T)`. The zero of

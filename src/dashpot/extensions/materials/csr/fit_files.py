@@ -1,4 +1,4 @@
-"""From files of compression stress relaxation, one oven each or several, to the law of aging."""
+"""Fit of the law of aging to compression stress relaxation files."""
 
 from __future__ import annotations
 

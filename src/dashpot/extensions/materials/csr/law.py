@@ -1,4 +1,4 @@
-r"""The law of a counterforce that relaxes and ages, and what follows of it.
+r"""Law of aging: counterforce by physical relaxation and Arrhenius aging.
 
 .. math:: \frac{F}{F_0} = \Bigl(1 - p \log_{10}\frac{t}{t_0}\Bigr)
           \exp\Bigl[-\Bigl(\frac{t - t_0}{\tau(T)}\Bigr)^{\beta}\Bigr], \qquad

@@ -1,4 +1,4 @@
-"""From a law of aging to how long a seal seals at a temperature, and to what a time leaves."""
+"""Lifetime at a temperature, and force left after a time, by a law of aging."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A row of pieces that were held squeezed."""
+"""Lot row of a compression stress relaxation test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of pieces that age in ovens."""
+"""Page of a law of aging."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From records of the counterforce to the readings of pieces in ovens, in one lot."""
+"""Preparation of counterforce records: the readings of pieces in ovens, in one lot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to the counterforce of pieces: hours, force or F/F0, the oven, piece and method."""
+"""Reader of counterforce tests: hours, force or F/F0, oven, piece and method."""
 
 from __future__ import annotations
 

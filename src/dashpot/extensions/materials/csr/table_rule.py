@@ -1,4 +1,4 @@
-"""Which table is of the counterforce of squeezed pieces over hours, and which columns it has."""
+"""Recognition of counterforce tables and of their columns."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Stress and strain of a rubber: the energy of its deformation."""
+"""Hyperelasticity: strain-energy laws of rubber and foam from stress and strain."""

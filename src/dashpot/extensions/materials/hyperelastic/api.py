@@ -1,4 +1,4 @@
-"""Stress over strain, as Python asks for it."""
+"""Public Python functions for stress-strain tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the app asks of curves of stress over strain, and their law by that form."""
+"""Form of the app for stress-strain curves, and the fit by its fields."""
 
 from __future__ import annotations
 

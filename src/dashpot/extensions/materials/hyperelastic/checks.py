@@ -1,4 +1,4 @@
-"""What a hyperelastic law can be trusted with, as criteria."""
+"""Criteria on a hyperelastic law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stress over stretch of a material, and the hyperelastic law behind it."""
+"""Stress-strain tests of a material, and the fitted hyperelastic law."""
 
 from __future__ import annotations
 

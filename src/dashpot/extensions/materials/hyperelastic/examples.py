@@ -1,4 +1,4 @@
-"""A rubber stretched in two modes, simulated."""
+"""Simulated example files: a rubber stretched in two modes."""
 
 from __future__ import annotations
 

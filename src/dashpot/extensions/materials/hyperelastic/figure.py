@@ -1,4 +1,4 @@
-"""The figure of a hyperelastic law: stress over stretch in every mode."""
+"""Figure of a hyperelastic law: stress over stretch in every mode."""
 
 from __future__ import annotations
 

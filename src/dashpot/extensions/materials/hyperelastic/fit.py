@@ -1,4 +1,4 @@
-"""The hyperelastic law behind tests in one mode or several."""
+"""Fit of a hyperelastic law to tests in one mode or several."""
 
 from __future__ import annotations
 

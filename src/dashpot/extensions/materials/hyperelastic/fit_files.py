@@ -1,4 +1,4 @@
-"""From files of stress over strain, one mode or several, to a hyperelastic law."""
+"""Fit of a hyperelastic law to stress-strain files of one mode or several."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stress over strain: the law of a rubber or a foam."""
+"""Handler of ``dashpot fit`` for stress-strain tests: the law of a rubber or foam."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Laws through elastic curves by least squares, every mode with one say however many its rows.
+r"""Least-squares fits of hyperelastic laws to elastic curves, every mode of equal weight.
 
 Laws of the invariants are linear in their constants. Of power laws (Ogden, hyperfoam) every mu is
 kept > 0, so that their tangent is a sum of positive parts and stable at any stretch, and given the

@@ -1,4 +1,4 @@
-"""What a user says of a test of a material: its mode, and what stress and strain are over."""
+"""Options of stress-strain tests: mode, and the measures of stress and strain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a law of stress over stretch."""
+"""Page of a hyperelastic law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a test to the elastic curve in it: one loading, without memory, in means of neighbours."""
+"""Preparation of a stress-strain test: one loading as an averaged elastic curve."""
 
 from __future__ import annotations
 

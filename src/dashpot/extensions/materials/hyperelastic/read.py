@@ -1,4 +1,4 @@
-"""From a file to nominal stress over stretch of a material."""
+"""Reader of stress-strain tests: nominal stress over stretch of a material."""
 
 from __future__ import annotations
 

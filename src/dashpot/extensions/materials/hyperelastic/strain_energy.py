@@ -1,4 +1,4 @@
-r"""Hyperelastic laws of rubber and foam: energy, nominal stress, tangent and where they are stable.
+r"""Hyperelastic laws of rubber and foam: energy, nominal stress, tangent and stability.
 
 With :math:`e_i = \ln\lambda_i` the logarithms of the principal stretches, an energy W per volume at
 rest has the Kirchhoff stresses :math:`\partial W/\partial e_i`, so one law serves every mode of

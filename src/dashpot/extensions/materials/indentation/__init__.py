@@ -1,1 +1,1 @@
-"""A ball or a block that hits a part: the law of its contact."""
+"""Dynamic indentation: impact of a ball or block, and the contact law of the surface."""

@@ -1,4 +1,4 @@
-"""A hit of an indenter, as Python asks for it."""
+"""Public Python functions for indentation tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the app asks of an indenter's contact, and what it finds by that form."""
+"""Form of the app for indentation tests, and the fit by its fields."""
 
 from __future__ import annotations
 

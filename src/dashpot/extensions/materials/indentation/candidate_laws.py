@@ -1,4 +1,4 @@
-"""The laws that a contact is tried with: their parameters, starts, and what a sensor would record.
+"""Candidate contact laws: their parameters, starts, and simulated sensor signals.
 
 A fit's parameters are what a record shows: the logarithms of how long the contact lasts and of what
 it changes of the speed, and the time of the touch, s; between them numbers of the law's own, a loss

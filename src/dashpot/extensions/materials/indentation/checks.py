@@ -1,4 +1,4 @@
-"""What a contact can be trusted with, as criteria."""
+"""Criteria on the fit of a contact."""
 
 from __future__ import annotations
 

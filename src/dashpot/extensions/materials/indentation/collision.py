@@ -1,4 +1,4 @@
-r"""A body that flies into a viscoelastic surface: its motion from touch to release.
+r"""Collision of a body with a viscoelastic surface: motion from touch to release.
 
 .. math:: m \ddot x = m p - F, \qquad x(0) = 0,\ \dot x(0) = V
 

@@ -1,4 +1,4 @@
-r"""What a body feels that is pressed into a viscoelastic half-space: laws of force and indentation.
+r"""Contact laws of a body on a viscoelastic half-space: force against indentation.
 
 With x the indentation and n = 1 (a flat punch, or any contact taken as linear) or 3/2 (a sphere):
 

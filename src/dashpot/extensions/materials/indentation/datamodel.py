@@ -1,4 +1,4 @@
-"""Dynamic indentation: a body of known mass hits a surface, and its motion is recorded."""
+"""Dynamic indentation tests: the recorded motion of an indenter, and the fitted contact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A ball dropped on rubber, simulated."""
+"""Simulated example files: a ball dropped on rubber."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of a contact: the record, the law's motion, and what that leaves."""
+"""Figure of a contact: record, fitted motion and residual."""
 
 from __future__ import annotations
 

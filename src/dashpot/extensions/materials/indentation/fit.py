@@ -1,4 +1,4 @@
-r"""From the motion of an indenter to the law of the surface.
+r"""Fit of the contact law of a surface to the motion of an indenter.
 
 For each law the record about its largest contact is followed by what the law's own motion would
 make of the sensor, with its touch, its speed of approach, an offset and a drift free:

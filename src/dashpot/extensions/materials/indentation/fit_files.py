@@ -1,4 +1,4 @@
-"""From a file to what an indenter's contact says of a surface."""
+"""Fit of a surface's contact law to the files of an indentation test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An indenter's hit: what it says of a surface."""
+"""Handler of ``dashpot fit`` for indentation tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The body that hits, as its user knows it."""
+"""Indenter: mass and shape of the body that hits."""
 
 from __future__ import annotations
 

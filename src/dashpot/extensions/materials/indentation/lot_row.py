@@ -1,4 +1,4 @@
-"""A row of a surface that an indenter hit."""
+"""Lot row of an indentation test."""
 
 from __future__ import annotations
 

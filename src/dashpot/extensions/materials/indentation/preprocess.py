@@ -1,4 +1,4 @@
-"""Where a record holds contacts: runs of samples in which the body is pushed back."""
+"""Contacts in a record: runs of samples in which the indenter is pushed back."""
 
 from __future__ import annotations
 

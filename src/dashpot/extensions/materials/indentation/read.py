@@ -1,4 +1,4 @@
-"""From a file to the motion of an indenter."""
+"""Reader of indentation tests: the motion of an indenter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of the hit of an indenter, as text for people."""
+"""Indentation tests, as text."""
 
 from __future__ import annotations
 

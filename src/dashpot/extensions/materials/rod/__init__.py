@@ -1,1 +1,1 @@
-"""A mass on a rod, shaken: the modulus of its material at each frequency."""
+"""Vibrating rod under a mass: modulus of its material at each frequency."""

@@ -1,4 +1,4 @@
-"""A rod under a mass, as Python asks for it."""
+"""Public Python functions for a rod under a mass."""
 
 from __future__ import annotations
 

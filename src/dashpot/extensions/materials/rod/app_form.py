@@ -1,4 +1,4 @@
-"""What the app asks of a rod beside its FRF, and the fit by the fields of that form."""
+"""Form of the app for a rod beside its FRF, and the fit by its fields."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the modulus of a rod can be trusted with, as criteria."""
+"""Criteria on the modulus of a rod."""
 
 from __future__ import annotations
 

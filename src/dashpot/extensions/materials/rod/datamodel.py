@@ -1,4 +1,4 @@
-"""What the test of a rod tells: the modulus of its material, line by line."""
+"""Result of a rod test: modulus of the material against frequency."""
 
 from __future__ import annotations
 

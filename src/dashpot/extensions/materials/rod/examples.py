@@ -1,4 +1,4 @@
-"""A rubber cylinder that shakes under a mass, simulated."""
+"""Simulated example files: a rubber cylinder that vibrates under a mass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figure of a rod's modulus, line by line, with what its test leaves unknown."""
+"""Figure of a rod's modulus against frequency with its uncertainty."""
 
 from __future__ import annotations
 

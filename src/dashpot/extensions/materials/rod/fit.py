@@ -1,4 +1,4 @@
-r"""From the modulus of a rod's material, line by line, to a solid.
+r"""Fit of a solid to the modulus of a rod's material.
 
 The lines of the usable band are fitted as a dynamic test is. What spoils all lines alike, such as a
 gain, is no scatter that the fit could see: the fit is repeated with each such error, and what it

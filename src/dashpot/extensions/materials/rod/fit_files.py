@@ -1,4 +1,4 @@
-"""From files of a mass on a rod to the modulus of the rod's material."""
+"""Modulus of a rod's material from files of a mass on the rod."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A rod under a mass: the modulus of its material."""
+"""Handler of ``dashpot fit`` for a rod under a mass."""
 
 from __future__ import annotations
 

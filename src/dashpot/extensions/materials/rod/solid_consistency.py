@@ -1,4 +1,4 @@
-r"""Whether one passive solid, whatever its arms, explains the lines of a rod's modulus.
+r"""Consistency of a rod's modulus with some passive Maxwell solid of any number of arms.
 
 Lines inverted one by one are free to follow anything: another mode, or a gain. A solid is not. Its
 

@@ -1,4 +1,4 @@
-"""What ``dashpot fit`` found, as text."""
+"""Modulus of a rod, as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The modulus of a rod or cylinder with an inertial mass on top, from its wave equation.
+r"""Modulus of a rod or cylinder with a mass on top, by its wave equation.
 
 With m = rho A L the mass of the rod, M the mass on it and
 :math:`z = \omega L\sqrt{\rho/E^*}`, a base that moves gives, and a force on the mass meets,

@@ -1,1 +1,1 @@
-"""A mass slammed on a piece: dynamic load deflection."""
+"""Slam test: a mass hits a seal, for its dynamic load deflection and loss factor."""

@@ -1,4 +1,4 @@
-"""What the app asks of slams, and what they find by the fields of that form."""
+"""Form of the app for slam tests, and the fit by its fields."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a mass meets a piece: at a speed, or after a fall."""
+"""Approach of a mass to a seal: its speed, or its height of fall."""
 
 from __future__ import annotations
 

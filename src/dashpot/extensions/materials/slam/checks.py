@@ -1,4 +1,4 @@
-"""What a slam can be trusted with, as criteria."""
+"""Criteria on slam tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Options of commands on slams."""
+"""Options of commands on slam tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recorded slams: a mass of known weight hits a piece, and its force or its motion is recorded."""
+"""Slam tests: recorded force or acceleration of a mass that hits a piece, and their fit."""
 
 from __future__ import annotations
 

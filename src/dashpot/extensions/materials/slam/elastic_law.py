@@ -1,4 +1,4 @@
-r"""The elastic law under slams: one that is known about, or none, and a cubic beside it.
+r"""Elastic law under slams: a known one or none, and an added cubic spring.
 
 .. math:: F_e(x) = F_0(x) + c_1 x + c_2 x^2 + c_3 x^3, \qquad P\,c \sim N(0, 1)
 

@@ -1,4 +1,4 @@
-"""A mass slammed on a door seal, simulated."""
+"""Simulated example files: a mass slammed on a door seal."""
 
 from __future__ import annotations
 

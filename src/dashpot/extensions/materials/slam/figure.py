@@ -1,4 +1,4 @@
-"""Figures of a mass slammed on a piece."""
+"""Figures of slam tests."""
 
 from __future__ import annotations
 

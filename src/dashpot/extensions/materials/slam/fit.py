@@ -1,4 +1,4 @@
-r"""From recorded slams to the loss factor of a piece, and the arm that a ramp is too slow for.
+r"""Fit of a piece's loss factor, and of the arm too fast for a ramp, to recorded slams.
 
 All slams of a piece are followed by one motion each
 (``dashpot.extensions.materials.slam.motion``), of one law and one memory, with the speed at the

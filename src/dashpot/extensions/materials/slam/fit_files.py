@@ -1,4 +1,4 @@
-"""From files of slams to the loss factor of the piece."""
+"""Fit of a piece's loss factor to slam files."""
 
 from __future__ import annotations
 

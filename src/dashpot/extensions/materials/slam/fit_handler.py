@@ -1,4 +1,4 @@
-"""Slams of a mass on a piece: its loss factor, and the arm that a ramp is too slow for."""
+"""Handler of ``dashpot fit`` for slam tests."""
 
 from __future__ import annotations
 

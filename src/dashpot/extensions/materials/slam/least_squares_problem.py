@@ -1,4 +1,4 @@
-"""All slams of a piece as one problem of least squares: law, memory, arm, speeds and touches."""
+"""Least-squares problem of all slams of a piece: law, arms, speeds and touches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A mass that meets a piece of seal at a speed, and is thrown back.
+r"""Motion of a mass that hits a viscoelastic seal and rebounds.
 
 .. math:: m\,\ddot x = m\,p - F, \qquad F = k_\infty\,u(x) + b\,\dot u + \sum_j q_j, \qquad
           \dot q_j = k_j\,\dot u - q_j / \tau_j

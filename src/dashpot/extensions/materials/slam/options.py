@@ -1,4 +1,4 @@
-"""What a slam is asked, as options; no number stands here, so that help loads none."""
+"""Options of slam tests; imports no NumPy, so that help is fast."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the fit of a piece to what a mass does that is slammed on it: a dynamic load deflection."""
+"""Prediction of a slam on a fitted piece: dynamic load deflection."""
 
 from __future__ import annotations
 

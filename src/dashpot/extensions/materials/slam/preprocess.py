@@ -1,4 +1,4 @@
-"""Where a record holds slams: runs of samples in which the mass is pushed back."""
+"""Slams in a record: runs of samples in which the mass is pushed back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to the force on a piece that a mass is slammed on, or the motion of the mass."""
+"""Reader of slam tests: force on the piece, or motion of the mass."""
 
 from __future__ import annotations
 

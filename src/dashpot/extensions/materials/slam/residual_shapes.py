@@ -1,4 +1,4 @@
-r"""What no model of a slam has, and how plainly it shows in what the fit leaves of the force.
+r"""Systematic shapes in the residual of a slam fit, and their significance.
 
 A force f that the piece has besides brakes the mass, and is measured itself. To first order in it
 
