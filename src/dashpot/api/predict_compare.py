@@ -195,10 +195,10 @@ def compare(first: Any, other: Any, /, **how: Any) -> Any:
     if special is not None and type(first) is type(other):
         return special(first, other, **how)
     if isinstance(first, FRF) and isinstance(other, FRF):
-        from dashpot.vibration.comparison import compare as room
+        from dashpot.vibration.comparison.compare import compare as compare_frfs
 
         band = si_range(how.pop("band", None), "frequency")
-        return room.compare(first, other, band=band, **how)
+        return compare_frfs(first, other, band=band, **how)
     measured = isinstance(other, ImpactTest | FRF) or (
         not isinstance(other, FRFSet)
         and find_handler("compare", other) is None

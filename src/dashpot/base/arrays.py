@@ -303,7 +303,7 @@ def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
 
 def set_readonly(values: FloatArray) -> FloatArray:
-    """Return an array of one's own as one that is written to no more: a noun takes it as it is."""
+    """Return the array, made read-only: a frozen value takes it without a copy."""
     values.setflags(write=False)
     return values
 
@@ -350,15 +350,15 @@ Dimensions: TypeAlias = Dimension | tuple[Dimension, ...]
 
 
 def make_units_field() -> Any:
-    """Return the field of a noun that says the units of its arrays: ``"SI"``, or one for each.
+    """Return the dataclass field with the units of the arrays: ``"SI"``, or one for each.
 
-    Inside a noun everything is in SI, so that the field then says ``"SI"``; no document holds it.
+    Inside a value everything is in SI, so that the field is then ``"SI"``; no document holds it.
     """
     return field(default="", kw_only=True, repr=False, compare=False, metadata={EDGE: SI})
 
 
 def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimension]:
-    """Put the arrays of a frozen noun into SI by the units that were said of them, in this order.
+    """Convert the arrays of a frozen value to SI by their stated units, in this order.
 
     Parameters
     ----------
@@ -430,13 +430,13 @@ def _unit(result: Any, name: str, word: str, value: Dimensions) -> Unit:
 
 
 def convert_field_to_si(result: Any, name: str, unit: Unit) -> None:
-    """Put one array of a frozen noun into SI."""
+    """Convert one array of a frozen value to SI."""
     values = np.asarray(getattr(result, name))
     object.__setattr__(result, name, from_unit(values, unit))
 
 
 def resolve_unit(value: Any, stated: Mapping[str, Dimension], *names: str) -> None:
-    """Set the unit of a noun that may be of a part or of a material by what was said of it.
+    """Set the stated unit of a value that may be of a part or of a material.
 
     Raises
     ------

@@ -218,7 +218,7 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     says = format_short_message(because[0], VERDICT_WORDS, others)
     if stops or re.search(r"\d", says):
         return Verdict(use, says, because)
-    # a reader who may use the number is told it
+    # the number is shown to a reader who may use it
     first = sentences(sentence(headline))[:1]
     return Verdict(use, clip_sentences(VERDICT_WORDS, [*first, *sentences(says)]), because)
 

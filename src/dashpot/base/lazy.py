@@ -65,9 +65,9 @@ def _read_homes(package: str, stub: str) -> dict[str, tuple[str, str]]:
 
 
 class LazyPackage(ModuleType):
-    """A package some of whose public verbs bear the names of rooms: what is meant is the verb.
+    """A package some of whose public functions bear the names of modules: what is meant is the function.
 
-    A room that is imported is set as an attribute of its package, which would hide the verb.
+    A module that is imported is set as an attribute of its package, which would hide the function.
     """
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -77,7 +77,7 @@ class LazyPackage(ModuleType):
 
 
 def set_package_functions(package: str, *verbs: str) -> None:
-    """Let these names of a package be its verbs, whatever rooms of these names are imported."""
+    """Let these names of a package be its functions, whatever modules of these names are imported."""
     module = sys.modules[package]
     module.VERBS = frozenset(verbs)  # type: ignore[attr-defined]
     module.__class__ = LazyPackage

@@ -67,7 +67,7 @@ def require_choice(
         raise error(f"{name} = {value!r}; expected one of {', '.join(values)}")
 
 
-# A field that users are asked for: declared once, in the noun it fills.
+# A field that users are asked for: declared once, in the dataclass that it fills.
 #
 # From the declaration come the option of a command, the word that is typed for a value, and what a
 # page may say in its place.
@@ -91,18 +91,18 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
 
 
 def copy_option(cls: type, name: str, **other: Any) -> Any:
-    """Return the field of another noun, but for what is said otherwise here."""
+    """Return the field of another dataclass, with these changes."""
     attribute = next(field for field in fields(cls) if field.name == name)
     return option(**{"default": attribute.default, **attribute.metadata, **other})
 
 
 def make_nested_options(kind: type, **how: Any) -> Any:
-    """Return the field that holds a noun with options of its own."""
+    """Return the field that holds a value with options of its own."""
     return field(default_factory=kind, metadata={"part": kind, **how})
 
 
 def iterate_option_fields(result: Any) -> Iterator[Field[Any]]:
-    """Yield the fields of a noun that are options, without those of its parts."""
+    """Yield the fields of a dataclass that are options, without those of its parts."""
     for attribute in fields(result):
         if "help" in attribute.metadata and "argument" not in attribute.metadata:
             yield attribute
@@ -132,7 +132,7 @@ def format_command_words(attribute: Field[Any], text: str) -> list[str]:
 
 
 def flags_of(cls: type) -> str:
-    """Return the options of a noun as a sentence lists them.
+    """Return the options of a value as a sentence lists them.
 
     >>> from dashpot.workflow.job import Cuts
     >>> flags_of(Cuts)
@@ -143,7 +143,7 @@ def flags_of(cls: type) -> str:
 
 
 def words_of(result: Any, *names: str) -> list[str]:
-    """Return the options that say what a noun says, or these fields of it, as they are typed.
+    """Return the typed options equivalent to a value, or to these fields of it.
 
     Nothing of its defaults; its parts say theirs.
 

@@ -120,7 +120,7 @@ def count_words(text: str) -> int:
 
 
 def clip_sentences(most: int, lines: Sequence[str], after: Iterable[str] = ()) -> str:
-    """Return as many sentences of `lines` as leave room for all of `after`, but one at least."""
+    """Return as many sentences of `lines` as leave space for all of `after`, but one at least."""
     end = [name for name in after if name]
     retained = list(lines)
     while len(retained) > 1 and count_words(" ".join((*retained, *end))) > most:

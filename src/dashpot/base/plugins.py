@@ -137,8 +137,8 @@ def _scan_plugins() -> tuple[Plugin, ...]:
     plugins: dict[tuple[str, str, str], Plugin] = {}
     for distribution in distributions():
         for entry in distribution.entry_points:
-            house, _, group = entry.group.partition(".")
-            if house == "dashpot" and group in GROUPS:
+            package, _, group = entry.group.partition(".")
+            if package == "dashpot" and group in GROUPS:
                 # the first on the path is the one that is imported, also of one found twice
                 key = (group, entry.name, distribution.name)
                 plugins.setdefault(

@@ -24,7 +24,7 @@ class Caution(str):
     told: str
 
     def __new__(cls, note: str, told: str = "") -> Self:
-        """Return the note; by default it is told as it stands."""
+        """Return the note; by default both texts are the same."""
         made = super().__new__(cls, note)
         made.told = told or str(note)
         return made

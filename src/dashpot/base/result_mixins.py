@@ -1,7 +1,7 @@
 """Mixins of result classes: text, table, figure, saving; what they call is imported when called.
 
-This is the one place where a lower room names a higher one, by words and not by an import, so that
-a noun loads nothing that it is not asked for.
+This is the one module that names packages of a higher layer, as text and not by an import, so that
+a result loads nothing before it is needed.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ Series: TypeAlias = Mapping[str, tuple[Any, str]]
 """Columns of one length, each with its SI unit ("" if it has none)."""
 
 LINES = 15
-"""Of a noun in a shell."""
+"""Lines of a result in a Python shell."""
 
 
 def load_function(module: str, name: str) -> Callable[..., Any]:
-    """Return a function of a room above: ``verb("report.notebook", "picture")``."""
+    """Return a function of a higher layer: ``verb("report.notebook", "picture")``."""
     function: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
     return function
 
 
 def collect_arrays(result: object, **units: str) -> Series:
-    """Return arrays of a noun by their names, each with its SI unit."""
+    """Return the named arrays of a result, each with its SI unit."""
     return {name: (getattr(result, name), unit) for name, unit in units.items()}
 
 
@@ -67,7 +67,7 @@ class Printable:
 
 
 class HasSummary(Printable):
-    """A noun that says in a few lines what it is, and gives its numbers as a table.
+    """Result with a summary of a few lines and a table of its numbers.
 
     The dataclass that inherits it is declared ``repr=False`` and has `described`.
     """

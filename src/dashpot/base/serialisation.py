@@ -19,7 +19,7 @@ DIGEST = "digest"
 
 
 class Serialisable:
-    """A noun whose document is a list of its attributes.
+    """Value whose document is a list of its attributes.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Serialisable:
         ``"*fit.values"``: every item of a mapping, or of another document, under its own;
         ``"*"``: every field of the dataclass, as where there are no keys.
     read_back : bool
-        Whether a document with a schema holds all of the noun, so that it is read again.
+        Whether a document with a schema holds the whole value, so that it can be read back.
     """
 
     schema: ClassVar[str] = ""
@@ -99,7 +99,7 @@ def _keys(kind: Any) -> tuple[_Key, ...]:
 
 
 def decode_fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a noun out of its document: each attribute goes back its own way.
+    """Return the fields of a value from its document, each attribute converted back.
 
     What was spread gets the whole document, and takes of it what it knows.
     """
@@ -125,8 +125,8 @@ def _set_nested_value(place: Mapping[str, Any], way: tuple[str, ...], value: Any
     }
 
 
-# msgspec encodes a dataclass without asking: the schema and the layout of an inner noun would be
-# lost, so this walk stays; cattrs would take a hook per noun and a dependency more
+# msgspec encodes every dataclass by itself: schema and layout of an inner value would be lost, so
+# this walk stays; cattrs would take a hook per class and a dependency more
 @singledispatch
 def to_plain_value(value: Any) -> Any:
     """Return a value as JSON holds it; a number that is not finite by its name.

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from dashpot.base.errors import DataError
 
-# What single numbers of a noun must be; needs no NumPy, as ``--help`` does not.
+# Ranges of single numbers; need no NumPy, as ``--help`` does not.
 
 
 def require_positive(

@@ -42,9 +42,9 @@ KEYED = {
 
 
 class TargetFields(NamedTuple):
-    """The fields that an option fills: of the noun that a verb receives, or each by itself."""
+    """Fields that an option fills: those of a dataclass argument, or arguments by themselves."""
 
-    noun: type
+    cls: type
     receives: str
     fields: tuple[Field[Any], ...]
 
@@ -87,7 +87,9 @@ class CommandOption(click.Option):
 
     @property
     def names(self) -> set[str]:
-        """What a verb receives it as: its fields, or the noun that they fill."""
+        """Names of the arguments of the command function: its fields, or the value that they
+        fill.
+        """
         if self.fills is None:
             return {str(self.name)}
         return {self.fills.receives, *(field.name for field in self.fills.fields)}
@@ -132,10 +134,10 @@ def build_options(
     more: bool = False,
     **other: Any,
 ) -> list[CommandOption]:
-    """Return the options that these fields of a noun declare, or all.
+    """Return the options that these fields of a dataclass declare, or all.
 
-    A verb receives each, or the noun as one argument, `into`. `other` is what these options say
-    otherwise here: `help`, `default`, `required`, `metavar`.
+    A command function receives each, or the value as one argument, `into`. `other` is what these
+    options say otherwise here: `help`, `default`, `required`, `metavar`.
     """
     every = {field.name: field for field in iterate_option_fields(cls) if field.name not in leave}
     rows: dict[str, list[Field[Any]]] = {}
@@ -220,7 +222,7 @@ def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[Com
 
 
 class DashpotCommand(click.Command):
-    """A command whose help fits a screen, and which receives nouns.
+    """Command whose help fits a screen, and whose function receives dataclass values.
 
     Attributes
     ----------
@@ -296,9 +298,9 @@ class DashpotCommand(click.Command):
         return run_and_report(ctx, lambda: self.callback(**self.build_arguments(ctx)))  # type: ignore[misc]
 
     def build_arguments(self, ctx: click.Context) -> dict[str, Any]:
-        """Return what the function of the verb receives: values, and the nouns that they fill."""
+        """Return the arguments of the command function: plain values, and dataclass values."""
         options: dict[str, Any] = {}
-        nouns: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
+        arguments: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
         for param in self.params:
             if param.name not in ctx.params or param.name in _TOLD_APART:
                 continue
@@ -308,14 +310,14 @@ class DashpotCommand(click.Command):
                 continue
             cls, receives, fields = param.fills
             if receives:
-                stated = nouns.setdefault(receives, (cls, {}))[1]
+                stated = arguments.setdefault(receives, (cls, {}))[1]
             else:
                 stated = {"": options}
                 options |= {
                     field.name: field.default for field in fields if field.name not in options
                 }
             _gather(stated, param.told(value))
-        for receives, (cls, stated) in nouns.items():
+        for receives, (cls, stated) in arguments.items():
             pairs = tuple((glob, cls(**entry)) for glob, entry in stated.items() if glob)
             options[receives] = cls(**stated.get("", {}), **({"own": pairs} if pairs else {}))
         return _with_profile(ctx, options)
@@ -324,7 +326,7 @@ class DashpotCommand(click.Command):
 def _gather(
     stated: dict[str, dict[str, Any]], rows: Iterable[tuple[str, Mapping[str, Any]]]
 ) -> None:
-    """Add what is told of fields, for all files ("") or for some, to what was said before."""
+    """Add the values of fields, for all files ("") or for some, to those stated before."""
     for scope, fields in rows:
         entries = stated.setdefault(scope, {})
         for name, field in fields.items():
@@ -332,14 +334,14 @@ def _gather(
 
 
 def _merge_values(first: Any, then: Any) -> Any:
-    """What is told twice of a field: both units, both columns, or what was told last."""
+    """Return the merged values of a field stated twice: both units, both columns, or the last."""
     if isinstance(then, dict):
         return first | then
     return (*first, *then) if isinstance(then, tuple) and isinstance(first, tuple) else then
 
 
 _TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
-"""How a result is told, and where it may be written: what does the telling knows them."""
+"""Options on the format and the output files of a result, which the output code uses."""
 
 
 def _with_profile(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]:

@@ -67,7 +67,7 @@ class CommandResult(NamedTuple):
 
     @classmethod
     def from_result(cls, result: Any, *, follow: str = "") -> CommandResult:
-        """What is told of a result that was judged: its text, its checks and its verdict."""
+        """Return the text, the checks and the verdict of a result."""
         from dashpot.text_output import render_text
 
         return cls(
@@ -125,7 +125,7 @@ def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> s
 
 
 def format_json(document: Serialisable) -> str:
-    """Return a noun as the JSON that commands print and write."""
+    """Return a result as the JSON that commands print and write."""
     import json
 
     return escaped_json(
@@ -231,7 +231,7 @@ def is_json(path: str) -> bool:
         return like_json(file.read(64))
 
 
-# What each record was taken for, and that the user is told so.
+# The kind that each record was taken for, which is reported to the user.
 
 
 def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:

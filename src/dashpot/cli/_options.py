@@ -121,7 +121,7 @@ def result(
     required: bool = False,
     opens: bool = True,
 ) -> list[CommandOption]:
-    """Return the options that say where a result goes and how it is told."""
+    """Return the options on the output files and the format of a result."""
     options: list[CommandOption] = []
     if says:
         how: dict[str, Any] = {"required": True} if required else {"default": default}

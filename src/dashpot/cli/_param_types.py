@@ -274,7 +274,7 @@ class Scoped(click.ParamType[Any]):
 class Keyed(click.ParamType[Any]):
     """``KEY=VALUE``, or several with commas between; ``GLOB:`` before it is for some files alone.
 
-    The value passed on is the pattern and the fields that were told, in SI.
+    The value passed on is the pattern and the stated fields, in SI.
     """
 
     name = "KEY=VALUE"

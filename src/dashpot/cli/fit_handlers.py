@@ -177,7 +177,7 @@ class FitRequest:
     def told(
         self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
     ) -> CommandResult:
-        """Draw and keep a result as was asked, and return what is told of it."""
+        """Draw and save a result as requested, and return its output."""
         self.draw(figure or result.plot)
         self.keep(result)
         return CommandResult.from_result(result, follow=follow)

@@ -114,7 +114,7 @@ def command(
     **choices: Any,
 ) -> CommandResult:
     """Characterise a seal, check it against the hammer, and write one HTML file."""
-    from dashpot.text_output.results import study as told  # a page of help does without
+    from dashpot.text_output.results import study as format_study  # a page of help does without
 
     detections = detect_file_kinds(files, options)
     kinds = kinds_of(detections, options)
@@ -152,7 +152,7 @@ def command(
         write(written[-1], workflow.html(study))
     return CommandResult(
         Reported(study, written[-1], history),
-        told(study),
+        format_study(study),
         study.weighed,
         verdict=study.verdict,
         follow=format_command("verify", project, "--expect", history, why="recomputes it")

@@ -49,7 +49,7 @@ def naming(time: float, now: float, then: float) -> str:
     )
 
 
-# what ended, and what would have told more of it
+# the kind of test that ended, and what would have extended it
 Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
 _MORE: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",

@@ -10,7 +10,7 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.shift_factors import TemperatureShifts
 
 _SHOWN = 3
-"""Cautions that are told one by one."""
+"""Number of cautions that are reported one by one."""
 
 
 @criterion(

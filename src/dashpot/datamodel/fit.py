@@ -387,7 +387,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def unplaced(self) -> tuple[float, ...]:
         """Relaxation times, s, of the arms that the data ask for and cannot place.
 
-        Such an arm corrects the others: its own k or tau is hardly known. None are told of a fit
+        Such an arm corrects the others: its own k or tau is hardly known. None are listed of a fit
         whose parameters are identified.
         """
         arms = self.model.arms
@@ -502,7 +502,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def known(self) -> tuple[ReportedValue, ...]:
-        """What a reader is told of the solid, by all tables alike.
+        """Rows of the solid's parameters, the same in all tables.
 
         The stiffness at the end of the hold, then every parameter; of a spectrum, whose single
         arms mean nothing, its ends.

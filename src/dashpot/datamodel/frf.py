@@ -64,7 +64,7 @@ UNITS = {
 
 # a line whose random error is larger than this part of its value says nothing about a peak
 NOISY_LINE = 0.5
-# what is noise is not told from fewer quiet lines
+# noise cannot be estimated from fewer quiet lines
 FEWEST = 5
 # line frequencies below this, Hz, are 0
 ZERO = 1e-9
@@ -90,7 +90,7 @@ class Hit:
     duration : float
         Pulse width at 10 % of the peak, s.
     frequency, damping_ratio, modal_mass : float or None
-        Resonance of the ringing after this hit alone, Hz, 1 and kg; None where it is not told.
+        Resonance of the ringing after this hit alone, Hz, 1 and kg; None where not determined.
     amplitude : float or None
         Displacement with which that ringing begins, m.
     """
@@ -130,7 +130,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         The exponential window's decay a, 1/s, on force and response alike: the FRF is
         :math:`H(s)` at :math:`s = j\omega + a`. 0 without a window.
     shift_sd : float
-        Its standard deviation, 1/s, where the record itself told it.
+        Its standard deviation, 1/s, where the record itself determined it.
     record : float or None
         Length of the record after the hit, s, where the response may be cut short; None for
         a prediction or an untruncated one.
@@ -501,7 +501,7 @@ class Mode(Serialisable):
     def facts(self) -> tuple[ReportedValue, ReportedValue, ReportedValue]:
         """Frequency, damping ratio and size of the residue, as tables have them."""
         frequency, damping_ratio, residue = (
-            # nobody told how well a model's is known, and none is held
+            # the uncertainty of a model's phase is unknown, and not held
             error or None
             for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
         )

@@ -240,7 +240,7 @@ class Machine:
     ) -> tuple[float, float, bool]:
         r"""What a baseline and the cell say of the drift together: N/s.
 
-        Mean and standard deviation, and whether the baseline told it.
+        Mean and standard deviation, and whether the baseline determined it.
 
         A baseline with the `slope` m and its error e, N/s, may have drifted otherwise than the
         record, by :math:`w = 10^{-3} F_e/T`. With s that of :meth:`drift_sd`

@@ -442,7 +442,7 @@ class CreepEstimate(FrozenArrays):
 
 
 def _split_by_kind(group: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """What is told of k_inf, and of k, tau and b of every arm."""
+    """Reported values of k_inf, and of k, tau and b of every arm."""
     entries: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
     for name, item in group:
         kind, _, place = name.partition("_")

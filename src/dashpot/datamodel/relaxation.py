@@ -459,7 +459,7 @@ def _evenly_climbed(values: FloatArray, step: float) -> bool:
     single = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
     if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
         return True
-    # counts finer than that are told from a path that was sent by nothing, and cost nothing
+    # counts finer than that are distinguished from a continuous path, and cost nothing
     return step > COARSE * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
 
 

@@ -26,7 +26,7 @@ _MODULES = {name: import_module(row.module) for name, row in SOLVER_INPUTS.items
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {name: module.FORMS for name, module in _MODULES.items()}
 )
-"""The forms each target can write; the first is what it writes if not told."""
+"""Forms that each target can write; the first is the default."""
 
 SUFFIXES: Mapping[str, str] = MappingProxyType(
     {name: module.SUFFIX for name, module in _MODULES.items()}

@@ -70,8 +70,8 @@ def target(
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
     The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
-    first form is what it writes if not told; of a seal line, the first of those that hold a
-    `line`. `only` has the forms that read an argument which others would leave unread.
+    first form is the default; of a seal line, the first of those that hold a `line`. `only` has the
+    forms that read an argument which others would leave unread.
     """
 
     def enter(cards: Callable[..., DeckText]) -> Target:
@@ -297,7 +297,7 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
         return fit.verdict.says if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
-    # what a rig adds to all arms alike is no reason to fit fewer: that is told in errors and limits
+    # what a rig adds to all arms alike is no reason to fit fewer: errors and limits hold it
     model, error = fit.model, replace(fit, estimate=fit.estimate.noise_alone).standard_error
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"

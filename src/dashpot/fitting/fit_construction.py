@@ -95,7 +95,7 @@ def build_fit(
     ----------
     estimate : FoundSolid
     evidence : Evidence
-        Its checks in the order in which they are told, those of the records first.
+        Its checks in the order in which they are shown, those of the records first.
     provenance : Provenance
     unit, elastic_law, temperatures
         As `Fit` holds them.
@@ -139,7 +139,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
 
 
 def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
-    """The checks, and what the files cast doubt on unless preparation has told it."""
+    """Return the checks, with doubts from the files unless preparation has stated them."""
     if any(check.name == numbers_unambiguous.name for check in checks):
         return checks
     return (*checks, *caution_checks(provenance.source))

@@ -138,7 +138,7 @@ class RelaxationData:
     block : DataBlock
         Fixed columns other than those of the solid are private to the test.
     weight : float
-        :math:`1/\sqrt S`, 1/N, with S the power of the residuals where arms are told apart.
+        :math:`1/\sqrt S`, 1/N, with S the power of the residuals in the band of the arms.
     kappa : float
         :math:`S/s^2`: so many samples say the same thing.
     terms : Terms

@@ -55,7 +55,7 @@ FILTERED = 1.0
 LAID_OUT, MIXED = 100, 16
 # samples of earlier loadings
 REMEMBERED = 4000
-# cycles per record between which noise is what an arm is told from
+# cycles per record between which noise limits the detection of an arm
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
 LINE = 20.0
@@ -331,7 +331,7 @@ def _add_rig_columns(
 
 
 def noise_power(residual: FloatArray) -> float:
-    r"""Return the power S of noise where arms are told from it: its variance, if it is white.
+    r"""Return the power S of noise in the band of the arms: its variance, if it is white.
 
     The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
     the noise wanders. A standard deviation counts a hum as noise, and so does a sum of

@@ -220,7 +220,7 @@ def point_at(
     stack.trials += 1
     rows = stack.evaluate(log_tau)
     free = _point(log_tau, rows)
-    # what is allowed without being told so is the best of all that is
+    # the free optimum, where it is allowed
     if restricted is None or (free.sse < np.inf and (free.beta[restricted] > 0).all()):
         return free
     return _point(log_tau, rows, nonnegative_columns(rows.phi, rows.target, restricted))
@@ -494,7 +494,7 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
     cosine, m = grid.gram, grid.moment
     determinant = 1.0 - cosine * cosine
     leads = m[:, None] - cosine * m
-    # neighbours that are one column to five digits cannot be told apart from one
+    # neighbours that agree to five digits cannot be distinguished from one
     positive = leads > 0
     allowed = positive & positive.T & (determinant > 1e-10)
     gain = np.divide(

@@ -55,7 +55,7 @@ class SupposedSeal:
         require_positive(temperature=self.temperature, expected=IN_SI, optional=True)
 
     @property
-    def room(self) -> float:
+    def test_temperature(self) -> float:
         """The temperature of the test, K."""
         return self.law.reference if self.temperature is None else self.temperature
 

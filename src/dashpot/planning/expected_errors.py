@@ -10,9 +10,9 @@ deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` 
 
 with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
 motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
-known of it before. What machine and room may add unseen moves the fit, and is in C as it is in the
-intervals of a fit. An impact record must be long enough for the mass to come to rest, and its pulse
-short enough to make it ring.
+known of it before. What machine and climate may add unseen moves the fit, and is in C as it is in
+the intervals of a fit. An impact record must be long enough for the mass to come to rest, and its
+pulse short enough to make it ring.
 """
 
 from __future__ import annotations
@@ -215,7 +215,7 @@ class ExpectedEnd:
     stiffness : float
         k(T) of the solid that was supposed, N/m.
     half_width : float
-        Of its 95 % limits, over the value: all that machine and room may do unseen is in them.
+        Of its 95 % limits, over the value: all that machine and climate may do unseen is in them.
     named : float
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
@@ -238,7 +238,7 @@ class ExpectedEnd:
 def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
     r"""What a test leaves unknown of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
 
-    What machine and room may add unseen stands in J besides, each with a row of 1.
+    What machine and climate may add unseen stands in J besides, each with a row of 1.
     """
     bench = replace(bench, method="full", machine=bench.machine or Machine())
     named = _on_a_named_rig(bench, *_NAMED)

@@ -355,7 +355,7 @@ def plan(
     require_positive(at=at, wanted=wanted, expected=IN_SI)
     for place in places:
         require_positive(cold=place, expected=IN_SI)
-    margin, law = seal.room, seal.law
+    margin, law = seal.test_temperature, seal.law
     repeats = tuple(plan_repeat(kelvin, margin, law) for kelvin in places)
     refuse_twice(places)
     supposed, arm = seal.with_arm(at)

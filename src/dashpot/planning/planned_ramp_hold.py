@@ -64,7 +64,7 @@ class Bench(PlannedRamp):
         Recorded before the ramp, s: it tells the offset of the load cell.
     machine : Machine or None
         Its fit finds offset, drift and, of ramp and hold, delay of the force besides, and bears
-        what machine and room may add unseen; on None there is nothing but the force.
+        what machine and climate may add unseen; on None there is nothing but the force.
 
     Raises
     ------
@@ -163,7 +163,8 @@ class Bench(PlannedRamp):
         )
 
     def unseen(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
-        """What room and machine may add that the fit does not look for, in N, shape (n, d).
+        """Return what climate and machine may add that the fit does not estimate, in N, shape (n,
+        d).
 
         One standard deviation a column, first that of a seal that warms, then that of one that was
         pressed before. `by_arms` are the

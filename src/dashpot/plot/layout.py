@@ -296,7 +296,7 @@ def _rows_above(panel: Panel, width: float) -> int:
 
 
 def _broken(text: str, width: float) -> list[str]:
-    """Words in lines of at most so many px, broken where there is room between them."""
+    """Return text in lines of at most so many px, broken at spaces."""
     lines = [""]
     # a number stays with its unit
     for word in re.findall(r"(?:\S*\d (?=[a-zA-Z%°µ]))?\S+\s*", text):
@@ -484,7 +484,7 @@ def _place_tags(
             )
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
-        # in two lines only where one has no room, or more runs through it
+        # in two lines only where one is too long, or more runs through it
         words, _ = min(layout, key=lambda pair: pair[1])
         taken += map(_get_word_box, words)
         made += words

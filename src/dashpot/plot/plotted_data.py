@@ -75,7 +75,7 @@ def _first_equal(y: FloatArray, extreme: FloatArray, label: IndexArray) -> Index
 # What every figure says of its origin: file, specimen, lot, date, mass, and SIMULATED.
 
 
-# that many file names are told apart; of more, the number
+# that many file names are listed; of more, the number
 NAMED = 3
 
 

@@ -223,7 +223,7 @@ def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
     low = float(np.min((plotted.value - error)[near]))
     high = float(np.max((plotted.value + error)[near]))
     if plotted.name != "storage" and not plotted.good[1] > 2 * plotted.good[0]:
-        # a lightly damped part is usable at its peak only: leave room for what is not
+        # a lightly damped part is usable at its peak only: leave space for what is not
         middle = float(np.median(plotted.value[near]))
         low, high = min(low, -0.5 * abs(middle)), max(high, middle + 1.5 * abs(middle))
     margin = 0.1 * (high - low)
@@ -252,7 +252,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
     """Relaxation spectrum: one stem per arm with 95 % intervals, what is out of reach hatched.
 
     The dashed line is the equilibrium stiffness. A relaxation time out of reach is one that the
-    test could not have told from its neighbours.
+    test could not have distinguished from its neighbours.
     """
     words = _words(fit)
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))

@@ -289,7 +289,7 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
             sums = total[i + width + 1 : stop + width + 1] - total[i - width : stop - width]
             widen(slice(i, stop), sums, 2 * width + 1)
     at, half = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
-    # nearer to an end than the widest window, the last one is as wide as there is room
+    # nearer to an end than the widest window, the last one is as wide as the samples allow
     near = min(HALF_WIDTHS[-1], n)
     for ends in (slice(0, near), slice(max(near, n - near), n)):
         here = at[ends]

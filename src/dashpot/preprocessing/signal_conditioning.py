@@ -243,7 +243,7 @@ def _count_neighbours(record: RampHold) -> int:
 _STANDS_OUT = 40.0
 # bins of the neighbourhood on either side
 _NEIGHBOURS = 40
-# cycles per hold below which a line cannot be told from relaxation
+# cycles per hold below which a line cannot be distinguished from relaxation
 _FEWEST_CYCLES = 20.0
 _MOST_LINES = 8
 _FEWEST_SAMPLES = 400

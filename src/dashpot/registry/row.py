@@ -117,7 +117,7 @@ class KindOfTest(NamedTuple):
     predict : str
         From what was found, and what `asked` holds, to a result, where it predicts by itself.
     asked : str
-        The noun whose fields are the options of ``dashpot predict`` for it alone.
+        The dataclass whose fields are the options of ``dashpot predict`` for it alone.
     follow : str
         What is typed next; FILE stands for where the fit was kept.
     order : int

@@ -542,7 +542,7 @@ class DecisiveCheck(NamedTuple):
 def select_decisive_checks(
     study: Study, recommendation: Recommendation
 ) -> tuple[tuple[DecisiveCheck, ...], int]:
-    """The failed checks behind the verdict that there is room for, the gravest first; how many not.
+    """Return the failed checks that fit the screen, the gravest first, and the number of others.
 
     Less the one that the verdict quotes, and less the notes on a solid of the relaxation test
     beside which that of both tests is recommended.

@@ -107,12 +107,14 @@ def _table(result: Any, name: str) -> str:
     raise ExportError(f"{name}: a {type(result).__name__} has no table. Write it as .json")
 
 
-# A noun's own picture, and how a notebook shows it.
+# Figure of a result, and its view in a notebook.
 
 
 @singledispatch
 def picture(result: object) -> Picture:
-    """Return the picture of a noun; that of a kind of test, or a door, is named in the register."""
+    """Return the figure of a result; that of a kind of test, or a door, is named in the
+    registry.
+    """
     draw = figure_of(result)
     if draw is None:
         raise TypeError(f"a {type(result).__name__} has no picture")
@@ -126,26 +128,26 @@ picture.register(Study, plot.hero)
 
 
 @picture.register
-def _(noun: Identified) -> Picture:
-    return plot.stiffness(noun.fit)
+def _(result: Identified) -> Picture:
+    return plot.stiffness(result.fit)
 
 
 @picture.register
-def _(noun: Modes) -> Picture:
-    return plot.frf(noun.frf, labels=("measured",), stamp=plot.stamp(noun.frf.source))
+def _(result: Modes) -> Picture:
+    return plot.frf(result.frf, labels=("measured",), stamp=plot.stamp(result.frf.source))
 
 
 @picture.register
-def _(noun: Agreement) -> Picture:
-    return plot.comparison(noun.comparison, band=noun.limits, interval=noun.interval)
+def _(result: Agreement) -> Picture:
+    return plot.comparison(result.comparison, band=result.limits, interval=result.interval)
 
 
 @picture.register
-def _(noun: Inspection) -> Picture:
-    names = [f"{column.name or column.number} [{column.unit or '?'}]" for column in noun.columns]
-    roles = [column.role for column in noun.columns]
-    stamp = f"{noun.file}{', SIMULATED' * noun.simulated}"
-    return plot.columns(names, roles, noun.course, stamp=stamp)
+def _(result: Inspection) -> Picture:
+    names = [f"{column.name or column.number} [{column.unit or '?'}]" for column in result.columns]
+    roles = [column.role for column in result.columns]
+    stamp = f"{result.file}{', SIMULATED' * result.simulated}"
+    return plot.columns(names, roles, result.course, stamp=stamp)
 
 
 def draw_prediction(
@@ -166,7 +168,7 @@ def draw_prediction(
 
 
 def html(result: object) -> str:
-    """Return a noun's words above its picture, as a piece of an HTML page."""
+    """Return a result's text above its figure, as a piece of an HTML page."""
     words = repr(result)
     # pictures on one page must not share their ids
     name = "n" + hashlib.sha256(words.encode()).hexdigest()[:12]

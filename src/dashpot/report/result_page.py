@@ -185,7 +185,7 @@ def format_specimen_header(specimen: Specimen | None) -> tuple[tuple[str, str], 
 
 
 def sources_behind(result: Any) -> tuple[Source, ...]:
-    """The files behind a result, wherever its noun keeps them."""
+    """Return the source files of a result, whichever attribute holds them."""
     value = getattr(result, "sources", None)
     value = getattr(result, "source", None) if value is None else value
     if value is None:
@@ -234,7 +234,7 @@ def kind_page(verdict: Any) -> KindPage:
 
 
 def _get_schema_name(schema: str) -> str:
-    """A schema without its house and its number."""
+    """Return the name of a schema without package and version."""
     return schema.partition("/")[2].partition("@")[0]
 
 

@@ -79,7 +79,7 @@ def median_of_three(values: FloatArray) -> FloatArray:
     return np.concatenate((values[:1], np.maximum(low, np.minimum(high, after)), values[-1:]))
 
 
-# What a machine and a room may add to the force of a seal that no channel shows.
+# What a machine and the climate may add to the force of a seal that no channel shows.
 
 
 # Hz, and how far they go from that

@@ -38,7 +38,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 TOLERANCE, EXACT = 1e-4, 1e-11
 # the error of the trapezoidal rule, over the law's exponential, at most
 _FACTOR = 10.0
-# part of the weight beyond which no arm is told from the last
+# part of the weight beyond which no arm is distinguished from the last
 _LEAST = 1e-16
 # widest panel of ln tau, and what a further Gauss node gains on each
 _PANEL, _GAIN = 1.5, 4.2

@@ -18,7 +18,7 @@ below rounding, where the difference of the two would have lost half its digits.
 
 @dataclass(frozen=True)
 class CreepSpectrum:
-    r"""A solid told by its compliance: what it does under a force.
+    r"""Solid given by its compliance: its response to a force.
 
     .. math::
 

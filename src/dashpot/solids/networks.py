@@ -90,7 +90,7 @@ def kelvin_chain(
 
 
 def from_creep(creep: CreepSpectrum) -> GeneralizedMaxwell:
-    """The solid that creeps as told: the inverse of a creep test, exactly."""
+    """Return the solid of a given creep compliance, exactly."""
     return GeneralizedMaxwell(*relaxation_spectrum(creep))
 
 

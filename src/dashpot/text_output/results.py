@@ -111,7 +111,7 @@ def _size(residual: Residual) -> str:
 
 
 def _solid(fit: Fit) -> list[str]:
-    """What is told of the solid: an arm a row, and apart what has an interval and no error."""
+    """Return the rows of the solid: one for each arm, and apart those with an interval only."""
     reported_values = {reported_value.name: reported_value for reported_value in fit.known}
     # stiffnesses that each depth has of its own stand there, and nowhere else
     of = ("tau",) if fit.by_depth else ("k", "tau", "b")
@@ -545,7 +545,7 @@ def format_error_sensitivity(
     ----------
     of : Measured
     errors : tuple of str
-        Which of :data:`ERRORS` are told; none for the lines alone.
+        Which of :data:`ERRORS` are shown; none for the lines alone.
     unit : str
         Of SI, of the storage.
     shown : int

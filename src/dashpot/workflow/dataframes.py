@@ -25,7 +25,7 @@ class UnitFrame(NamedTuple):
 
 
 def to_pandas(result: object) -> Any:
-    """Return a noun as a :class:`pandas.DataFrame`, its units in ``attrs["units"]``.
+    """Return a result as a :class:`pandas.DataFrame`, its units in ``attrs["units"]``.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def to_pandas(result: object) -> Any:
 
 
 def to_xarray(result: object) -> Any:
-    """Return a noun as an :class:`xarray.Dataset` over its index, each variable with its unit.
+    """Return a result as an :class:`xarray.Dataset` over its index, each variable with its unit.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def library(name: str) -> Any:
 
 @singledispatch
 def frame(result: object) -> UnitFrame:
-    """Return the numbers of a noun as columns: its own series, or the facts of a result."""
+    """Return the numbers of a result as columns: its own series, or its facts."""
     if isinstance(result, HasSummary) and result.series:
         return _frame(**result.series)
     if isinstance(result, HasVerdict | HasReportedValues) and result.facts:
@@ -86,9 +86,9 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 
 
 @frame.register
-def _(noun: Fit) -> UnitFrame:
+def _(result: Fit) -> UnitFrame:
     """Its facts, but for the dashpots that follow of k and tau."""
-    return _build_facts_frame([fact for fact in noun.facts if not fact.name.startswith("b")])
+    return _build_facts_frame([fact for fact in result.facts if not fact.name.startswith("b")])
 
 
 def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:
@@ -101,9 +101,9 @@ def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:
 
 
 @frame.register
-def _(noun: Study) -> UnitFrame:
+def _(result: Study) -> UnitFrame:
     """The parameters of the solid that the study ends with."""
-    return frame(noun.fit if noun.joint is None else noun.joint)
+    return frame(result.fit if result.joint is None else result.joint)
 
 
 def _column(rows: Sequence[ReportedValue], name: str) -> FloatArray:

@@ -33,7 +33,7 @@ MASS = round(BROAD_MASS, 4)
 _RIG = replace(Rig(), rate=200.0)
 # a seal that is a quarter stiffer at 8 mm than at first contact
 _STIFFENING = replace(Rig(), rate=250.0, bias=0.02, stiffening=4000.0)
-# arms a decade apart are told by thousandths of the force: a finer encoder, a faster record
+# arms a decade apart differ by thousandths of the force: a finer encoder, a faster record
 _FINE = replace(Rig(), rate=500.0, encoder=2e-6)
 _HAMMER = replace(Hammer(), rate=512.0, record=6.0)
 
@@ -323,7 +323,7 @@ FILES: Mapping[str, Example] = MappingProxyType({
     },
     **_DOOR,
 })  # fmt: skip
-"""Every example file: those of a bench and a hammer, of the kinds that have a room, of a door."""
+"""All example files: of bench and hammer tests, of the kinds of extensions, of a door."""
 
 CAPTIONS: Mapping[str, str] = MappingProxyType({name: file.caption for name, file in FILES.items()})
 """What every example file is."""

@@ -144,7 +144,7 @@ def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
         "options" not in parameters
         or sum(parameter.default is parameter.empty for parameter in parameters.values()) > 1
     ):
-        return None  # it must be told more
+        return None  # the file leaves questions open
     cache_open_file(path, file)
     try:
         return reader(path, options=file.options)

@@ -91,7 +91,7 @@ def find_mistyped_number(value: Any, where: str = "$") -> str:
 
 
 def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
-    """Say what a document holds that its noun, written again, does not; nothing if all is known."""
+    """Report what a document holds beyond its value written again; nothing if all is known."""
     if isinstance(value, dict | list) and type(value) is not type(reference):
         text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
         return f"{where} is {text}; expected {expected}"
@@ -112,7 +112,7 @@ def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
 _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 
 
-# The archive: every noun as versioned JSON, back and forth.
+# The archive: every result as versioned JSON, written and read.
 
 
 _OF_THE_JOB: dict[str, type[Serialisable]] = {
@@ -143,7 +143,7 @@ def _find_schema_class(name: str) -> type[Serialisable] | None:
 
 
 def to_json(noun: object, *, indent: int | None = 2) -> str:
-    """Return a noun as one JSON document: its ``"schema"``, SI units, floats in full precision.
+    """Return a result as one JSON document: its ``"schema"``, SI units, floats in full precision.
 
     A fit and a comparison also carry the keys of the command line's contract.
     """
@@ -165,13 +165,13 @@ def to_document(result: object) -> dict[str, Any]:
 
 
 def from_json(text: str | bytes) -> Any:
-    """Return the noun that a JSON document holds.
+    """Return the result that a JSON document holds.
 
     Raises
     ------
     ReadError
-        If the text is not JSON, its schema is unknown, a value has the wrong type, or the
-        document holds anything that the noun does not.
+        If the text is not JSON, its schema is unknown, a value has the wrong type, or the document
+        holds anything that the result does not.
     """
     import msgspec
 
@@ -195,11 +195,11 @@ def from_json(text: str | bytes) -> Any:
 
 
 _WRONG = (KeyError, TypeError, ValueError, ArithmeticError, AttributeError)
-"""What a value of the wrong kind raises where a noun is made of it, beside msgspec's own."""
+"""Exceptions of classes constructed from a wrong value, besides msgspec's own."""
 
 
 def _because(error: Exception, entries: dict[str, Any]) -> str:
-    """Why a document does not make its noun, in words."""
+    """Return why a document makes no valid value, as text."""
     import msgspec
 
     if isinstance(error, TypeError | msgspec.ValidationError):
@@ -227,11 +227,11 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     return kind, data
 
 
-# -- plain values to nouns -----------------------------------------------------------------------
+# -- plain values to results -----------------------------------------------------------------------
 
 
 def _map_to_fields(kind: Any, value: Any) -> Any:
-    """What a document has of a value of this kind, every noun in it by its fields."""
+    """Return the form of this type in a document, every dataclass by its fields."""
     if isinstance(value, str):
         return NOT_FINITE.get(value, value)
     if not isinstance(value, list | dict):
@@ -246,7 +246,7 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
         return {key: _map_to_fields(Any, item) for key, item in value.items()}
     hints, entries = _hints(cls), decode_fields(cls, _find_completion(cls)(value))
     layout = {name: _map_to_fields(hints[name], item) for name, item in entries.items()}
-    # the decoder knows no noun of which there are several kinds
+    # the decoder knows no class with several subclasses
     return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
 
 
@@ -257,7 +257,7 @@ def _convert_to_class(cls: type, layout: dict[str, Any]) -> Any:
 
 
 def _decode_value(kind: type, value: Any) -> Any:
-    """Return what the decoder does not know: an array, or a noun that was chosen already."""
+    """Return a value that the decoder does not know: an array, or a value chosen already."""
     if isinstance(value, dict) and set(value) == {"real", "imag"}:
         return np.asarray(value["real"], dtype=float) + 1j * np.asarray(value["imag"], dtype=float)
     if isinstance(value, list):
@@ -269,7 +269,7 @@ def _decode_value(kind: type, value: Any) -> Any:
 
 
 def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
-    """The noun that an object of a document is of; None of one that holds any keys."""
+    """Return the class of an object in a document; None of one with arbitrary keys."""
     for kind in kinds:
         if kind in _CHOSEN:
             return _CHOSEN[kind](value)
@@ -310,7 +310,7 @@ _CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
     TemperatureLaw: _law_of,
     RateIndependent: lambda entries: Cubic if "k3" in entries else Jenkins,
 }
-"""Nouns of which there are several kinds, and which of them an object of a document is."""
+"""Classes with several subclasses, and the function that chooses among them by an object."""
 
 
 # -- what the bare contract leaves out, and what no key says -------------------------------------
@@ -414,7 +414,7 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     EndOfHold: lambda entries: {"time": np.nan} | entries,
     InspectedFile: _convert_old_inspection,
 }
-"""What is more of a noun than its keys turned back."""
+"""Constructors of classes that need more than their keys."""
 
 
 # What a JSON file of dashpot's own holds.
@@ -424,7 +424,7 @@ A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
 
 def read_json_document(path: str | Path, *, hint: str = "") -> object:
-    """Return the noun in a JSON file; ``-`` is stdin.
+    """Return the result in a JSON file; ``-`` is stdin.
 
     Raises
     ------

@@ -423,7 +423,7 @@ def impact_files(
     band : (float, float), optional
         Where to look for modes, Hz.
     file : str, optional
-        Where the FRF will be written; told in the document.
+        Where the FRF will be written; stated in the document.
 
     Returns
     -------

@@ -108,7 +108,7 @@ def recommendation(study: Study, *, requested: bool = False) -> Recommendation:
     """Return the solid to take, and what it says, each with its interval or bound.
 
     The joint fit where there is one and the verdict allows it; else that of the relaxation test.
-    Where the joint fit is what was `requested` for it is told, whether or not it is to be used.
+    Where the joint fit is what was `requested`, it is reported whether or not it is to be used.
     Ends of the joint fit are 95 % intervals of its parameters; those of the relaxation test are
     bounds over unresolved arms wherever they were computed.
     """

@@ -62,7 +62,7 @@ HITS = ("impact",)
 _LOOPS = tuple(kind for kind in get_args(Loading) if kind in RECOGNISED)
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _ALIKE = 10.0
-"""BIC within which two laws of a sweep are not told apart."""
+"""Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING = 1e-9
 """A level, N or m/s^2, at which nothing that slips does."""
 _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
@@ -122,7 +122,7 @@ class ReferencePoint(NamedTuple):
     Attributes
     ----------
     frequency : float or None
-        Of the resonance that told its geometry, Hz; None where a shape did.
+        Of the resonance that determined its geometry, Hz; None where a shape did.
     strain : float
         In the unit of the sweep; 0 for a vanishing one.
     """
@@ -266,7 +266,7 @@ class SweptPart(Serialisable):
     ) -> tuple[LevelResonance, ...]:
         """The resonance at each level, and what strain measure, law and samples leave open of it.
 
-        `anchor` is the resonance that told the part's geometry, if one did.
+        `anchor` is the resonance that determined the part's geometry, if one did.
         """
         resonances, reference_point = [], anchor or ReferencePoint(None, self.fitted_at)
         for level in levels:

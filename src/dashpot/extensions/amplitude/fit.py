@@ -38,7 +38,7 @@ _WORDS = {
     "additive+cubic": "friction and a cubic spring",
 }
 _PARTED = 2.0
-"""Difference of BIC below which two laws are not told apart (Kass and Raftery 1995)."""
+"""Difference of BIC below which two laws are not distinguished (Kass and Raftery 1995)."""
 _STRAY = 5.0
 """A leading sample so many robust SD off is of an instrument that is not yet in its range."""
 

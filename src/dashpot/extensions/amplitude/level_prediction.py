@@ -140,7 +140,7 @@ class LevelEffect:
     def _anchor(
         self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float
     ) -> ReferencePoint | None:
-        """The resonance that told the geometry, and the strain there; None where a shape did."""
+        """The resonance that determined the geometry, and its strain; None where a shape did."""
         swept, typed = self.swept, self.choices.resonance_level
         if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
             return None

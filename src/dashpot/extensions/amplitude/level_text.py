@@ -51,7 +51,7 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
 
 
 _HARMONIC = 1e-4
-"""Part of the first harmonic below which none is told."""
+"""Part of the first harmonic below which none is reported."""
 
 
 def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:

@@ -42,7 +42,7 @@ BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
 HARMONICS = 10
 """Of the lines of a sweep; one orbit takes as many as it needs."""
 SHOWN = 5
-"""Harmonics that are told."""
+"""Harmonics that are reported."""
 _MOST, _SETTLED = 80, 1e-7
 """Harmonics at most, and what twice as many may change of those shown, of the largest."""
 _PER_HARMONIC, _FEWEST = 32, 256
@@ -562,7 +562,7 @@ class _PressedBalance:
         return values if off <= _WIDEST * length else None
 
     def orbit(self, state: BalancedState) -> Orbit:
-        """The noun of an answer.
+        """Return the public value of a balanced state.
 
         Raises
         ------

@@ -43,8 +43,8 @@ Ends = tuple[float, float]
 class LevelInterval(Serialisable):
     """What the errors of the solid and of its elastic law leave open of a resonance: 95 %.
 
-    Where a sweep jumps down from the resonance its height is not told, and no number whose errors
-    are as large as itself: those are no longer small, as the delta method takes them to be.
+    Where a sweep jumps down from the resonance its height is not reported, nor a number whose
+    errors are as large as itself: those are no longer small, as the delta method takes them to be.
 
     Attributes
     ----------
@@ -424,7 +424,7 @@ def _parabola(three: Sequence[Orbit]) -> FloatArray:
 
 _BOTH = np.array([-1.0, 1.0])
 _PART, _THINNED = 1e-3, 3
-"""Of the first harmonic, by which a slope is told; of so many lines one is asked for its errors."""
+"""Share of the first harmonic by which a slope is determined; every so many lines, errors."""
 
 
 def _norm(change: FloatArray) -> float:

@@ -43,7 +43,7 @@ class LevelResponse(FrozenArrays):
     stretch : array, shape (mounts, n)
         Amplitude of the first harmonic over each mount with friction, m.
     stable : array of bool, shape (n,)
-        Whether a small disturbance dies away: :math:`d|F|/dX > 0`. Told for one mount with
+        Whether a small disturbance dies away: :math:`d|F|/dX > 0`. Determined for one mount with
         friction; for several every answer is one that was reached from its neighbour.
     harmonic : array, shape (n,)
         Largest higher harmonic of a stretch over its first; 0 where only one was asked for.

@@ -58,4 +58,4 @@ def amplitude(result: Any) -> Text:
 
 
 _HARMONIC = 1e-4
-"""Part of the first harmonic below which none is told."""
+"""Part of the first harmonic below which none is reported."""

@@ -70,8 +70,8 @@ class Guard:
             cookie = f"{self._cookie}={self.token}; {flags}".encode()
             await _send_text(send, 303, "", (b"location", b"/"), (b"set-cookie", cookie))
         else:
-            # the page was told of a fault, and who waits at the end is told nothing any more; a log
-            # would quote what it was about
+            # the page has shown the fault, and a request pending at the end gets no answer; a log
+            # would quote its contents
             with contextlib.suppress(Exception, asyncio.CancelledError):
                 await self._app(scope, receive, _add_security_headers(send))
 

@@ -22,7 +22,7 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import to_json
 
 WIDE = (800.0, 0.0)
-"""Room for the figures where the page says nothing, px."""
+"""Default width and height of the figures, px."""
 KEPT = 4
 """Fits that a worker remembers."""
 

@@ -56,7 +56,7 @@ class ComparedFit(NamedTuple):
     name: str
     job: Job
     study: Study
-    told: Recommendation
+    recommendation: Recommendation
 
     @property
     def solid(self) -> Fit:
@@ -71,7 +71,7 @@ class ComparedFit(NamedTuple):
     @property
     def answers(self) -> tuple[Answer, ...]:
         """Its numbers."""
-        return (*self.told.under_mass, *self.told.one_seal)
+        return (*self.recommendation.under_mass, *self.recommendation.one_seal)
 
 
 def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
@@ -134,7 +134,7 @@ class ComparedValue(NamedTuple):
 def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """The numbers that both have, each with what A left open of it."""
     there = {answer.quantity: answer for answer in b.answers}
-    under = {answer.quantity for answer in a.told.under_mass}
+    under = {answer.quantity for answer in a.recommendation.under_mass}
     for item in a.answers:
         other = there.get(item.quantity)
         if other is None:

@@ -15,7 +15,7 @@ from dashpot.report.result_page import AppCard
 from dashpot.report.tables import TextTable
 
 TWO, CARD = 700.0, 18.0
-"""Room for two cards beside each other, and what the border of a card takes, px."""
+"""Width of two cards side by side, and width of a card's border, px."""
 
 
 class FigureCard(NamedTuple):

@@ -19,7 +19,7 @@ LABELS = {
     "full": "recorded", "hold": "eq. (5)", "linear": "straight", "nonlinear": "bent",
     "maxwell": "arms",
 }  # fmt: skip
-"""What the page says of a word that a command is told."""
+"""Labels on the page of the choices of a command."""
 
 
 def fill_form(page: str) -> str:

@@ -130,7 +130,7 @@ def _hold_line(at: FloatArray, y: FloatArray, axis: Scale, pen: Pen, label: str)
 
 
 def _headroom(values: FloatArray) -> tuple[float, float]:
-    """Limits with room above the curves, where a handle has its name."""
+    """Return limits with space above the curves for the names of handles."""
     low, high = compute_padded_limits(values)
     return low, high + 0.12 * (high - low)
 

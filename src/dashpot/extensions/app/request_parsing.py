@@ -46,7 +46,7 @@ def job_of(value: object, folder: Path) -> Job:
 
 
 def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) -> T:
-    """Return a noun whose fields are declared options, of what a page says of them.
+    """Return a value of declared options, filled from a page's request.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def page_of(job: Job) -> dict[str, Any]:
 
 
 def convert_to_request(result: Any) -> dict[str, Any]:
-    """Return what a noun says as a page says it, but for its files; of its parts no default."""
+    """Return a value as fields of a page, without its files and without its parts' defaults."""
     stated = {}
     for field in _fields(result):
         value = getattr(result, field.name)
@@ -160,7 +160,7 @@ def _names(kind: Any) -> set[str]:
 
 
 def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    """Return width and height of each panel as the page has room for them, px.
+    """Return the width and height that the page has for each panel, px.
 
     Raises
     ------

@@ -105,7 +105,7 @@ class AppContext:
         return any(cancelled)
 
     def leave(self) -> None:
-        """End every worker at once: who waits for an answer is told, and holds up no end."""
+        """End every worker at once: pending requests get an error, and none delays the end."""
         for lane in self.lanes.values():
             lane.leave()
 
@@ -241,7 +241,7 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
         routes=[
             Route("/", page),
             Route("/static/{name}", static),
-            # the page's modules name it by its place in the house
+            # the page's modules name it by its path in the package
             Route("/plot/charts.js", charts),
             Route("/api/files", files, methods=["POST"]),
             Route("/api/example", example, methods=["POST"]),
@@ -302,7 +302,7 @@ async def _body(request: Request) -> bytes:
     return body
 
 
-# by their place: naming a room's package would import the room
+# by their path: naming a package would import it
 _HOUSE = resources.files("dashpot")
 
 

@@ -1,6 +1,6 @@
 """The last session, saved for the next start: its options and its files.
 
-There is one, the last; it goes when its files are removed from the page, or when it is told to.
+There is one, the last; it is deleted when its files are removed from the page, or on request.
 """
 
 from __future__ import annotations

@@ -536,7 +536,7 @@ def _is_near_any(tau: float, values: Iterable[float]) -> bool:
 def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
     """The solid of one seal, one row an arm; those that no test `single` shows are the hammer's.
 
-    A solid that has no arms, or more than are read, is told as its terms.
+    A solid without arms, or with too many to read, is shown by its parameters.
     """
     if fit.family != "maxwell" or fit.model.arms > SINGLE:
         return solid_table(fit)

@@ -104,7 +104,7 @@ class BatchOptions:
 
     @property
     def columns(self) -> int:
-        """Arms that a row has room for."""
+        """Number of arms that a row can hold."""
         return MOST_ARMS if self.arms == "auto" or self.joint else self.arms
 
     @property

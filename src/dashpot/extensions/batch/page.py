@@ -39,8 +39,8 @@ from dashpot.report.page_frame import COLOURS, digest, environment, frame
 ROWS = 50
 """Of a table or a list in the page: its height does not depend on how many tests there are."""
 BY_SEALS, FEW_LOTS, WEIGHS = 100, 6, 6
-"""Seals that the chart shows one by one, lots whose Cpk a table has room for, and rows of what
-weighs, at most."""
+"""Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
+flags."""
 CURVES = 200
 """Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
 WIDE, SIDE = 920.0, 250.0
@@ -192,7 +192,7 @@ def _histogram(main: OfQuantity) -> RenderedFigure | None:
 
 
 def _cpks(main: OfQuantity) -> RenderedFigure | None:
-    """Of more lots than a table has room for."""
+    """Return the sentence on lots beyond those of the table."""
     if len(main.known) <= FEW_LOTS:
         return None
     cpk = None if main.limits is None else main.limits.cpk

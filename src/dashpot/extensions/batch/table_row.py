@@ -235,7 +235,7 @@ def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[st
 
 
 def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
-    """k_inf and the arms; a curve may have more than a row has room for."""
+    """Return k_inf and the arms; a curve may have more than a row can hold."""
     facts = (fact for fact in fit.arm_facts if not fact.name.startswith("b"))
     return islice(facts, 1 + 2 * space)
 

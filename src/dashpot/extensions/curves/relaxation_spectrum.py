@@ -145,7 +145,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
 
     with :math:`\tau_j` on an even grid of ln tau, half a decade beyond the measured
     :math:`1/\omega` at both ends. Each value is weighed by itself; a loss below a thousandth of
-    the modulus by that thousandth, and its relative error is told against it too.
+    the modulus by that thousandth, and its relative error refers to it too.
 
     Parameters
     ----------

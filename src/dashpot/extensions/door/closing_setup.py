@@ -115,7 +115,7 @@ class Between(Air):
     width : float
         Distance of the two seals, m.
     depth : float
-        Of the room between them with the door closed, m.
+        Of the space between them with the door closed, m.
     opening : float
         Of drains and leaks of one metre, m^2/m.
     """
@@ -130,7 +130,7 @@ class Between(Air):
         require_nonnegative("the air between the seals: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """The room between the seals, and its leaks with the gap that is still open."""
+        """Return the space between the seals, and its leaks with the gap that is still open."""
         depth = self.depth + np.maximum(door.lever, 0.0) * door.angle
         volume = np.broadcast_to(door.length * self.width * depth, door.gap.shape)
         return volume, door.length * (self.opening + door.gap)

@@ -175,7 +175,7 @@ class Door(EqualByValue):
     modes : ModesChoice or None
     points : tuple of DoorPoint
     body : RigidPart or None
-        The car body; None stands still, or moves as it is told.
+        The car body; None stands still, or moves as prescribed.
     base : str
         How the body shakes: a file, or words such as ``"0.01g^2/Hz"``; "" if it does not.
     base_along : (float, float, float)

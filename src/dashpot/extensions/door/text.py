@@ -12,7 +12,7 @@ from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded, hertz
 
 _MOST = 9
-"""Modes that are told at once."""
+"""Number of modes that are listed."""
 _ROUNDING = 1e-9
 """Of a damping, %."""
 

@@ -1,6 +1,6 @@
 """Hidden rows and columns of a workbook, which are read with a note.
 
-Of xlsx and ods alone, whose parts are XML; of the older xls and of xlsb nothing is told.
+Detected in xlsx and ods alone, whose parts are XML, not in the older xls and in xlsb.
 """
 
 from __future__ import annotations

@@ -62,7 +62,7 @@ class Stabilisation:
 
     @property
     def stable(self) -> BoolArray:
-        """Poles that stayed in all that can be told, shape (poles,)."""
+        """Poles that are stable by every criterion that applies, shape (poles,)."""
         return np.asarray(self.state == (SHAPE if self.points > 1 else DAMPING))
 
     def orders_with(self, mode: Mode) -> int:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def modes(modes: MeasuredModes) -> Text:
     """Return each mode with its errors, where modes were sought, and of several points shapes."""
     several = bool(modes.points)
-    # the mass that moves is told by a point that is struck itself
+    # the modal mass is determined by a point that is struck itself
     last = ["MPC", "MPD, deg"] if several else ["modal mass, kg"]
     rows = [["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", *last, "stable"]]
     over_base = modes.frf.quantity.over_base

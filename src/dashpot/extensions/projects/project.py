@@ -230,7 +230,7 @@ class ResultNumbers(Serialisable):
 
 
 def numbers(whole: dict[str, Any]) -> dict[str, Any]:
-    """Return a noun's document without its sampled arrays and its words."""
+    """Return a result's document without its sampled arrays and its texts."""
     dropped = {"predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "says"}
     return {key: value for key, value in whole.items() if key not in dropped}
 

@@ -11,7 +11,7 @@ made again with one quantity free at a time:
 
 and where none of these alone explains both tests, mass or gain together with a stiffness: held
 exactly, the one takes what belongs to the other. The solid is then that of the best cause that
-explains both, and its value alone is told: others that explain as much are named.
+explains both, and its value alone is reported: others that explain as much are named.
 
 The lines count alike in all of them, by the scatter that the best one leaves. A cause is ranked by
 :math:`\chi^2 + p \ln n`; it explains both tests if nothing else is then beyond what is known.
@@ -58,8 +58,8 @@ class DiscrepancyCause(NamedTuple):
     Attributes
     ----------
     name : str
-    noun : str
-        As a sentence calls it where its value is not told.
+    phrase : str
+        As a sentence names it where its value is not stated.
     quantity : str
         What it is called among the priors, at a point, and in the vector, a logarithm there.
     unit : str
@@ -68,7 +68,7 @@ class DiscrepancyCause(NamedTuple):
     """
 
     name: str
-    noun: str
+    phrase: str
     quantity: str
     unit: str = "1"
     beside: str = ""
@@ -295,7 +295,7 @@ def _build_explanation(
     explains = not is_contradicted(candidate)
     value, error = _read_free_quantity(candidate, cause.quantity)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
-    says = cause.noun
+    says = cause.phrase
     if explains and leads:
         says = _SENTENCES[cause.quantity](value, error)
         says += f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""

@@ -55,8 +55,8 @@ from dashpot.solids.maxwell import Solid
 # Arms or a fractional element, where a hammer has a say: which to take, and what the other is.
 #
 # The rule is that of tests alone (:mod:`dashpot.fitting.fractional_model.family_selection`): arms
-# keep their place unless BIC falls by more than 10, and what chance does not tell from the best is
-# told beside it.
+# keep their place unless BIC falls by more than 10, and what chance does not distinguish from the
+# best is reported beside it.
 
 
 # what would tell families apart that explain a hammer alone, and with relaxation tests

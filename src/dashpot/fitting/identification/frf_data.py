@@ -19,9 +19,9 @@ from dashpot.vibration.systems.frf_prediction import Response
 # lines within this factor of the peak are fitted unless a band is given
 AROUND_THE_PEAK = 3.0
 FEWEST_LINES = 8
-# a relaxation time can be told up to so many times beyond the lines, and farther where the lines
-# are better known than any that were measured: of an arm so slow they show k/tau alone, but for a
-# part of (omega tau)^-2, which must stand so far above what is left of them
+# a relaxation time can be determined up to so many times beyond the lines, and farther where the
+# lines are better known than any that were measured: of an arm so slow they show k/tau alone, but
+# for a part of (omega tau)^-2, which must stand so far above what is left of them
 REACH, FARTHEST, ABOVE = 10.0, 3e3, 100.0
 
 
@@ -36,7 +36,7 @@ class FRFData:
     sd : array, shape (n,)
         Standard deviation of real and imaginary part, what leakage leaves included.
     known_sd : bool
-        False if nothing told the scatter, so that lines count by their relative misfit, or by
+        False if the scatter is unknown, so that lines count by their relative misfit, or by
         their shares of it where there is a coherence.
     seals : float
     peak_hz : float
@@ -45,7 +45,7 @@ class FRFData:
     weighed : float or None
         Of a motion over a base, the mass with which it was made an accelerance, kg.
     reach : float
-        How many times slower than the lowest line an arm may be to be told.
+        How many times slower than the lowest line an arm may be to be determined.
     """
 
     lines: FRF

@@ -65,8 +65,8 @@ class HammerRig:
 class KnownSolid:
     r"""What the solid under a mass must obey besides the records (Zhang and Richards 2007).
 
-    Each of the three is a value, which is exact, or a value and its standard deviation; the noun
-    holds pairs in SI units.
+    Each of the three is a value, which is exact, or a value and its standard deviation; the fields
+    hold pairs in SI units.
 
     Attributes
     ----------

@@ -130,7 +130,7 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
     total = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
     off = abs(model.k_inf - (end - float(total)))
     share = off / max(abs(end), 1e-300)
-    # a plateau that is not told from zero claims nothing
+    # a plateau that does not differ significantly from zero claims nothing
     wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
     return Finding(
         f"k_inf and the rest of the arms miss the stiffness at the end of the hold by "

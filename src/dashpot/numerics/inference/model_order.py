@@ -7,8 +7,8 @@ r"""Selection of the number of arms by two rules that fail in different ways.
 The smaller of the two answers is taken: an arm that either rule doubts is not worth its place. But
 a number of arms that BIC rejects by more than 50 is no answer. Such a fall is significant (11.8
 for the k and tau of an arm) even if only one in four of the residuals counted that kappa lets
-count; the arm is there, however poorly its k and tau are told apart from a plateau and a drift.
-Where the rules disagree the caller is told.
+count; the arm is there, however poorly its k and tau are distinguished from a plateau and a drift.
+Where the rules disagree the result says so.
 Source: G. Schwarz, Annals of Statistics 6 (1978) 461, with the sample size of a correlated record.
 
 Where the noise is as slow as the arms, one :math:`M_\mathrm{eff}` is wrong for all of them: fast

@@ -28,7 +28,7 @@ _FULL = 0.98
 _LOUD = 0.1
 """Part of its peak beyond which a signal is not at rest."""
 _TOLD = 3
-"""Leaps of a clock that are told one by one."""
+"""Number of leaps of a clock that are reported one by one."""
 _MINUTE = 60.0
 _ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
 """First digits of the steps of recorders, in the unit that they count by."""
@@ -116,8 +116,8 @@ def without_padding(loaded: LoadedColumns) -> LoadedColumns:
 def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
     """Where the loading and the first ten ramp times of the hold are, roughly.
 
-    The fastest relaxation that a ramp shows has about the time of the ramp, so ten ramp times
-    of hold are where the arms are told apart.
+    The fastest relaxation that a ramp shows has about the time of the ramp, so the arms are
+    determined within ten ramp times of hold.
     """
     certain = np.isfinite(time) & np.isfinite(displacement)
     window = np.zeros(len(time), dtype=bool)

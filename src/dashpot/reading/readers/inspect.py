@@ -187,7 +187,7 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
 
 
 def inspect_other_path(path: str | Path, detection: Recognised) -> Inspection:
-    """Return what is told of what is no table."""
+    """Return the inspection of a file without a table."""
     place = Path(path)
     if place.is_dir():
         return Inspection(place.name, "", "folder", detection.kind, detection.reason)

@@ -47,7 +47,7 @@ def _make_size_criterion(
     role: str,
     grade: Grade = "stop",
 ) -> Criterion[[float, str]]:
-    """A question to one size, whose unit is that of a role; `says` is how the size is told.
+    """Question about one size, whose unit is that of a role; `says` is the size as text.
 
     Graded a note it asks nothing: a file states its units, and there are some such tests.
 

@@ -489,7 +489,7 @@ class _Reader:
         return find_header_change(texts, self.dialect, self.heading.columns, self.indexes)
 
     def _find_like(self, lines: Sequence[str]) -> None:
-        """A row that lacks nothing, from which the places of blank cells can be told."""
+        """Complete row, which shows the positions of blank cells."""
         if self.dialect.delimiter == " ":
             full = (line for line in lines if len(line.split()) == self.dialect.cells)
             self.like = next(full, self.like)

@@ -308,7 +308,7 @@ class Scan(NamedTuple):
 
 
 def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
-    """Several (sigma, omega), as many in each as there is room for."""
+    """Yield several (sigma, omega), as many in each as memory allows."""
     weights = 1 / np.repeat(lines.sd, 2, axis=1) ** 2
     value = max(1, ROOM // weights.shape[1])
     scans = []
@@ -367,7 +367,7 @@ NOTHING_NEW = 1e-10  # of a column's square: what rounding leaves of one that is
 SMALLEST_MODE = 0.01  # of the largest value in the band
 OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
 FARTHEST = 2.0  # beyond which the background says the same
-ALIKE = 0.8  # by the modal assurance criterion: two shapes that no close poles are told apart by
+ALIKE = 0.8  # by the modal assurance criterion: two shapes too alike to separate close poles
 
 
 @dataclass(frozen=True, eq=False)

@@ -261,7 +261,7 @@ class System:
     bodies : tuple of Body
     mounts : tuple of Mount
     grounds : tuple of str
-        Things that move as they are told, or stand still.
+        Bodies with prescribed motion, or at rest.
 
     Degrees of freedom are named ``"body.motion"``, such as ``"block.z"``.
     """

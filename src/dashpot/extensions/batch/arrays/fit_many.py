@@ -113,10 +113,9 @@ def fit_many(
         Fit the whole record, or only its hold: from the end of the ramp, or from the first
         sample within 1 % of the largest displacement.
     errors : bool
-        Also give standard errors, :math:`S\,(J'J)^{-1}` with S the power of the residuals where
-        arms are told apart: their variance times the samples that say the same thing. Both come
-        from means over a few samples, about 1000 in all, which change neither for arms slower
-        than such a mean.
+        Also give standard errors, :math:`S\,(J'J)^{-1}` with S the power of the residuals in the
+        band of the arms: their variance times the correlated samples. Both come from means over a
+        few samples, about 1000 in all, which change neither for arms slower than such a mean.
 
     Returns
     -------

@@ -65,7 +65,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
     ratio = record.displacement - fitted_displacement(fit, record)
-    if not estimate_preload_baseline(record).told:
+    if not estimate_preload_baseline(record).determined:
         drift = sum(nuisance.value for nuisance in fit.nuisance if nuisance.name == "drift")
         ratio = ratio + drift * (record.time - record.time[0])
     ratio = ratio[record.hold] / record.level

@@ -239,7 +239,7 @@ class _PreloadBaseline(NamedTuple):
     noise: float
     least: float
     usual: float
-    told: bool
+    determined: bool
 
     @property
     def terms(self) -> NuisanceTerms:
@@ -495,7 +495,7 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
         return []
     baseline = estimate_preload_baseline(record)
     drift = retardation.solution.coefficient("drift")
-    return [checks.drift_is_no_flow(drift, baseline.usual, reported=baseline.told)]
+    return [checks.drift_is_no_flow(drift, baseline.usual, reported=baseline.determined)]
 
 
 def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:

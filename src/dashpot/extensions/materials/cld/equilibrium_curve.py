@@ -157,7 +157,7 @@ def find_loaded_samples(cld: CLD) -> IndexArray:
 def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
     """Return the law of the fewest knots that follows points as well as the finest, and its rms.
 
-    Its tangent is linear between knots and nowhere below 0, and told by the points at each.
+    Its tangent is linear between knots and nowhere below 0, determined by the points at each.
     """
     laws = [_law(x, force, knots_over(x, depth, count)) for count in KNOTS]
     tried = [law for law in laws if law is not None]

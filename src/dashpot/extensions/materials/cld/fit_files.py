@@ -94,7 +94,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
     checks : tuple of Check
         Those of every piece, each at its worst, and of the pieces together.
     relaxed : RelaxedLaw or None
-        The elastic law under the first piece, where a relaxation test told its memory.
+        The elastic law of the first piece, where a relaxation test determined its arms.
     fit : Fit or None
         That of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
@@ -304,7 +304,7 @@ def _with_memory(pieces: Pieces, memory: Sequence[Fit]) -> Pieces:
     """With the elastic law under the first piece."""
     relaxed = relaxed_law(pieces.pieces[0], memory)
     near = find_nearest_fit(pieces.pieces[0], memory)
-    # the law that is told is the law that is kept, of a piece as long as that of the memory
+    # the reported law is the saved law, of a piece as long as that of the relaxation test
     stiffness = relaxed.law.stiffness / longer(pieces.pieces[0], near)
     fed = near.with_elastic_law(relaxed.law, checks=relaxed.checks, stiffness=stiffness)
     return replace(pieces, checks=(*pieces.checks, *relaxed.checks), relaxed=relaxed, fit=fed)

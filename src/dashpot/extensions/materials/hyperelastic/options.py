@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class FilesOfMode(NamedTuple):
-    """Files of one mode of test: what users are told, and whether their specimen was pressed."""
+    """Files of one mode of test: their texts, and whether their specimen was pressed."""
 
     says: str
     mode: Mode
