@@ -1,4 +1,4 @@
-"""The house keeps its shape: layers, light imports, one home for each public name."""
+"""Structure of the package: layers, light imports, one module for each public name."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_verb_stays_one_when_the_room_of_its_name_is_imported():
 
 
 def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
-    """A room that names one above it does so through `load_function`; such names are no imports."""
+    """A package that names one above it does so by `load_function`; such names are no imports."""
     offered = {}
     for file in (ROOT / "src").rglob("*.py"):
         for module, name in re.findall(

@@ -27,7 +27,7 @@ needs_chromium = pytest.mark.skipif(
     reason="no chromium on this machine (apt-get install chromium)",
 )
 
-# what a script is told so that it ends soon, and a line that it prints near its end
+# arguments of a script with which it ends soon, and a line that it prints near its end
 RUNS = [
     ("answers", r"run --only seal_8mm\.csv", r"^ +[\d.]+ s  0  dashpot fit seal_8mm\.csv"),
     ("anybody", "--records 1", r"^full, one arm more: \w"),

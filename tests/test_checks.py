@@ -2107,7 +2107,7 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
         far = ramp.drift_believable([(9.1, 0.0, 1.0, 9.0)], beyond)
         assert far.failed
         assert far.grade == grade
-    # a tangent of 1 + a at the depth: told by one ramp where it hardly bends
+    # a tangent of 1 + a at the depth: determined by one ramp where it hardly bends
     for bent, grade in ((0.099, "note"), (-0.099, "note"), (0.101, "limit")):
         law = ElasticLaw((0.0, DEPTH), (1 - bent, 1 + bent), 200.0)
         assert ramp.tangent_told(law, 1).grade == grade
@@ -2143,7 +2143,7 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
         loss[16] = -times * sd
         test = DynamicTest(lines, np.ones(32), loss, units="SI")
         assert curves.loss_positive(test).failed == failed
-    # what steps is told from half as much on, and doubts no more than what does not
+    # a step is reported from half as much on, and doubts no more than what does not
     for bends in (5, 40):
         assert preparation.motion_resolved(bending(1.99, bends=bends)).grade == "note"
         assert preparation.motion_resolved(bending(2.01, bends=bends)).grade == "limit"
@@ -2169,7 +2169,7 @@ def test_checks_are_built_in_the_register_alone() -> None:
 
 
 def test_no_status_is_decided_outside_the_criteria() -> None:
-    """A fit ends as its failed checks say: no room reads a status off their names."""
+    """A fit ends as its failed checks say: no package reads a status off their names."""
     texts = {
         file.relative_to(SOURCES).as_posix(): file.read_text("utf-8")
         for file in SOURCES.rglob("*.py")

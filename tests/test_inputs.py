@@ -98,7 +98,7 @@ FACES: dict[str, dict[type, tuple[str, ...]]] = {
     "batch": {BatchOptions: (), ReadOptions: ()},
     "export": {Job: ("seals",), Specimen: ()},
 }  # fmt: skip
-"""Which commands ask for what; () is all that the noun declares."""
+"""Options of the commands; () is all that the dataclass declares."""
 ASKED_OTHERWISE = {
     "seal_mass": "of a seal that weighs something", "band": "the page compares every line",
     "filter": "nothing is filtered here", "title": "of a report", "logo": "of a report",
@@ -285,7 +285,7 @@ OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("HammerChoices", "polarity"): st.lists(st.sampled_from([1, -1]), min_size=1).map(tuple),
     ("ShiftChoices", "vertical"): st.sampled_from(["auto", "1", "T/T_r", "free"]),
 }  # fmt: skip
-"""What a noun holds to more than its declaration says."""
+"""Values that a dataclass validates beyond its declaration."""
 
 
 def values(noun: type, one: Field[Any]) -> st.SearchStrategy[Any]:
@@ -312,7 +312,7 @@ def values(noun: type, one: Field[Any]) -> st.SearchStrategy[Any]:
 
 
 def nouns(noun: Any, *names: str) -> st.SearchStrategy[Any]:
-    """A noun that says something of any of its declared fields, or of these."""
+    """Return a value with any of its declared fields stated, or with these."""
     asked = {
         one.name: values(noun, one)
         for one in fields(noun)

@@ -21,7 +21,8 @@ _SCALED = (
     rf"|\"{_UNIT}\"[:,] \(?1e-?\d|\(1e-?[369], \"{_UNIT}\"|273\.15|9\.80665"
 )
 
-#: idea -> what shows it, the rooms where it lives, and the files that hold something else, with why
+#: idea -> what shows it, the packages where it lives, and the files that hold something else, with
+#: why
 IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
     "a descent by a library": (
         r"least_squares\(|optimize import .*(nnls|least_squares)",

@@ -37,5 +37,5 @@ def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
     one_clock = [test.prepare(machine=Machine(sync="1ms")) for test in tests]
     assert decades(one_clock) < np.log10(1.3)
     assert decades(one_clock) < 0.5 * decades(ready)
-    # which told so much of the warm test alone would not do
+    # one clock, but the warm test alone would not do
     assert decades(one_clock[:1]) > 1

@@ -123,7 +123,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/paper/demo_handler.py": (),
     "extensions/projects/command.py": (),
 }
-"""Which commands can print what stands in a room, a file or a function; the longest name counts."""
+"""Commands that can print the messages of a package, file or function; the longest name counts."""
 OURS = {
     "reading/sandbox/parent_process.py": {"--read-for-dashpot"},
     "plot/svg.py": {"--panel"},
@@ -270,7 +270,7 @@ def test_no_message_of_a_command_speaks_python() -> None:
     for message in messages():
         plain = _PYTHON.sub("", message.text)
         if " " not in plain or message.file.startswith(("plot/", "report/", *_SPEAK_PYTHON)):
-            continue  # no sentence; the attributes of SVG and HTML; or what only Python is told
+            continue  # no sentence; the attributes of SVG and HTML; or what only Python shows
         for word in _ARGUMENT.findall(re.sub(r"--units \S+|\"[^\"]*\"", "", plain)):
             if word not in keys() and (message.file, word) not in PYTHON_ONLY:
                 wrong.append(f"{message.file}:{message.line}: {word}= in '{plain[:80]}'")

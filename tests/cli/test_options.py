@@ -1,4 +1,4 @@
-"""A noun's fields make the options of a verb, and the options make the noun."""
+"""The fields of a dataclass make the options of a command, and the options make its value."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
     asked = [i for i, line in enumerate(printed) if line.startswith("  ASK")]
     assert asked
     assert max(asked) < next(i for i, line in enumerate(printed) if line.startswith("  format"))
-    # of several files each is told
+    # of several files each is reported
     printed = ran("inspect", *[tmp_path / "wide.csv"] * 3).stdout.splitlines()
     assert sum(line.startswith("wide.csv: ") for line in printed) == 3
 

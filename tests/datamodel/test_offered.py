@@ -1,4 +1,4 @@
-"""What a noun shows of itself: a few lines, a picture, a table of another library."""
+"""Output of results: a few lines, a figure, a table of another library."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_every_noun_that_offers_a_picture_has_one() -> None:
 def descendants(kind):
     """Every class that inherits from one."""
     for module in pkgutil.walk_packages(dp.__path__, "dashpot."):
-        # the app's nouns are those of the work
+        # the app's values are those of the workflow
         if not module.name.endswith("__main__") and ".web" not in module.name:
             importlib.import_module(module.name)
     found = {kind}

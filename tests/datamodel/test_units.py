@@ -24,7 +24,7 @@ T = np.arange(20.0)
 X = np.linspace(0.0, 8.0, 20)
 F = np.linspace(1.0, 2.0, 20)
 
-#: noun -> its arrays as given, their units, what they are in SI, and the unit that follows
+#: class -> its arrays as given, their units, what they are in SI, and the unit that follows
 NOUNS = [
     (RelaxationTest, {"time": T, "displacement": X, "force": F}, "ms, mm, kN", (1e-3, 1e-3, 1e3)),
     (CreepTest, {"time": T, "displacement": X, "force": F}, "s, mm, N", (1, 1e-3, 1)),

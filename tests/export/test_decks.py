@@ -168,7 +168,7 @@ def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missi
     for allow in ((name,), ("all",)):
         deck = write(target, bare, form=form, allow=allow, **extra)
         assert f"OVERRIDE: {sentence}" in deck
-    # what the fit does not know can be told
+    # what the fit does not know can be stated
     assert "OVERRIDE" not in write(target, bare, form=form, specimen=SPECIMEN, **extra)
 
 

@@ -1,4 +1,4 @@
-"""A clock that leaps in mid-record: nobody is told to use what comes of it."""
+"""Clocks that jump in mid-record: the verdict on no such fit is "use"."""
 
 from __future__ import annotations
 

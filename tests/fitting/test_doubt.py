@@ -198,7 +198,7 @@ def test_a_baseline_and_a_cell_speak_together() -> None:
     assert mean == pytest.approx(float(at @ density), rel=1e-6)
     assert sd == pytest.approx(float(np.sqrt(density @ (at - mean) ** 2)), rel=1e-4)
     assert told == (sd < 0.7 * 2e-4)
-    # told from the baseline where it leaves less than .7 of what was known
+    # determined by the baseline where it leaves less than .7 of what was known
     edge = math.sqrt(1 / (1 / 0.7**2 - 1)) * 2e-4
     error = math.sqrt(edge**2 - (1e-3 * final / duration) ** 2)
     assert cell.drift_told((0.0, 0.99 * error), final, duration)[2]

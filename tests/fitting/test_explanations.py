@@ -1,4 +1,4 @@
-"""Two tests that disagree: which cause explains both, told apart on an independent hammer."""
+"""Causes of a discrepancy between two tests, distinguished on an independent hammer test."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def test_a_wrong_mass_is_found_whatever_else_is_held(seed: int, said: float) -> 
         )
     }
     assert {one for one in printed if abs(one - 1e3 * lead.value) > 0.1} == {1e3 * MASS}
-    # and none is told where nothing explains both
+    # and none is named where nothing explains both
     lost = replace(
         found, evidence=replace(found.evidence, explanations=(replace(lead, explains=False),))
     )

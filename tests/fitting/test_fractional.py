@@ -427,7 +427,8 @@ def test_hammer_and_relaxation_share_one_fractional_solid() -> None:
     assert joint.alternative.bic > 50
     error, before = joint.solid_standard_error, alone.solid_standard_error
     assert all(error[name] < before[name] for name in before)
-    # what the rig may have given counts with either; one that is named leaves what the hammer told
+    # what the rig may have given counts with either; one that is named leaves what the hammer
+    # determined
     known = pressed(Seal.fractional(*TRUTHS[0]), machine=NAMED)
     sure = identify(hammered(), tests=known, family="fractional", **RIG)
     assert inside(sure)

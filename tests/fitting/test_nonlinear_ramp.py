@@ -416,7 +416,7 @@ def test_the_afm_gives_the_k_inf_of_its_hold(shared_data: Path) -> None:
 
 def test_the_rheometer_set_passes_the_gate(real_data: Path) -> None:
     t, x, force = np.loadtxt(real_data / "rheos-data-time" / "data_time.csv", delimiter=",").T
-    # strain and stress in no unit that is told: taken as sizes that a seal may have
+    # strain and stress in no stated unit: taken as sizes that a seal may have
     found = select_elastic_law([prepare(RelaxationTest(t, x, force, units="s, mm, N"))])
     assert found.sound
     assert found.law.kind == "linear"

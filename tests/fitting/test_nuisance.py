@@ -178,7 +178,7 @@ def test_the_optimum_alone_is_that_of_the_whole_fit(method: str) -> None:
     assert alone.model == whole.model
     assert [n.value for n in alone.nuisance] == [n.value for n in whole.nuisance]
     assert alone.verdict.use == "use with care"
-    # neither a band nor an error is told where none was asked for
+    # neither a band nor an error is reported where none was asked for
     assert alone.verdict.says == (
         "This fit has neither intervals nor checks. Fit with intervals before use."
     )

@@ -1,4 +1,4 @@
-"""Several tests: copies are refused, lots are told apart, repeats are pooled."""
+"""Several tests: copies are refused, lots are distinguished, repeats are pooled."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ class Fuzzer:
                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                 env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
             )  # fmt: skip
-        # on a busy machine a mutant waits far longer than it works; who works too long is told so
+        # on a busy machine a mutant waits far longer than it works; who works too long is reported
         clock = threading.Timer((_APART if apart else _BESIDE) * SECONDS, self._process.kill)
         clock.start()
         try:

@@ -1,4 +1,4 @@
-"""A plan from words in any order: each goes to the noun that has it."""
+"""Plans from options in any order: each goes to the value that has it."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ default, `DISTURBANCES` names each at the size of the trials.
     one.k_end(), one.k_end(3), one.seal.k_inf                   # k(T), k(3 T)
     trial(KINDS[3], seed=7, bench=DISTURBANCES["late 1 ms"], law="cubic")
     strike(one.seal, mass=0.104, seals=2, seed=7)               # a Hammering: hits with noise
-    relaxation_test(one), impact_test(hits)                     # as dashpot's nouns
+    relaxation_test(one), impact_test(hits)                     # as dashpot's values
 
 `KINDS` are 42: seven solids (2 to 6 arms over 1 ms to 300 s, fractional, power law), drawn by the
 seed, on each of six motions. Everything is SI.
@@ -519,7 +519,8 @@ def _real_poles(seal: Seal, mass: float, seals: float):
     return 0.5 * (low + high)
 
 
-# -- as nouns of dashpot ---------------------------------------------------------------------------
+# -- as values of dashpot
+# ---------------------------------------------------------------------------
 
 
 def relaxation_test(one: Trial):

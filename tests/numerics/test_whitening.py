@@ -54,7 +54,7 @@ def moved(noise: np.ndarray | float = 0.0) -> DataBlock:
 
 
 def slow(correlation: float, variance: float = 1e-4) -> Noise:
-    """Autoregressive noise with this correlation time, s, told by its autocovariance."""
+    """Autoregressive noise with this correlation time, s, given by its autocovariance."""
     rho = float(np.exp(-STEP / correlation))
     gamma = variance * rho ** np.arange(len(TIME))
     return Noise(len(TIME), gamma, (1 + rho) / (1 - rho), 2 * (1 - rho))

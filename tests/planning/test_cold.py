@@ -155,7 +155,7 @@ def test_the_plan_puts_the_cold_test_into_its_table():
     assert shown[:3] == [("full", ()), ("hold", (273.15,)), ("hold", ())]
     alone = asked().expected.loss_factor_sd
     assert told.alternatives[0].loss_factor_sd == alone
-    # what the rig may do unseen, in the cold and at room, is as much as the noise again
+    # what the rig may do unseen, in the cold and at room temperature, is as much as the noise again
     rows = rows_with(HIDDEN, usual(machine=Machine()), places(0)).rows
     assert told.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
     quiet = asked(cold="0degC", force_alone=True).expected.loss_factor_sd
@@ -246,7 +246,7 @@ def test_just_what_can_be_is_not():
     assert len(asked(cold=(273.15, 273.6501)).repeats) == 2
     for kelvin, law in itertools.product((296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, ROOM))):
         assert plan_repeat(kelvin, ROOM, law).temperature == kelvin
-    # the solid is that of the room, wherever the law's reference lies
+    # the solid is that at room temperature, wherever the law's reference lies
     there = plan_repeat(273.15, 283.15, SHIFT)
     assert there.a_t == pytest.approx(float(SHIFT.a_t(273.15) / SHIFT.a_t(283.15)))
     assert there.b_t == 273.15 / 283.15

@@ -17,7 +17,7 @@ CHILDREN = {"test_bombs", "test_child"}
 
 
 def parsed_here(what, function, raw, options):
-    """What the parent is told by a child, without its limits."""
+    """Return what the parent receives from a child, without its limits."""
     asked = ReadOptions(sheet=options.sheet, segment=options.segment, format=options.format)
     pipe = BytesIO()
     with warnings.catch_warnings():

@@ -163,7 +163,7 @@ def test_the_keyboard_ends_parent_and_child(tmp_path: Path) -> None:
         "from dashpot.reading.sandbox.parent_process import run_in_child\n"
         "from dashpot.reading.read_options import ReadOptions\n"
         "from dashpot.reading.raw_file import RawFile\n"
-        # what runs in the background may have been told to ignore the keyboard
+        # what runs in the background may have been set to ignore the keyboard
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"options = ReadOptions(sheet={str(mark)!r})\n"
         "run_in_child('junk', misbehaving.hangs, RawFile('a', None, b'1'), options)\n"

@@ -221,7 +221,7 @@ MADE: dict[str, Callable[[Path], object]] = {
         (Check("peel_steady", False, "It jerks.", remedy=Remedy("Peel more slowly.")),),
     ),
 }  # fmt: skip
-"""Of every noun with a schema that is of one kind, one."""
+"""Return one result of every class with a schema that is of one kind."""
 
 
 def test_every_noun_with_a_schema_is_made_here() -> None:

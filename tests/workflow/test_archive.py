@@ -1,4 +1,4 @@
-"""Every noun goes to JSON and comes back the same; strangers are turned away with a sentence."""
+"""Every result goes to JSON and comes back the same; unknown documents are refused."""
 
 from __future__ import annotations
 
@@ -296,7 +296,7 @@ def test_any_bytes_are_read_or_refused(content):
 @given(st.data())
 @settings(max_examples=60, deadline=None)
 def test_a_document_with_one_thing_changed_is_read_or_refused(data):
-    """A key renamed, dropped or given another type: a noun or a sentence, never a guess."""
+    """A key renamed, dropped or given another type: a result or an error, never a guess."""
     whole = json.loads(to_json(data.draw(st.sampled_from([MODEL, FIT, NOUNS[-1], INSPECTIONS]))))
     place = data.draw(st.sampled_from([one for one in objects(whole) if one]))
     key = data.draw(st.sampled_from(sorted(place)))

@@ -1,4 +1,4 @@
-"""Documents, profiles and projects that were altered: a noun, a finding or a refusal."""
+"""Altered documents, profiles and projects: a result, a finding or a refusal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's puzzle, told and mended: frequency right, damping too low."""
+"""The paper's puzzle, stated and solved: frequency right, damping too low."""
 
 from __future__ import annotations
 

@@ -169,7 +169,7 @@ def test_a_sweep_that_would_follow_every_line_from_rest_ends(bent, monkeypatch):
 
 
 def test_an_error_as_large_as_the_number_is_no_interval(bent):
-    """The damping is off by a factor: nothing of the height is told, but its frequency."""
+    """The damping is off by a factor: no height is reported, but its frequency."""
     scale = np.diag([1.0, *[WIDER] * (len(bent.covariance) - 1)])
     doubted = replace(bent.estimate, covariance=scale @ bent.covariance @ scale)
     wide = replace(bent, estimate=doubted)

@@ -234,7 +234,7 @@ def test_everything_goes_by_keyboard(visit, files):
     page = visit()
     command = page.at.locator("#command")
     page.at.bring_to_front()  # a page behind others opens no chooser
-    page.at.on("filechooser", lambda _: None)  # the browser is told to hand it over, and has heard
+    page.at.on("filechooser", lambda _: None)  # the browser hands it over from now on
     page.still()
     with page.at.expect_file_chooser() as asked:
         page.at.keyboard.press("o")
@@ -367,7 +367,7 @@ CROWDED = """() => {
   document.querySelector("[data-act=choices]").click();
   document.querySelector("[data-act=choices]").click();
 }"""
-"""More checks that failed than the column has room for, and what makes it look again."""
+"""More failed checks than fit the column, and what makes it look again."""
 
 
 def test_a_crowded_column_counts_what_it_cannot_show_and_nothing_scrolls(visit, files):
@@ -670,7 +670,8 @@ GOLDEN = Path(__file__).parent / "golden"
 
 
 def tree(page, part="body"):
-    """What a screen reader is told, less what another result would change: numbers, judgements."""
+    """Return what a screen reader reads, less what another result would change: numbers,
+    judgements."""
     told = page.at.locator(part).aria_snapshot()
     told = re.sub(r"[−-]?\d[\d.,]*", "#", told)
     told = re.sub(
@@ -803,7 +804,7 @@ CHANGE = """() => {
 
 
 class Told:
-    """Answers of the server, told again: what is asked costs no study."""
+    """Recorded answers of the server: a request costs no study."""
 
     def __init__(self, page):
         self.kept, self.instead, self.asked = {}, None, []

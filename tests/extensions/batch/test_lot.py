@@ -96,7 +96,7 @@ def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     assert row["k_0_N_per_m"] == fit.model.k_0
     assert row["k_end_N_per_m"] == fit.model.relaxation(test.hold_time)
     assert row["k_1_se_N_per_m"] == fit.standard_error["k"][0]
-    # "at most": no lower end is told
+    # "at most": no lower end is reported
     assert (row["k_inf_low_N_per_m"], row["k_inf_high_N_per_m"]) == (None, k_inf[1])
     assert (row["k_end_low_N_per_m"], row["k_end_high_N_per_m"]) == fit.left_open["k_end"]
     assert row["verdict"] == fit.verdict.use
@@ -338,7 +338,7 @@ def test_a_full_disk_says_what_is_kept(folder, tmp_path, monkeypatch):
 
 
 def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, tmp_path):
-    """As a terminal does it: all its processes are told."""
+    """As a terminal does it: all its processes get the signal."""
     code = (
         "import sys, dashpot.extensions.batch.batch_run as batches; from dashpot.cli import main;"
         "batches.CHUNK = 1; main(sys.argv[1:])"

@@ -257,7 +257,7 @@ def test_what_a_door_cannot_be(folder, old, new, sentence):
     ],
 )
 def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):
-    """A slip of unit or axes is caught, or told in the first lines."""
+    """A slip of unit or axes is caught, or stated in the first lines."""
     for name in ("door.toml", "door_line.csv", "door_modes.csv"):
         text = EXAMPLES[name]().replace("[modes]", "[modes]\n" + word)
         (tmp_path / name).write_text(text.replace('"25mm"', '"200mm"'))

@@ -347,7 +347,7 @@ def test_a_door_whose_seal_says_no_shear_is_told(folder):
 
 
 def test_the_file_of_a_door_says_its_friction(folder):
-    """Twice as stiff sideways as the stated door, and told how far that goes."""
+    """Twice as stiff sideways as the stated door, with the range of sticking reported."""
     rubs = FILE.replace("across = 0.35", "across = 0.20").replace("along = 0.15", "along = 0.05")
     rubs += "[seal.friction]\nmu = 0.4\nacross = 0.15\nalong = 0.10\n"
     (folder / "door.toml").write_text(rubs.replace("pitch", 'compression = "6mm"\npitch'))

@@ -251,7 +251,7 @@ def test_the_bytes_of_a_line_are_hashed(kept, how):
     try:
         assert "history_unchanged" in failures(kept)
     except ReadError as error:
-        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
+        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is reported
 
 
 def test_head_is_bytes_too(kept):
@@ -288,7 +288,7 @@ def test_no_byte_of_the_history_is_changed_in_passing(kept, how):
     try:
         missed = failures(kept)
     except ReadError as error:
-        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
+        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is reported
     else:
         assert {"history_unchanged", "history_complete"} & {*missed}
 

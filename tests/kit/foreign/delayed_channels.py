@@ -84,7 +84,7 @@ def loops(seed: int, late: float, rate: float) -> Sheet:
 def cld(seed: int, late: float, rate: float) -> Sheet:
     """Six cycles after 2 s of rest; cycle n is softer by .12 (1 - e^-(n-1)/1.5) (Mullins).
 
-    A cycle has 160 samples or more, and lasts up to 40 s. The truth is the cycle that is told,
+    A cycle has 160 samples or more, and lasts up to 40 s. The truth is the reported cycle,
     without noise: its forces at .6 of the depth, and its work.
     """
     random = _start("late cld", seed)

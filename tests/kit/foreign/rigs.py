@@ -67,7 +67,7 @@ class Record:
     """A relaxation test, and what is true of it.
 
     `time`, `displacement`, `force` are as read, `compression` and `pure` the seal's own at the same
-    instants; `told` is what the lab would say of its machine, `done` every step with its numbers.
+    instants; `told` is what the lab would state of its machine, `done` every step with its numbers.
     """
 
     name: str

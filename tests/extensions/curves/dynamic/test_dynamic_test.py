@@ -1,4 +1,4 @@
-"""The noun of a dynamic (DMA) test."""
+"""Dynamic (DMA) tests as values."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def test_the_cold_solid_is_known_by_the_cold_test(pair):
     noise = of_noise(chilled).covariance
     found, error = np.log(chilled.model.tau[0]), float(np.sqrt(noise[arm, arm]))
     assert error < 0.2 * float(np.sqrt(quiet.covariance[arm, arm]))
-    # a rig that may have given or settled adds to either, and each is told from the noise
+    # a rig that may have given or settled adds to either, and each is distinguished from the noise
     np.testing.assert_array_equal(noise, quiet.at_temperature("0degC").covariance)
     assert float(np.sqrt(chilled.covariance[arm, arm])) > 2 * error
     true = np.log(0.0125) + np.log(10) * cold.log10_a(273.15)

@@ -206,7 +206,7 @@ def test_a_memory_needs_a_clock():
 
 
 def test_tension_alone_does_not_tell_the_second_constant():
-    """The trap of C01: uniaxial tension follows to 1 %, two sides at once are not told."""
+    """The trap of C01: uniaxial tension follows to 1 %, equibiaxial tension is not determined."""
     alone = loaded(RUBBER, "uniaxial", noise=0.01)
     fit = fit_hyperelastic([alone])
     assert "modes_told" in failed(fit)

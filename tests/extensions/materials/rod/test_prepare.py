@@ -210,7 +210,7 @@ def test_a_rocking_mode_is_no_solid(rocking):
 
 
 def test_lines_lost_in_noise_are_left_out():
-    """Where T is 1 within its noise no modulus is told; the others stay."""
+    """Where T is 1 within its noise no modulus is reported; the others stay."""
     value = base(LINES)
     value[:3] = 1 / (1 + 0.9j)
     one = found(value, LINES, errors=CALIBRATED)
