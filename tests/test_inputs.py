@@ -110,20 +110,20 @@ ASKED_OTHERWISE = {
 """What of a job stands in no field of the page, and why."""
 
 
-def declared(noun: type, names: tuple[str, ...]) -> list[Field[Any]]:
-    return [one for one in iterate_option_fields(noun) if not names or one.name in names]
+def declared(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
+    return [one for one in iterate_option_fields(cls) if not names or one.name in names]
 
 
 @pytest.mark.parametrize(
-    ("command", "noun", "one"),
+    ("command", "cls", "one"),
     [
-        pytest.param(command, noun, one, id=f"{command}{flag_of(one)}")
-        for command, nouns in FACES.items()
-        for noun, names in nouns.items()
-        for one in declared(noun, names)
+        pytest.param(command, cls, one, id=f"{command}{flag_of(one)}")
+        for command, instances in FACES.items()
+        for cls, names in instances.items()
+        for one in declared(cls, names)
     ],
 )
-def test_an_input_is_an_option_of_its_commands(command: str, noun: type, one: Field[Any]) -> None:
+def test_an_input_is_an_option_of_its_commands(command: str, cls: type, one: Field[Any]) -> None:
     found = main.get_command(click.Context(main), command)
     assert found is not None
     (asked,) = [each for each in found.params if flag_of(one) in each.opts]
@@ -152,7 +152,7 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
 
 
 @pytest.mark.parametrize(
-    ("noun", "function"),
+    ("cls", "function"),
     [
         (Job, BenchFitOptions), (LevelJob, level_files),
         (ModesJob, modes_files), (ModesJob, modes_by_mass),
@@ -160,10 +160,10 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
     ],
 )  # fmt: skip
 def test_what_python_takes_where_nothing_is_said_is_the_same(
-    noun: type, function: Callable[..., Any]
+    cls: type, function: Callable[..., Any]
 ) -> None:
     usually = {
-        one.name: one.default for one in iterate_option_fields(noun) if not is_path_field(one)
+        one.name: one.default for one in iterate_option_fields(cls) if not is_path_field(one)
     }
     shared = inspect.signature(function).parameters.items()
     wrong = [
@@ -234,7 +234,7 @@ def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
     ("name", "unit"), [("mass", "g"), ("compression", "mm"), ("specimen-length", "mm")]
 )
 def test_a_field_says_the_unit_that_a_command_line_would(name: str, unit: str) -> None:
-    (one,) = [each for noun in (Job, Specimen) for each in iterate_option_fields(noun)
+    (one,) = [each for cls in (Job, Specimen) for each in iterate_option_fields(cls)
               if each.name == name.removeprefix("specimen-")]  # fmt: skip
     assert words_of(replace(Job("x"), mass=0.1))[1].endswith("g")
     assert one.metadata["unit"] in {"mass", "length"}
@@ -288,13 +288,13 @@ OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
 """Values that a dataclass validates beyond its declaration."""
 
 
-def values(noun: type, one: Field[Any]) -> st.SearchStrategy[Any]:
+def values(cls: type, one: Field[Any]) -> st.SearchStrategy[Any]:
     """Any value of a declared field, by its declaration."""
     how = one.metadata
     if "part" in how:
-        return nouns(how["part"])
-    if (noun.__name__, one.name) in OWN:
-        return OWN[noun.__name__, one.name]
+        return instances(how["part"])
+    if (cls.__name__, one.name) in OWN:
+        return OWN[cls.__name__, one.name]
     if "choices" in how:
         return st.sampled_from(how["choices"])
     if "is_flag" in how:
@@ -311,17 +311,17 @@ def values(noun: type, one: Field[Any]) -> st.SearchStrategy[Any]:
     return st.lists(single, max_size=3).map(tuple) if isinstance(one.default, tuple) else single
 
 
-def nouns(noun: Any, *names: str) -> st.SearchStrategy[Any]:
+def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
     """Return a value with any of its declared fields stated, or with these."""
     asked = {
-        one.name: values(noun, one)
-        for one in fields(noun)
+        one.name: values(cls, one)
+        for one in fields(cls)
         if ({"help", "part"} & one.metadata.keys()) and (not names or one.name in names)
     }
-    must = {name for name in asked if noun is Job and name == "relaxation"}
+    must = {name for name in asked if cls is Job and name == "relaxation"}
     given = {name: asked[name] for name in must}
     rest = {name: one for name, one in asked.items() if name not in must}
-    return st.fixed_dictionaries(given, optional=rest).map(lambda said: noun(**said))
+    return st.fixed_dictionaries(given, optional=rest).map(lambda said: cls(**said))
 
 
 def of_one_reading(said: BatchOptions) -> BatchOptions:
@@ -378,7 +378,7 @@ def _in_an_empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[No
         yield
 
 
-@given(nouns(Job).map(of_its_files))
+@given(instances(Job).map(of_its_files))
 def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
     told = heard(workflow, "run", line("report", job))
     assert told.heard == (job,)
@@ -387,7 +387,7 @@ def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
 OF_FIT = tuple(one.name for one in fields(Job) if "decides" in one.metadata)
 
 
-@given(nouns(Job, *OF_FIT))
+@given(instances(Job, *OF_FIT))
 def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     # a window is one of hits: of a test on a bench it is refused
     job = replace(job, reading=replace(job.reading, window_decay=None))
@@ -398,7 +398,7 @@ def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     assert Job(first, further=(*further,), reading=said["options"], **named) == job
 
 
-@given(nouns(LevelJob).filter(lambda job: job.files))
+@given(instances(LevelJob).filter(lambda job: job.files))
 def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     amplitude = job.levels or job.at
     if not amplitude:
@@ -409,7 +409,7 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     assert LevelJob(*told.heard, **told.named) == said
 
 
-@given(nouns(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
+@given(instances(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
 def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[float]) -> None:
     bare = replace(job, files=job.files or ("frf.csv",), seals=1.0)  # seals are of masses
     told = heard(modes_handler, "modes_files", line("fit", bare), "frf")
@@ -425,7 +425,7 @@ def batch_choices(draw: st.DrawFn) -> BatchOptions:
     quick = draw(st.booleans())
     arms = draw(st.integers(0, 6)) if quick else draw(st.just("auto") | st.integers(0, 6))
     rest = [one.name for one in fields(BatchOptions) if one.name not in ("quick", "arms", "joint")]
-    said = draw(nouns(BatchOptions, *rest))
+    said = draw(instances(BatchOptions, *rest))
     return of_one_reading(replace(said, quick=quick, arms=arms))
 
 
@@ -437,7 +437,7 @@ def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchOptions) -> None
     assert told.heard[0].choices == said
 
 
-@given(nouns(Job))
+@given(instances(Job))
 def test_a_page_says_a_job_back(job: Job) -> None:
     store = Store()
     try:
@@ -455,7 +455,7 @@ def test_a_page_says_a_job_back(job: Job) -> None:
         store.remove()
 
 
-@given(st.sampled_from([LevelJob, ModesJob]).flatmap(nouns))
+@given(st.sampled_from([LevelJob, ModesJob]).flatmap(instances))
 def test_a_page_says_levels_and_modes_back(job: Any) -> None:
     asked = replace(job, files=(), options=replace(job.options, calibration=None))
     assert build_from_request(type(job), _listed(convert_to_request(asked)), Path()) == asked

@@ -25,7 +25,7 @@ X = np.linspace(0.0, 8.0, 20)
 F = np.linspace(1.0, 2.0, 20)
 
 #: class -> its arrays as given, their units, what they are in SI, and the unit that follows
-NOUNS = [
+CLASSES = [
     (RelaxationTest, {"time": T, "displacement": X, "force": F}, "ms, mm, kN", (1e-3, 1e-3, 1e3)),
     (CreepTest, {"time": T, "displacement": X, "force": F}, "s, mm, N", (1, 1e-3, 1)),
     (CreepTest, {"time": T, "displacement": X, "force": F}, "s, %, MPa", (1, 1e-2, 1e6)),
@@ -43,16 +43,16 @@ FOLLOWS = {"s, %, MPa": "Pa", "s, mm, N": "N/m", "s, 1/MPa": "1/Pa", "s, mm/N": 
            "kHz, MPa, MPa": "Pa", "Hz, N/mm, N/mm": "N/m"}  # fmt: skip
 
 
-@pytest.mark.parametrize(("noun", "arrays", "units", "factors"), NOUNS)
-def test_arrays_are_in_si_within(noun, arrays, units, factors):
-    made = noun(**arrays, units=units)
+@pytest.mark.parametrize(("cls", "arrays", "units", "factors"), CLASSES)
+def test_arrays_are_in_si_within(cls, arrays, units, factors):
+    made = cls(**arrays, units=units)
     for (name, given), factor in zip(arrays.items(), factors, strict=True):
         np.testing.assert_allclose(getattr(made, name), factor * np.asarray(given), rtol=1e-15)
     assert made.units == "SI"
     if units in FOLLOWS and hasattr(made, "unit"):
         assert made.unit == FOLLOWS[units]
     inside = {name: getattr(made, name) for name in arrays}
-    assert noun(**inside, **_of(made), units="SI") == made
+    assert cls(**inside, **_of(made), units="SI") == made
     assert replace(made) == made
 
 
@@ -60,14 +60,14 @@ def _of(made):
     return {"unit": made.unit} if "unit" in vars(made) else {}
 
 
-@pytest.mark.parametrize(("noun", "arrays", "units", "factors"), NOUNS)
-def test_no_unit_too_few_and_a_wrong_one_are_refused(noun, arrays, units, factors):
-    with pytest.raises(DataError, match=f'{noun.__name__} is made of arrays.*units="SI".*units="'):
-        noun(**arrays)
+@pytest.mark.parametrize(("cls", "arrays", "units", "factors"), CLASSES)
+def test_no_unit_too_few_and_a_wrong_one_are_refused(cls, arrays, units, factors):
+    with pytest.raises(DataError, match=f'{cls.__name__} is made of arrays.*units="SI".*units="'):
+        cls(**arrays)
     with pytest.raises(DataError, match=r"names 1 units? for .*\(" + ", ".join(arrays)):
-        noun(**arrays, units=units.split(",")[0])
+        cls(**arrays, units=units.split(",")[0])
     with pytest.raises(DataError, match=r"'furlong' is (no|not a known) unit"):
-        noun(**arrays, units=", ".join(("furlong", *units.split(",")[1:])))
+        cls(**arrays, units=", ".join(("furlong", *units.split(",")[1:])))
 
 
 def test_kinds_with_words_of_their_own():
@@ -106,7 +106,7 @@ def test_no_document_holds_the_word():
     assert from_json(to_json(test)) == test
 
 
-@pytest.mark.parametrize("noun", [RelaxationTest, CreepTest, CompressionTest])
+@pytest.mark.parametrize("cls", [RelaxationTest, CreepTest, CompressionTest])
 @pytest.mark.parametrize(
     ("name", "just", "beyond", "says"),
     [
@@ -116,11 +116,11 @@ def test_no_document_holds_the_word():
         ("time", 2.99e7 / 19, 3.01e7 / 19, "the length of the record is 348 days"),
     ],
 )
-def test_what_no_one_means_is_refused(noun, name, just, beyond, says):
+def test_what_no_one_means_is_refused(cls, name, just, beyond, says):
     arrays = {"time": T, "displacement": 1e-3 * X, "force": F}
-    noun(**{**arrays, name: just * arrays[name]}, units="SI")
+    cls(**{**arrays, name: just * arrays[name]}, units="SI")
     with pytest.raises(DataError, match=says):
-        noun(**{**arrays, name: beyond * arrays[name]}, units="SI")
+        cls(**{**arrays, name: beyond * arrays[name]}, units="SI")
 
 
 def test_what_did_not_move_is_for_others_to_say():

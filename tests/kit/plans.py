@@ -17,10 +17,10 @@ def planned(**words: Any) -> Plan:
 
     With ``force_alone`` there is no machine: nothing but the noise of the force.
     """
-    alone, nouns = words.pop("force_alone", False), []
-    for noun in (Bench, Machine, SupposedSeal, HammerPlan):
-        own = {one.name for one in fields(noun)} & words.keys()
-        nouns.append(noun(**{name: words.pop(name) for name in own}))
-    bench, machine, seal, hammer = nouns
+    alone, values = words.pop("force_alone", False), []
+    for cls in (Bench, Machine, SupposedSeal, HammerPlan):
+        own = {one.name for one in fields(cls)} & words.keys()
+        values.append(cls(**{name: words.pop(name) for name in own}))
+    bench, machine, seal, hammer = values
     bench = replace(bench, machine=None if alone else machine)
     return plan(bench, seal=seal, hammer=hammer, **({"at": 12.71} | words))

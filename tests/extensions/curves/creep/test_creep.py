@@ -220,12 +220,12 @@ def test_a_fit_is_kept_whole() -> None:
     again = from_json(to_json(found))
     assert again == found
     assert again.creep == found.creep
-    for noun in (
+    for value in (
         record(),
         load_hold(record()),
         CreepCompliance([1.0, 2.0], [1.0, 2.0], units="SI"),
     ):
-        assert from_json(to_json(noun)) == noun
+        assert from_json(to_json(value)) == value
 
 
 CASES = {
