@@ -23,7 +23,7 @@ N = TypeVar("N")
 
 
 class How(TypedDict, total=False):
-    """What a file leaves open and its reader says: the reading options of the command line.
+    """Keyword arguments of `read`: the reading options of the command line.
 
     Attributes
     ----------

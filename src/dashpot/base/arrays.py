@@ -51,7 +51,7 @@ class EqualByValue:
 
 
 class FrozenArrays(EqualByValue):
-    """Such a dataclass whose arrays become read-only, of the kind that they are declared to be."""
+    """Frozen dataclass whose arrays become read-only, of their declared kind."""
 
     def __post_init__(self) -> None:
         for item in fields(self):  # type: ignore[arg-type]

@@ -49,7 +49,7 @@ VERDICT_WORDS = MOST_WORDS - 3
 
 @dataclass(frozen=True)
 class Remedy(Serialisable):
-    """What to do about a check that failed.
+    """Remedy of a failed check, as text and as an option.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Remedy(Serialisable):
 
 @dataclass(frozen=True)
 class Check(Serialisable):
-    """One named question put to a record or a result, and its answer in words.
+    """Named question about a record or result, with its answer as text.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class Check(Serialisable):
 
 @dataclass(frozen=True)
 class Verdict(Serialisable):
-    """What to make of a result.
+    """Verdict on a result: whether and how to use it.
 
     Attributes
     ----------
@@ -235,7 +235,7 @@ def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = ""
 
 
 class HasChecks:
-    """A result that was asked whether it can be trusted: it has `checks`."""
+    """Interface of a result with `checks`."""
 
     checks: tuple[Check, ...]
 
@@ -280,7 +280,7 @@ def select_gravest_check(checks: Iterable[Check]) -> Check:
 
 
 class Finding(NamedTuple):
-    """What a criterion found, before its limit decides.
+    """Measured value and text of a criterion, before its limit is applied.
 
     Attributes
     ----------
@@ -326,7 +326,7 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Criterion(Generic[P]):
-    """A question with the limit that decides it: called like the function that measures.
+    """Criterion: a question with its limit, called like the function that measures.
 
     Attributes
     ----------

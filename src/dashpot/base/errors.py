@@ -20,7 +20,7 @@ from enum import Enum
 
 
 class DashpotError(Exception):
-    """The root of everything that dashpot refuses.
+    """Base class of all errors of dashpot.
 
     >>> import dashpot as dp
     >>> try:
@@ -32,7 +32,7 @@ class DashpotError(Exception):
 
 
 class ReadError(DashpotError):
-    """A file is not what it should be.
+    """Error in the contents of a file.
 
     >>> import dashpot as dp
     >>> dp.read("nowhere.csv")
@@ -43,7 +43,7 @@ class ReadError(DashpotError):
 
 
 class DataError(DashpotError, ValueError):
-    """Numbers or units that cannot be what they claim to be.
+    """Error in numbers or units that cannot be valid.
 
     >>> import dashpot as dp
     >>> dp.Specimen(length="50")
@@ -54,7 +54,7 @@ class DataError(DashpotError, ValueError):
 
 
 class FitError(DashpotError, ValueError):
-    """A fit that cannot be asked for with this data or these options.
+    """Error of a fit that these data or options do not allow.
 
     >>> import dashpot as dp
     >>> dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), seals=2)
@@ -65,7 +65,7 @@ class FitError(DashpotError, ValueError):
 
 
 class ExportError(DashpotError, ValueError):
-    """A deck that must not be written.
+    """Error of a deck that must not be written.
 
     >>> import dashpot as dp
     >>> dp.save(dp.GeneralizedMaxwell(1.0), "solid.xlsx")
@@ -79,7 +79,7 @@ class ExportError(DashpotError, ValueError):
 
 
 class Status(Enum):
-    """How the optimiser ended, the gravest last; the name is for programs, the value for people.
+    """Status of an optimisation, the gravest last; names for programs, values for people.
 
     It does not say whether the result is good: `Fit.verdict` does.
     """

@@ -194,7 +194,7 @@ Form: TypeAlias = Literal["number", "bare", "range", "sizes", "words"]
 
 
 class FormField(NamedTuple):
-    """A field: what it is called, the unit of a number typed without one, its option in a shell.
+    """Field of a form: label, unit of a number without one, and option of the command line.
 
     Attributes
     ----------
@@ -242,7 +242,7 @@ class FormField(NamedTuple):
 
 @dataclass(frozen=True)
 class FormData:
-    """What was answered.
+    """Values of a filled-in form.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ _LONGEST = 300
 
 @dataclass(frozen=True)
 class Plugin(Serialisable):
-    """One entry point.
+    """Entry point of a plug-in.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class Plugin(Serialisable):
 
 @dataclass(frozen=True)
 class Installed(Serialisable):
-    """The plug-ins of this environment."""
+    """Plug-ins installed in this environment."""
 
     schema = "dashpot/plugins@1"
     read_back = False

@@ -13,7 +13,7 @@ SIMULATED = "simulated"
 
 
 class Caution(str):
-    """A note of a reader that can change a number: what was read may not be what was measured.
+    """Note of a reader on data that may not be what was measured.
 
     `told` is the same without the options of a command line, as checks say it.
 
@@ -37,7 +37,7 @@ def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Source(Serialisable):
-    """The file a record was read from.
+    """File from which a record was read.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ def describe_record_source(source: Source | None, samples: int) -> str:
 
 @dataclass(frozen=True)
 class Step:
-    """One processing step: its name, its parameters as text, what it did in a sentence."""
+    """Processing step: its name, its parameters as text, and a sentence on its effect."""
 
     name: str
     parameters: tuple[tuple[str, str], ...] = ()
@@ -97,7 +97,7 @@ class Step:
 
 
 class Read(Protocol):
-    """A record that a file may stand behind."""
+    """Interface of a record with a source file."""
 
     @property
     def source(self) -> Source | None:
@@ -106,7 +106,7 @@ class Read(Protocol):
 
 
 class Prepared(Protocol):
-    """A record to which something may have been done."""
+    """Interface of a record with processing steps."""
 
     @property
     def steps(self) -> tuple[Step, ...]:

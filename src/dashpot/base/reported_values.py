@@ -26,7 +26,7 @@ BESIDE = 1e-2
 
 
 class TableCells(NamedTuple):
-    """A fact as a row of a table: texts in the unit that people read."""
+    """Row of a table as texts, in display units."""
 
     name: str
     value: str
@@ -61,7 +61,7 @@ class TableCells(NamedTuple):
 
 @dataclass(frozen=True)
 class ReportedValue(Serialisable):
-    """A number that a test shows, and how well it is known.
+    """Value determined by a test, with its uncertainty.
 
     Attributes
     ----------
@@ -236,7 +236,7 @@ class ReportedValue(Serialisable):
 
 
 class HasReportedValues(HasChecks):
-    """A result of named numbers, `found`, that was asked whether it can be trusted."""
+    """Result of named numbers, `found`, with checks."""
 
     found: tuple[ReportedValue, ...]
 

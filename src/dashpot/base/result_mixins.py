@@ -43,7 +43,7 @@ def collect_columns(rows: Iterable[object], **units: str) -> Series:
 
 
 class Printable:
-    """A result that prints what its command prints, and writes itself to a file."""
+    """Mixin of results that print like their command, and save themselves to a file."""
 
     @property
     def kept(self) -> Any:
@@ -115,7 +115,7 @@ class HasSummary(Printable):
 
 
 class Plottable(HasSummary):
-    """One that has a picture, too: in a notebook it shows itself."""
+    """Mixin of results with a figure, which a notebook displays."""
 
     def plot(self) -> Picture:
         """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
@@ -129,7 +129,7 @@ class Plottable(HasSummary):
 
 
 class HasVerdict(Plottable):
-    """A result of a verdict: a shell shows that, and `print` all that its command prints."""
+    """Mixin of results with a verdict, which a Python shell displays."""
 
     verdict: Any
 

@@ -33,7 +33,7 @@ Dimension: TypeAlias = Literal[
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit word: what it measures and its size in SI, ``si = factor * value + offset``."""
+    """Unit: the quantity it measures and its size in SI, ``si = factor * value + offset``."""
 
     word: str
     dimension: Dimension

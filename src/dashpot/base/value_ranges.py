@@ -69,7 +69,7 @@ Span = tuple[float, float]
 
 
 class PlausibleRange(NamedTuple):
-    """What a quantity of one kind may be, SI.
+    """Plausible range of one kind of quantity, in SI.
 
     Attributes
     ----------

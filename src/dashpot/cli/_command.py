@@ -50,7 +50,7 @@ class TargetFields(NamedTuple):
 
 
 class CommandOption(click.Option):
-    """An option with its group in the help, and the kinds of records that it is of."""
+    """Option with its group in the help, and the kinds of records to which it applies."""
 
     def __init__(
         self,

@@ -39,7 +39,7 @@ _SEEN = (".html", ".png", ".svg", ".pdf")
 
 
 class CommandResult(NamedTuple):
-    """What a command found, for programs and as text for people, and its checks.
+    """Result of a command, for programs and as text, with its checks.
 
     Attributes
     ----------

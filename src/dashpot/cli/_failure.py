@@ -30,7 +30,7 @@ WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md t
 
 @dataclass(frozen=True)
 class Failure(Serialisable):
-    """A kind of failure, its sentence, its exit code, what people are shown, and where it was."""
+    """Failure of a command: its kind, sentence, exit code, output and place."""
 
     schema = "dashpot/error@1"
     keys = ("kind", "says", "exit_code=code", "traceback?")

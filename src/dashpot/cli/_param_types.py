@@ -44,7 +44,7 @@ def format_choices(words: Sequence[str]) -> str:
 
 
 class File(click.ParamType[str]):
-    """A file that the command reads; the shell completes it."""
+    """Path of an input file, which the shell completes."""
 
     name = "file"
 
@@ -60,13 +60,13 @@ class File(click.ParamType[str]):
 
 
 class Folder(File):
-    """A folder."""
+    """Path of a folder."""
 
     name = "dir"
 
 
 class Output(File):
-    """A file that the command writes; ``-`` is stdout.
+    """Path of an output file; ``-`` is stdout.
 
     With `suffixes` a name that ends otherwise is refused: it would say what the file is not.
     """
@@ -83,7 +83,7 @@ class Output(File):
 
 
 class WithUnit(click.ParamType[Any]):
-    """A number with its unit, such as ``104g``; the value passed on is in SI.
+    """Number with its unit, such as ``104g``; the value passed on is in SI.
 
     A `word` stands for no number, and is passed on as None.
     """
@@ -108,7 +108,7 @@ class WithUnit(click.ParamType[Any]):
 
 
 class Plain(click.ParamType[float]):
-    """A number without a unit: what it is counted in is said where another is given."""
+    """Number without a unit; that unit is stated by another option."""
 
     name = "number"
 
@@ -158,7 +158,7 @@ class LowHigh(click.ParamType[Any]):
 
 
 class Wlf(click.ParamType[Any]):
-    """A law of Williams, Landel and Ferry: ``C1,C2,T_r``, such as ``6.94,129.6K,23degC``."""
+    """Law of Williams, Landel and Ferry: ``C1,C2,T_r``, such as ``6.94,129.6K,23degC``."""
 
     name = "C1,C2,T_r"
 
@@ -194,7 +194,7 @@ class Direction(click.ParamType[Any]):
 
 
 class Figure(Output):
-    """A figure's file, refused before the work if its suffix is none that is drawn."""
+    """Path of a figure, refused at once if its suffix is not supported."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if Path(value).suffix.lower().lstrip(".") not in get_choice_values(Drawn):
@@ -203,7 +203,7 @@ class Figure(Output):
 
 
 class ArmCount(click.ParamType[Any]):
-    """A number of Maxwell arms, or ``auto``."""
+    """Number of Maxwell arms, or ``auto``."""
 
     name = "N"
 
@@ -218,7 +218,7 @@ class ArmCount(click.ParamType[Any]):
 
 
 class ChoiceWithSuggestion(click.Choice[str]):
-    """One of the words of a choice, or of the plug-ins of a group; else the nearest is named."""
+    """Word of a choice, or plug-in of a group; an error names the nearest."""
 
     name = "NAME"
 

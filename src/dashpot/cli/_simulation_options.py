@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class SimulatedSeal(NamedTuple):
-    """A seal to simulate: its solid, the block on two of them, how it follows temperature."""
+    """Simulated seal: its solid, the block on two of them, and its temperature law."""
 
     solid: dp.GeneralizedMaxwell
     mass: float | None

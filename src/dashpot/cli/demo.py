@@ -44,7 +44,7 @@ COLD_HOLD = 20.0
 
 @dataclass(frozen=True)
 class Demo(Serialisable):
-    """The seed of the noise, and what was found of each seal."""
+    """Result of the demonstration: the seed of the noise, and the results of each seal."""
 
     schema = "dashpot/demo@1"
 
@@ -54,7 +54,7 @@ class Demo(Serialisable):
 
 @dataclass(frozen=True)
 class Examples(Serialisable):
-    """The files that were written."""
+    """Example files that were written."""
 
     schema = "dashpot/example@1"
 

@@ -33,7 +33,7 @@ LONGEST_LINE = 100.0
 
 @dataclass(frozen=True)
 class Exported(Serialisable):
-    """A deck: for what, in which units, which refusals were overridden, its file, or its text."""
+    """Exported deck: target, units, overridden refusals, and its file or text."""
 
     schema = "dashpot/deck@1"
     keys = ("target", "units", "file", "overrides", "deck?")

@@ -42,7 +42,7 @@ _VIBRATION = set(options.VIBRATION.split())
 
 @dataclass(frozen=True)
 class Reported(Serialisable):
-    """A study, the file of its report, and the hash of its project's history."""
+    """Study, with the file of its report and the hash of its project's history."""
 
     keys = ("*study", "report", "history?")
 

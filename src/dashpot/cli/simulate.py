@@ -21,7 +21,7 @@ from dashpot.text_output.layout import Text
 
 @dataclass(frozen=True)
 class Simulated(Serialisable):
-    """What was simulated, its file, that of the truth, or its text where there are none."""
+    """Simulated test, with the files of the test and of its truth, or its text."""
 
     schema = "dashpot/simulated@1"
     keys = ("what", "file", "truth", "text?")

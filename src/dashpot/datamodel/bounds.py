@@ -63,7 +63,7 @@ _UNKNOWN = (math.nan, math.nan)
 
 @dataclass(frozen=True)
 class EndOfHold(Serialisable):
-    r"""What a test knows of the stiffness when it ends, and what it leaves open.
+    r"""Stiffness at the end of a test, with its limits.
 
     Limits over every non-negative spectrum that the test does not reject, N/m, or Pa of a material.
     Of a hold or a curve they are of the relaxation function
@@ -284,7 +284,7 @@ class StiffnessBounds(EqualByValue):
 
 @dataclass(frozen=True, eq=False)
 class FRFBounds(FrozenArrays):
-    """Between which limits the response of a mass on a seal is predicted.
+    """Limits of the predicted response of a mass on a seal.
 
     Attributes
     ----------

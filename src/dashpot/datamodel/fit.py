@@ -60,7 +60,7 @@ LINES_IN_BAND = 9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(EqualByValue, Plottable, Serialisable):
-    """A fitted solid, how well each parameter is known, and what the test cannot tell.
+    """Fitted solid, with the uncertainty of each parameter and the limits of the test.
 
     Attributes
     ----------

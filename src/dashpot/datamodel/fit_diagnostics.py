@@ -27,7 +27,7 @@ def family_of(solid: Solid) -> Family:
 
 @dataclass(frozen=True)
 class Alternative(Serialisable):
-    """The best solid of another family, fitted to the same data.
+    """Best solid of another family, fitted to the same data.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Alternative(Serialisable):
 
 @dataclass(frozen=True)
 class OrderScore:
-    """One candidate number of arms.
+    """Score of one candidate number of arms.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class OrderScore:
 
 @dataclass(frozen=True)
 class Certificate:
-    """How far the optimum can be from the best positive model with any number of arms.
+    """Optimality certificate: distance to the best positive model with any number of arms.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class Certificate:
 
 @dataclass(frozen=True)
 class ParameterChange:
-    """What a further test did to one parameter of the solid.
+    """Change of one parameter of the solid by a further test.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class ParameterChange:
 
 @dataclass(frozen=True)
 class Explanation:
-    """What would explain two tests that one seal does not.
+    """Explanation of two tests that disagree on one seal.
 
     Attributes
     ----------
@@ -192,7 +192,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class DepthStiffness:
-    """The stiffnesses of one test of several that share their relaxation times.
+    """Stiffnesses of one test of several that share their relaxation times.
 
     Attributes
     ----------
@@ -222,7 +222,7 @@ class DepthStiffness:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the data support, and what they leave open.
+    """Evidence behind a fit: what the data support, and what remains undetermined.
 
     Attributes
     ----------
@@ -265,7 +265,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a fit comes from.
+    """Provenance of a fit: method, files, steps and specimen.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class Kind(StrEnum):
-    """What the FRF relates: motion per force, its inverse, or motion per base motion (ISO 2041)."""
+    """Kind of an FRF: motion per force, its inverse, or motion per base motion (ISO 2041)."""
 
     RECEPTANCE = "receptance"  # x / F, m/N
     MOBILITY = "mobility"  # v / F, m/(N s)
@@ -74,7 +74,7 @@ _POWERS = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
 
 @dataclass(frozen=True)
 class Hit:
-    """One hammer hit and the verdict on it.
+    """Hammer hit and its verdict.
 
     Attributes
     ----------
@@ -465,7 +465,7 @@ def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexAr
 
 @dataclass(frozen=True)
 class Mode(Serialisable):
-    r"""One mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
+    r"""Mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ _ONE_CLOCK = 0.01
 
 
 class DefaultUncertainty(NamedTuple):
-    """What a machine may do unseen if nothing is said of it: one standard deviation.
+    """Default uncertainty of a machine, as one standard deviation.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ The table of a machine that nobody has described; what `Machine` names takes its
 
 @dataclass(frozen=True)
 class Machine:
-    r"""What the record cannot show of the machine, or shows badly.
+    r"""Test machine: properties that its records show badly or not at all.
 
     Of what is None nothing is known, and `USUAL` stands for it.
 

@@ -66,7 +66,7 @@ def parameter_names(arms: int, *, dashpot: bool = False) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Residual:
-    """Statistics of what the model leaves unexplained.
+    """Statistics of the residual of a fit.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class Profile(FrozenArrays):
 
 @dataclass(frozen=True)
 class Nuisance:
-    """A parameter the fit needed and the user did not ask for: tare, drift, gain, delay, mass.
+    """Nuisance parameter of a fit: tare, drift, gain, delay or mass.
 
     `prior_sd` is its standard deviation before the fit, where that is on record.
     """
@@ -160,7 +160,7 @@ class _SolidParameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ParameterEstimate(EqualByValue):
-    """How well the parameters of a solid are known.
+    """Uncertainty of the parameters of a solid.
 
     Attributes
     ----------
@@ -400,7 +400,7 @@ class ParameterEstimate(EqualByValue):
 
 @dataclass(frozen=True, eq=False)
 class CreepEstimate(FrozenArrays):
-    r"""The compliances behind a solid that was fitted to creep, and how well they are known.
+    r"""Compliances of a solid fitted to creep, with their uncertainty.
 
     Attributes
     ----------

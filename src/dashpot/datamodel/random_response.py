@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class RandomResponse:
-    """What a random motion of the base does to a place, as standard deviations.
+    """Response of a point to random base motion, as standard deviations.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class RandomResponse:
 
 @dataclass(frozen=True)
 class RandomLimits:
-    """Between which limits the standard deviations over a base lie; infinite if nothing limits.
+    """Limits of the response to random base motion; infinite if there is none.
 
     Attributes
     ----------

@@ -44,7 +44,7 @@ FEWEST_UNLOADED = 5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RelaxationTest(EqualByValue, HasSummary, Serialisable):
-    """A relaxation test as the machine wrote it, in SI units.
+    """Relaxation test as recorded, in SI units.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
 
 @dataclass(frozen=True)
 class Hum:
-    """A line of one frequency that was taken off the force.
+    """Line of one frequency that was removed from the force.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ class Hum:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RampHold(EqualByValue, Plottable, Serialisable):
-    """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
+    """Prepared relaxation test: its ramp and hold, compression positive, tared.
 
     Made by :func:`dashpot.preprocessing.prepare.prepare`; what every fit works on.
 
@@ -486,7 +486,7 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory(EqualByValue):
-    """Where the plate is sent, or was.
+    """Trajectory of the plate, as set or as recorded.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ ShearStiffness: TypeAlias = float | Solid
 
 @dataclass(frozen=True)
 class Shear:
-    """What a seal answers where it is moved sideways while it is pressed.
+    """Shear stiffness of a compressed seal.
 
     A ratio is of the stiffness normal to the line at the same place: it follows compression and
     joints, and has the same arms. A solid of its own is one metre of seal as it was moved
@@ -59,7 +59,7 @@ class Shear:
 
 @dataclass(frozen=True)
 class LineFriction:
-    r"""What rubs beside the arms of a seal where it is moved sideways: a Jenkins element.
+    r"""Friction of a seal in shear beside its arms: a Jenkins element.
 
     .. math:: k_t = r\,\kappa_\infty\,\Delta s, \qquad F_c = \mu\,F_e(x)\,\Delta s
 
@@ -106,7 +106,7 @@ MOST_RATIO = SIZES["shear"].hard[1]
 
 @dataclass(frozen=True)
 class SealSection:
-    r"""One metre of seal.
+    r"""Section of a seal: the properties of one metre.
 
     All its arms answer the relaxed force (Fung), so that small vibration about a compression x
     feels :math:`F_e'(x)/k` times the solid, k its secant stiffness at the depth tested.
@@ -244,7 +244,7 @@ class SealSection:
 
 @dataclass(frozen=True, eq=False)
 class LineDirection:
-    """The springs of a line in one direction.
+    """Springs of a line in one direction.
 
     Attributes
     ----------
@@ -265,7 +265,7 @@ class LineDirection:
 
 @dataclass(frozen=True, eq=False)
 class Stations(EqualByValue):
-    r"""A line as the Gauss points of its cells, two a cell.
+    r"""Stations of a line: the two Gauss points of each of its cells.
 
     .. math:: s_{1,2} = s_m \mp \frac{h}{2\sqrt 3}
 

@@ -34,7 +34,7 @@ _CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
 
 @dataclass(frozen=True)
 class Shift:
-    """Where one temperature lies against the reference.
+    """Shift factors of one temperature against the reference.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Shift:
 
 @dataclass(frozen=True, eq=False)
 class TemperatureShifts(EqualByValue, Serialisable):
-    """The shifts of several temperatures, and the law laid through them.
+    """Shift factors of several temperatures, and the law fitted through them.
 
     Attributes
     ----------

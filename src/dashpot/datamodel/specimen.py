@@ -19,7 +19,7 @@ _COLDEST, _HOTTEST = 100.0, 550.0
 
 @dataclass(frozen=True)
 class Specimen:
-    """What was tested; a length or a temperature may be given with its unit, ``"100mm"``.
+    """Specimen of a test; a length or temperature may be given with its unit, ``"100mm"``.
 
     Attributes
     ----------

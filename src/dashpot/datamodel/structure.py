@@ -132,7 +132,7 @@ class FRFSet(EqualByValue):
 
 @dataclass(frozen=True, eq=False)
 class ModeShape(EqualByValue):
-    """A mode and how each point moves in it.
+    """Mode and its motion at each point.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShakenTest(EqualByValue, HasSummary):
-    """The motions of a base and of the mass on its mounts, sampled together.
+    """Motions of a base and of the mass on its mounts, sampled together.
 
     Attributes
     ----------

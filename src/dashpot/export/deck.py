@@ -54,7 +54,7 @@ _APART = 1000
 
 @dataclass(frozen=True)
 class NonlinearElements:
-    """Sliders and a cubic spring beside a solid; none of either where it is linear.
+    """Sliders and a cubic spring beside a solid; empty where it is linear.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ def _format_stiffness_shift(shifts: TemperatureShifts) -> str:
 
 
 class NonlinearFit(Protocol):
-    """A fit of a linear solid, and of sliders and a cubic spring in parallel with it."""
+    """Fit of a linear solid with sliders and a cubic spring in parallel."""
 
     @property
     def solid(self) -> Solid: ...  # noqa: D102
@@ -255,7 +255,7 @@ _MOVES = ("parallel", "compression", "temperature", "aging")
 
 
 class DeckText(str):
-    """The text of a deck, which knows what its header says.
+    """Text of a deck, with the contents of its header.
 
     Attributes
     ----------
@@ -274,7 +274,7 @@ class DeckText(str):
 
 @dataclass(frozen=True)
 class Deck:
-    """A solid ready to be written, with everything its header must say.
+    """Solid with all that its deck states in the header.
 
     Attributes
     ----------

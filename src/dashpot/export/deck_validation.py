@@ -43,7 +43,7 @@ _REMEDIES = {
 
 
 class Target(Protocol):
-    """What writes the decks of one solver: of a solid, by :func:`open_deck`."""
+    """Solver target: writes the deck of a solid by :func:`open_deck`."""
 
     def __call__(
         self,

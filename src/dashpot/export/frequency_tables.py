@@ -21,7 +21,7 @@ _WITHIN = (np.arange(16) + 0.5) / 16  # where each interval is checked
 
 @dataclass(frozen=True, eq=False)
 class Table(FrozenArrays):
-    """Storage stiffness and damping at frequencies between which a solver draws straight lines.
+    """Table of storage stiffness and damping that a solver interpolates linearly.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ _X = (1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class LineStation:
-    """Where a pair of nodes stands, and what is between them.
+    """Station of a line: position of a pair of nodes, and the springs between them.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class LineStation:
 
 @dataclass(frozen=True)
 class SpringRow:
-    """The springs of a deck.
+    """Springs of a deck.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ _Values = TypeVar("_Values", float, FloatArray)
 
 @dataclass(frozen=True)
 class UnitSystem:
-    """A consistent unit system.
+    """Consistent unit system.
 
     Attributes
     ----------

@@ -83,7 +83,7 @@ def deviance_limit(level: float, dof: float) -> float:
 
 
 class SpectralData(Protocol):
-    """A test or a curve whose rows are linear in a spectrum, each of unit noise."""
+    """Data linear in a spectrum, as rows of unit noise."""
 
     @property
     def window(self) -> tuple[float, float]:
@@ -96,7 +96,7 @@ class SpectralData(Protocol):
 
 
 class AdmissibleSpectra:
-    """The non-negative spectra of some tests, at a deviance limit.
+    """Non-negative spectra of some tests within a deviance limit.
 
     Columns are k_inf, b, then arms at `tau`; of creep the glass compliance, the flow, then
     retardations.
@@ -508,7 +508,7 @@ def compute_transmissibility_range(
 
 
 class StiffnessSet:
-    """What supports in some directions say of that set, seen from the stiffness of a mass.
+    """Set of admissible stiffnesses by its supports, with the resonance of a mass.
 
     Stiffnesses and directions are complex numbers, in the order of the directions from -pi to pi:
     so are the points then, of which each is a corner of their hull.

@@ -61,7 +61,7 @@ UNJUDGED = Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),))
 
 
 class SolidEstimate(NamedTuple):
-    """What a search for a solid found.
+    """Result of a search for a solid.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Prove
 
 
 class Residuals(NamedTuple):
-    """What a fit leaves of each record.
+    """Residuals of each record.
 
     Attributes
     ----------
@@ -262,7 +262,7 @@ def run_relaxation_checks(
 
 
 class RelaxationWindow(NamedTuple):
-    """The relaxation times that some records show: s, of what, and what stands at the two ends."""
+    """Window of relaxation times, s, that some records show, with texts of its two ends."""
 
     span: tuple[float, float]
     of: str

@@ -41,7 +41,7 @@ _ROUGH = 2
 
 
 class FitSetup(NamedTuple):
-    """How the tests are set out: the method, and which nuisance terms."""
+    """Setup of the tests in a fit: method and nuisance terms."""
 
     method: Method
     nuisance: tuple[str, ...] = NUISANCE
@@ -274,7 +274,7 @@ _WEIGHED = (2 / 3, 3 / 2)
 
 @dataclass(frozen=True, eq=False)
 class FitData:
-    """What a solid is fitted to.
+    """Data to which a solid is fitted.
 
     Attributes
     ----------
@@ -343,7 +343,7 @@ def data_of(
 
 
 class InitialFit(NamedTuple):
-    """Data whose priors weigh as the noise does, and the solutions that showed the noise.
+    """Data with priors weighted by the noise, and the solutions that determined it.
 
     Attributes
     ----------

@@ -48,7 +48,7 @@ MATERIAL = 0.01
 
 
 class Prior(NamedTuple):
-    """What is known of a quantity before the fit, SI units: mean, standard deviation; 0 exactly."""
+    """Prior of a quantity in SI units: mean and standard deviation, 0 if exact."""
 
     mean: float
     sd: float = 0.0
@@ -69,7 +69,7 @@ class Prior(NamedTuple):
 
 @dataclass(frozen=True)
 class NuisanceTerms:
-    """What is known beforehand of the linear terms that a rig adds to a record.
+    """Priors of the linear terms that a rig adds to a record.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ _RECORDED = 0.1
 
 
 class LoadCellPriors(NamedTuple):
-    """What is known of one record's nuisance terms before the fit.
+    """Priors of the nuisance terms of one record.
 
     Attributes
     ----------
@@ -244,7 +244,7 @@ def _compute_hold_noise(since: FloatArray, values: FloatArray) -> Noise:
 
 
 class ChannelZero(NamedTuple):
-    """What samples before a test say of a channel: its zero, when that is known, and its drift."""
+    """Zero and drift of a channel by the samples before a test, and the time of that zero."""
 
     offset: Prior
     at: float
@@ -274,7 +274,7 @@ def _first_motion(record: RampHold) -> int:
 
 
 class SignificantDrift(NamedTuple):
-    """The departures of a load cell that change the force at the end of the hold by `MATERIAL`.
+    """Drift of a load cell that changes the force at the end of the hold by `MATERIAL`.
 
     Attributes
     ----------
@@ -301,7 +301,7 @@ def last_of_hold(record: RampHold) -> slice:
 
 
 class TwoChannels(Protocol):
-    """A record of two channels that one clock is said to time."""
+    """Record of two channels on one nominal clock."""
 
     @property
     def machine(self) -> Machine:

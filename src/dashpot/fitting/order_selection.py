@@ -131,7 +131,7 @@ ALL = 1 - 1e-12
 
 @dataclass(frozen=True)
 class FitOptions:
-    """What is asked of a fit: arguments of :func:`~dashpot.fitting.relaxation.fit`.
+    """Options of a fit: arguments of :func:`~dashpot.fitting.relaxation.fit`.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class FitOptions:
 
 @dataclass(frozen=True, eq=False)
 class SelectedModel:
-    """The optimum for the number of arms taken, its uncertainty, and every number tried.
+    """Optimum of the selected number of arms, its uncertainty, and all candidates.
 
     Attributes
     ----------

@@ -61,7 +61,7 @@ _REST = 1.0 / 20.0
 
 
 class Encoder(NamedTuple):
-    """The displacement of one record as read.
+    """Displacement of one record as read.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Encoder(NamedTuple):
 
 
 class Kernel(NamedTuple):
-    """The solid's relaxation: k_inf, N/m, k, N/m, and tau, s, of every arm."""
+    """Relaxation function of the solid: k_inf, N/m, and k, N/m, and tau, s, of every arm."""
 
     k_inf: float
     k: FloatArray
@@ -169,7 +169,7 @@ _ROUNDING = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class ParameterCovariance:
-    """Parameters with their covariance, and the residuals that it comes from.
+    """Parameters with their covariance and its residuals.
 
     Attributes
     ----------
@@ -230,7 +230,7 @@ class ParameterCovariance:
 
 @dataclass(frozen=True, eq=False)
 class SolutionEstimate(ParameterCovariance):
-    """A solution with its uncertainty.
+    """Solution with its uncertainty.
 
     Attributes
     ----------
@@ -266,7 +266,7 @@ class SolutionEstimate(ParameterCovariance):
 
 
 class Score(NamedTuple):
-    """One number of arms, judged."""
+    """Score of one number of arms."""
 
     solution: Solution
     bic: float

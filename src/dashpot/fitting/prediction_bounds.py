@@ -39,7 +39,7 @@ _LEAST_PART = 0.02
 
 
 class SolidParameters(NamedTuple):
-    """The parameters of a fit's solid by their names, and their covariance.
+    """Named parameters of a fitted solid, with their covariance.
 
     The covariance is zero for what the fit holds.
     """
@@ -312,7 +312,7 @@ def formal_frf_band(
 
 @dataclass(frozen=True)
 class PredictedFRF:
-    """What is predicted of a mass on seals: see :func:`frf_band`."""
+    """Predicted FRF of a mass on seals: see :func:`frf_band`."""
 
     on: MassOnSeals
     kind: Kind

@@ -39,7 +39,7 @@ EXACT = Prior(0.0)
 
 
 class ThermalShift(NamedTuple):
-    r"""How a solid lies at the temperature of a test: relaxation times and stiffnesses.
+    r"""Shift of a solid at the temperature of a test: relaxation times and stiffnesses.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class ThermalShift(NamedTuple):
 
 
 class UnmeasuredEffects(NamedTuple):
-    """What a rig may add unseen, d terms, as sums of the columns that a block has.
+    """Unmeasured effects of a rig, d terms, as sums of a block's columns.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class UnmeasuredEffects(NamedTuple):
 
 
 class RelaxationRows(NamedTuple):
-    """A relaxation test at some relaxation times, each row worth one sample of unit noise.
+    """Rows of a relaxation test at some relaxation times, each of unit noise.
 
     Target, the columns of k_inf and of b, of the arms, and their derivatives by ln tau; what the
     rig may add that is neither sought nor doubted. The coordinates may differ from call to call, so
@@ -131,7 +131,7 @@ class RelaxationRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RelaxationData:
-    r"""One relaxation test, weighted by its noise.
+    r"""Relaxation test, weighted by its noise.
 
     Attributes
     ----------

@@ -271,7 +271,7 @@ _FREQUENCIES_PER_DECADE = 20
 
 
 class HeldTest(Protocol):
-    """The times of a ramp and hold, of a motion or of a load."""
+    """Interface of a ramp and hold, of a motion or of a load: its times."""
 
     @property
     def time(self) -> FloatArray:

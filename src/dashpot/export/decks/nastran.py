@@ -133,7 +133,7 @@ def _table(
 
 @dataclass(frozen=True)
 class BushComponent:
-    """One direction of a bushing, deck units: its table, and the stiffness and damping of PBUSH."""
+    """One direction of a bushing in deck units: its table, PBUSH stiffness and damping."""
 
     number: int
     frequency: Sequence[float]

@@ -27,7 +27,7 @@ _COLUMNS = "time [s], displacement [mm], force [N]"
 
 @dataclass(frozen=True)
 class RecordedFile(Serialisable):
-    """A file, how many rows it has, and what is to be said of them."""
+    """Recorded file, with its number of rows and notes."""
 
     schema = "dashpot/recorded@1"
 

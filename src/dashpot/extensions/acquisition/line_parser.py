@@ -49,7 +49,7 @@ def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | N
 
 
 class Lines:
-    """Bytes to blocks, and an account of what was lost.
+    """Parser from bytes to blocks of numbers, with a count of lost lines.
 
     A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at
     its end is the exclusive or of the bytes before it; a device that has sent one is held to it

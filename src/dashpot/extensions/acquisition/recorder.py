@@ -16,7 +16,7 @@ COLUMNS = ("time [s]", "displacement [mm]", "force [N]")
 
 @dataclass(frozen=True)
 class Description:
-    """What is read, and what went wrong with it so far.
+    """Description of an acquisition: device, channels, and faults so far.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Description:
 
 
 class Recorder(Protocol):
-    """A device that is read, until it ends or is stopped. A card is one class with these three."""
+    """Acquisition device that is read until it ends or is stopped; a driver has these methods."""
 
     def describe(self) -> Description:
         """Return what is read, and what went wrong with it so far."""

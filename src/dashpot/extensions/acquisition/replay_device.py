@@ -19,7 +19,7 @@ BEAT = 0.05
 
 
 class Paced:
-    """A test as if it were measured now.
+    """Test replayed in real time.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ BEAT = 0.1
 
 
 class SerialLine:
-    """An instrument that sends a line of numbers for each sample.
+    """Instrument that sends one line of numbers for each sample.
 
     Of the operating system's own calls: the one library for it would be a dependency for thirty
     lines, and opens to write. Linux and macOS.

@@ -42,7 +42,7 @@ _NOTHING = 1e-20
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A law as it fits a sweep.
+    """Amplitude law fitted to a sweep.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
 
 @dataclass(frozen=True)
 class LevelResonance(Serialisable):
-    """The resonance of a mass at a level.
+    """Resonance of a mass at a level.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class LevelResonance(Serialisable):
 
 
 class ReferencePoint(NamedTuple):
-    """Where the stiffness of a part was measured.
+    """Amplitude and frequency at which the stiffness of a part was measured.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ _ABOUT, _NEAREST, _ALONE, _VANISHES = 2.5, 4, 6, 1e-3
 
 @dataclass(frozen=True)
 class SweptPart(Serialisable):
-    """What amplitude does to parts of a material, by a sweep of it.
+    """Amplitude dependence of parts of a material, by an amplitude sweep.
 
     Attributes
     ----------

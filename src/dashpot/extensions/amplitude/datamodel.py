@@ -138,7 +138,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
 
 
 class LinearAt(NamedTuple):
-    """Storage and loss at a frequency, each with its standard error."""
+    """Storage and loss at one frequency, with their standard errors."""
 
     frequency_hz: float
     storage: float
@@ -149,7 +149,7 @@ class LinearAt(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
-    r"""What an amplitude sweep says of how stiffness and loss move with amplitude.
+    r"""Amplitude dependence of stiffness and loss, fitted to a sweep.
 
     ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
     :math:`K^*(\omega) + d\,[\phi_1(X) - 1]`, with :math:`\phi_1` that of a share of 1;

@@ -44,7 +44,7 @@ from dashpot.workflow.measured_frf import as_measured
 
 @dataclass(frozen=True, repr=False)
 class Levels(HasVerdict, Serialisable):
-    """What ``dashpot fit`` found.
+    """Result of ``dashpot fit`` on tests at several amplitudes.
 
     Attributes
     ----------

@@ -59,7 +59,7 @@ def with_slope(
 
 
 class LinearSubsystem:
-    """The linear rest of a system, and how its friction is reached."""
+    """Linear part of a system, condensed to its friction elements."""
 
     def __init__(self, system: System, *, force: str | Point | None, base: str | None) -> None:
         if (force is None) == (base is None):
@@ -103,7 +103,7 @@ class LinearSubsystem:
 
 @dataclass(frozen=True)
 class BalanceEquation:
-    """e + C f(e) = e_0 at one frequency and level."""
+    """Balance equation e + C f(e) = e_0 at one frequency and level."""
 
     friction: list[AmplitudeDependent]
     omega: float
@@ -205,7 +205,7 @@ class BalanceEquation:
 
 
 class AlternatingFrequencyTime:
-    r"""A cycle between its harmonics and its samples (AFT).
+    r"""Transform of a cycle between harmonics and samples (AFT).
 
     Harmonics are of :math:`c_0 + \operatorname{Re} \sum_h c_h e^{jh\varphi}`.
     """

@@ -26,7 +26,7 @@ _ROUNDS = 20
 
 
 class HitSummary(NamedTuple):
-    """A hit: its peak, N, and the motion, m, resonance, Hz, and damping ratio after it."""
+    """Hit: its peak force, N, and amplitude, m, resonance, Hz, and damping ratio after it."""
 
     name: str
     peak: float | None
@@ -37,7 +37,7 @@ class HitSummary(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class HitLevels(HasChecks, Serialisable):
-    """What hits of different height say of how a resonance moves with amplitude.
+    """Dependence of a resonance on amplitude, from hits of different height.
 
     Attributes
     ----------

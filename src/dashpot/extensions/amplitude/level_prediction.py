@@ -27,7 +27,7 @@ from dashpot.workflow.job import LevelChoices, PartChoices
 
 @dataclass(frozen=True, repr=False)
 class LevelPrediction(Prediction):
-    """A prediction, and the resonance at each level that was asked for; all else is of none.
+    """Prediction with the resonance at each requested level; other values are without level.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class LevelPrediction(Prediction):
 
 @dataclass(frozen=True)
 class LevelResonances:
-    """The resonance at each level, and its checks."""
+    """Resonance at each level, with checks."""
 
     levels: tuple[LevelResonance, ...]
     swept: SweptPart | None
@@ -89,7 +89,7 @@ class LevelResonances:
 
 @dataclass(frozen=True)
 class LevelEffect:
-    """What levels do to parts, by a sweep if there is one, or by the elastic law of the fit."""
+    """Effect of levels on parts, by an amplitude sweep or by the elastic law of the fit."""
 
     choices: LevelChoices
     swept: SweptPart | None

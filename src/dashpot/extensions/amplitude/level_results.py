@@ -33,7 +33,7 @@ Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
 
 @dataclass(frozen=True)
 class PeakAtLevel:
-    """The resonance of a mass at a level that was asked for.
+    """Resonance of a mass at a requested level.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class PeakAtLevel:
 
 
 class CubicFound(NamedTuple):
-    """A cubic spring, N/m^3, with its 95 % interval."""
+    """Cubic spring, N/m^3, with its 95 % interval."""
 
     k3: float
     interval: tuple[float, float]
@@ -73,7 +73,7 @@ class CubicFound(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
-    """Arms, sliders and a spring of one seal that follow its FRFs at several levels.
+    """Arms, sliders and cubic spring of one seal, fitted to its FRFs at several levels.
 
     Attributes
     ----------

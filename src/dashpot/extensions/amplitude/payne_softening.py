@@ -17,7 +17,7 @@ from dashpot.solids.rate_independent import AmplitudeDependent, require_positive
 
 @dataclass(frozen=True)
 class Softening(AmplitudeDependent):
-    r"""The change of a solid with amplitude, to stand beside it: :math:`K^*(\omega)[\phi(X) - 1]`.
+    r"""Change of a solid with amplitude, as a parallel element: :math:`K^*(\omega)[\phi(X) - 1]`.
 
     .. math:: \phi = 1 - d\left[1 - \frac{1}{1 + u^{2m}}\right]
         + j\,\frac{d\,m}{\pi}\,\frac{2 u^m}{1 + u^{2m}}, \quad u = \frac{X}{X_c}

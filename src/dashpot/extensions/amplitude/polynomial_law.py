@@ -14,7 +14,7 @@ from dashpot.base.value_ranges import require_positive
 
 @dataclass(frozen=True)
 class PolynomialLaw:
-    r"""Relaxed force against compression as powers of it.
+    r"""Relaxed force as a polynomial of compression.
 
     .. math:: F_e(x) = \sum_{i \ge 1} a_i x^i
 

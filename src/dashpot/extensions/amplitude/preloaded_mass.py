@@ -61,7 +61,7 @@ takes 30, one that leaves it for most of the cycle 400."""
 
 @dataclass(frozen=True, eq=False)
 class Orbit(EqualByValue):
-    """The steady answer of a pressed mass to a force at one frequency.
+    """Steady response of a preloaded mass to a force at one frequency.
 
     Attributes
     ----------
@@ -140,14 +140,14 @@ class Orbit(EqualByValue):
 
 
 class Jump(NamedTuple):
-    """The last answer of a branch before its end, and the one to which a sweep then jumps."""
+    """Last response of a branch before its end, and the one to which a sweep then jumps."""
 
     before: Orbit
     after: Orbit
 
 
 class BalancedState(NamedTuple):
-    """An answer of the balance, and whether the seal presses at each sample."""
+    """Solution of the harmonic balance, with the state of contact at each sample."""
 
     unknown: FloatArray
     pressing: BoolArray
@@ -156,7 +156,7 @@ class BalancedState(NamedTuple):
 
 @dataclass(frozen=True)
 class PreloadedMass:
-    """A mass pressed on a seal.
+    """Mass preloaded on a seal.
 
     Attributes
     ----------

@@ -41,7 +41,7 @@ Ends = tuple[float, float]
 
 @dataclass(frozen=True)
 class LevelInterval(Serialisable):
-    """What the errors of the solid and of its elastic law leave open of a resonance: 95 %.
+    """95 % intervals of a resonance, from the errors of the solid and its elastic law.
 
     Where a sweep jumps down from the resonance its height is not reported, nor a number whose
     errors are as large as itself: those are no longer small, as the delta method takes them to be.
@@ -71,7 +71,7 @@ class LevelInterval(Serialisable):
 
 @dataclass(frozen=True)
 class PreloadedLevel(Serialisable):
-    """The resonance of a pressed mass at a level, as a rising frequency meets it.
+    """Resonance of a preloaded mass at a level, under rising frequency.
 
     Attributes
     ----------

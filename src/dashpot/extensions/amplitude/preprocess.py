@@ -27,7 +27,7 @@ _PASSES = 3
 
 @dataclass(frozen=True, eq=False)
 class HysteresisLoop:
-    """A closed loop: one steady cycle, about its own middle.
+    """Closed hysteresis loop: one steady cycle about its mean.
 
     Attributes
     ----------

@@ -30,7 +30,7 @@ from dashpot.vibration.systems.state_space import newton_modes
 
 @dataclass(frozen=True, eq=False)
 class LevelResponse(FrozenArrays):
-    r"""A steady answer to a harmonic excitation, one row an answer.
+    r"""Steady responses to harmonic excitation, one in each row.
 
     Attributes
     ----------
@@ -269,7 +269,7 @@ def responses_at(
 
 @dataclass(frozen=True, eq=False)
 class Backbone(FrozenArrays):
-    """How a mode moves with its amplitude.
+    """Backbone of a mode: frequency and damping over amplitude.
 
     Attributes
     ----------

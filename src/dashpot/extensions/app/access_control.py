@@ -33,7 +33,7 @@ _HEADERS = (
 
 
 class Guard:
-    """Lets through who has the token, from the page itself, by this machine's own name.
+    """Middleware that admits requests with the token, from the page itself, to this host.
 
     The address with ``?token=`` is good for a cookie (HttpOnly, SameSite=Strict) and leads on to
     the plain address; all else needs the cookie. A Host that is not this one is a rebound name, an

@@ -51,7 +51,7 @@ FACTOR = 1.5
 
 
 class ComparedFit(NamedTuple):
-    """One of the two: what was asked, and what it gives."""
+    """One of two compared fits: its job and its study."""
 
     name: str
     job: Job
@@ -121,7 +121,7 @@ def _lights(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
 
 
 class ComparedValue(NamedTuple):
-    """A number of A, the same of B, how they differ, and what A says to that."""
+    """Value of A, the same value of B, their difference, and the interval of A."""
 
     name: str
     a: str

@@ -19,7 +19,7 @@ TWO, CARD = 700.0, 18.0
 
 
 class FigureCard(NamedTuple):
-    """A part of the page of a file: its title, what it holds, how many stand beside each other."""
+    """Card of a page: its title, its contents, and how many are side by side."""
 
     title: str
     html: str

@@ -32,7 +32,7 @@ from dashpot.workflow.job import Job
 
 @dataclass(frozen=True)
 class KindRequest:
-    """What a page asks of such files."""
+    """Request of the page on files of a single kind of test."""
 
     kind: str
     files: tuple[str, ...]

@@ -32,7 +32,7 @@ _WIDE, _TALL = (240.0, 2000.0), (60.0, 600.0)
 
 
 class Trace:
-    """A channel over time, thinned while it grows: the lowest and the highest of even stretches."""
+    """Channel over time, thinned to the minimum and maximum of equal intervals."""
 
     def __init__(self) -> None:
         self._each = 1
@@ -76,7 +76,7 @@ def _ends(values: FloatArray) -> tuple[IndexArray, IndexArray]:
 
 
 class Live:
-    """The record that is being made, or was made last.
+    """Current or last recording.
 
     Parameters
     ----------

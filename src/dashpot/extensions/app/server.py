@@ -56,7 +56,7 @@ _KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against"}
 
 
 class AppContext:
-    """What one server keeps: files, lanes, answers, and what the page last looked like.
+    """State of one server: files, workers, results, and the page's last state.
 
     Parameters
     ----------

@@ -23,11 +23,11 @@ _ID = re.compile(r"[0-9a-f]{16}")
 
 
 class TooLargeError(DataError):
-    """A file beyond the limit."""
+    """Error of a file above the size limit."""
 
 
 class Store:
-    """Files by identity: the first sixteen digits of the hash of contents and name.
+    """Uploaded files by identity: the first sixteen digits of the hash of contents and name.
 
     Parameters
     ----------

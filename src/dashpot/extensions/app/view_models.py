@@ -372,7 +372,7 @@ def hammer_line(study: Study) -> str:
 
 
 class LiveCurves(NamedTuple):
-    """Curves by panel and name, in the units of their axes, and words beside them.
+    """Curves by panel and name, in axis units, with texts.
 
     Of a test that is followed, `left` says what is left of the force.
     """
@@ -491,7 +491,7 @@ def make_fit_lights(fit: Fit) -> tuple[Light, ...]:
 
 
 class Term(NamedTuple):
-    """A parameter with its 95 % interval and a mark."""
+    """Parameter with its 95 % interval and a mark."""
 
     name: str
     value: str
@@ -518,7 +518,7 @@ def term(fact: ReportedValue) -> Term:
 
 
 class ArmRow(NamedTuple):
-    """A spring or an arm: stiffness and relaxation time, each with its standard error."""
+    """Spring or arm: stiffness and relaxation time with their standard errors."""
 
     name: str
     k: str
@@ -774,7 +774,7 @@ def _stranger(inspection: InspectedFile) -> str:
 
 
 class UnitImplication(NamedTuple):
-    """What the seal would be, were a column in this unit: its largest force and its stiffness."""
+    """Largest force and stiffness of the seal, were a column in this unit."""
 
     unit: str
     force: str

@@ -15,15 +15,15 @@ from dashpot.extensions.app.worker_process import stop_process_group
 
 
 class StoppedError(DashpotError):
-    """The computation was cancelled, or its process died."""
+    """Error of a computation that was cancelled, or whose process died."""
 
 
 class FaultError(DashpotError):
-    """A fault of dashpot's own."""
+    """Error caused by a bug of dashpot."""
 
 
 class WorkerProcess:
-    """One worker, one question at a time; started when first asked, and anew once it was cancelled.
+    """Worker process that answers one request at a time; restarted after a cancellation.
 
     Parameters
     ----------

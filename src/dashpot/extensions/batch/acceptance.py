@@ -21,7 +21,7 @@ SURE = 0.95
 
 
 class SealDecision(NamedTuple):
-    """What the limits make of one seal.
+    """Decision on one seal by the limits.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ def _positive(name: str, value: float, unit: str = "", *, expected: str = "a num
 
 @dataclass(frozen=True)
 class BatchOptions:
-    """How every test of a batch is read and fitted.
+    """Options by which every test of a batch is read and fitted.
 
     Attributes
     ----------

@@ -49,7 +49,7 @@ _TIMED = 3
 
 @dataclass(frozen=True)
 class BatchJob:
-    """Which tests a batch takes, who makes their rows, and what is asked of the lot.
+    """Job of a batch: its tests, its executor and its statistics.
 
     The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
     is of, if one was asked for, and the limits of acceptance.
@@ -83,7 +83,7 @@ class BatchJob:
 
 @dataclass(frozen=True)
 class BatchPlan(Serialisable):
-    """What a batch would do.
+    """Plan of a batch: what it would do.
 
     Attributes
     ----------

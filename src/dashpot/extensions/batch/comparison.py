@@ -22,7 +22,7 @@ _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
 
 @dataclass(frozen=True)
 class Compared(Serialisable):
-    """One quantity of two lots.
+    """Comparison of one quantity of two lots.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Compared(Serialisable):
 
 @dataclass(frozen=True)
 class LotComparison(HasChecks, Serialisable):
-    """Whether two lots differ.
+    """Comparison of two lots.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ _PART = re.compile(r"part-[0-9a-f]{16}\.parquet")
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One test of a batch.
+    """Test of a batch with its files.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ _KNOWN = ("lower", "upper", "cpk")
 
 @dataclass(frozen=True)
 class Limits(Serialisable):
-    """What is asked of one quantity.
+    """Acceptance limits of one quantity.
 
     Attributes
     ----------

@@ -73,7 +73,7 @@ def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
 
 @dataclass(frozen=True, eq=False)
 class Lot:
-    """Many tests, one row each.
+    """Lot of many tests, one row each.
 
     A quantity is named as a column of the table, with its unit (``"k_end_N_per_m"``) or without
     (``"k_end"``). Statistics are of the rows in `used`, and their replicates are seals: the mean

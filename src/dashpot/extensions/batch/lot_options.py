@@ -134,7 +134,7 @@ def write_lot(job: BatchJob, summary: Summary) -> None:
 
 @dataclass(frozen=True)
 class LotOutput(Serialisable):
-    """The folder of a lot, and what the lot says of a quantity.
+    """Output of a lot: its folder, and the statistics of a quantity.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ class LotOutput(Serialisable):
 
 
 class Outlier(NamedTuple):
-    """A test, and by how much it stands out of its lot."""
+    """Outlying test, and its distance from its lot."""
 
     file: str
     robust_deviations: float | None

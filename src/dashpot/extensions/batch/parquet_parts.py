@@ -38,7 +38,7 @@ _KEY_WIDE = 64
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One row to be made.
+    """Row to be computed.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ def processors() -> int:
 
 
 class Executor(NamedTuple):
-    """What makes rows.
+    """Interface of an executor, which computes rows.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def _serve(
 
 
 class Worker:
-    """One process, started when first asked in a folder, and again after its end."""
+    """Worker process, started on first use in a folder, and restarted after its end."""
 
     def __init__(self, choices: BatchOptions, folder: str | None = None) -> None:
         self._choices, self._folder = choices, folder

@@ -32,7 +32,7 @@ _KINDS = {"storage": "storage stiffness", "loss": "loss stiffness", "loss_factor
 
 
 class Quantity(NamedTuple):
-    """One column of numbers.
+    """Numeric column of a lot.
 
     Attributes
     ----------

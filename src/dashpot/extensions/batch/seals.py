@@ -20,7 +20,7 @@ from dashpot.extensions.batch.statistics.control_chart import (
 
 @dataclass(frozen=True, eq=False)
 class Seal(Serialisable):
-    """The tests of one seal; a test whose seal nobody named stands for itself.
+    """Tests of one seal; a test without a named seal forms its own.
 
     Attributes
     ----------

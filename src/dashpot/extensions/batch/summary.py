@@ -58,7 +58,7 @@ _CONTROL = frozenset(
 
 
 class Flag(NamedTuple):
-    """Something to look at.
+    """Finding of a lot that needs attention.
 
     Attributes
     ----------
@@ -77,14 +77,14 @@ class Flag(NamedTuple):
 
 
 class ExcludedFile(NamedTuple):
-    """A file that is no test like the others, and why."""
+    """File that was excluded from a lot, with the reason."""
 
     file: str
     says: str
 
 
 class LotLight(NamedTuple):
-    """One of the four questions that a lot's verdict is the worst of, and its answer.
+    """One of the four questions behind a lot's verdict, with its answer.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class LotLight(NamedTuple):
 
 
 class Signals(NamedTuple):
-    """What the control charts of a quantity show, counted once: causes, points, and of how many."""
+    """Signals of the control charts of a quantity: causes, signalling points, all points."""
 
     causes: int
     points: int
@@ -109,7 +109,7 @@ class Signals(NamedTuple):
 
 
 class LotControlCharts(NamedTuple):
-    """The charts of one lot: its seals, the ranges of neighbours, and repeats."""
+    """Control charts of one lot: seals, moving ranges, and repeats."""
 
     lot: str
     seals: Chart
@@ -119,7 +119,7 @@ class LotControlCharts(NamedTuple):
 
 @dataclass(frozen=True)
 class LotCapability(Serialisable):
-    """The capability of one lot."""
+    """Process capability of one lot."""
 
     keys = ("lot", "*capability")
 
@@ -129,7 +129,7 @@ class LotCapability(Serialisable):
 
 @dataclass(frozen=True)
 class OfQuantity(Serialisable):
-    """The statistics of one quantity.
+    """Statistics of one quantity.
 
     Attributes
     ----------
@@ -233,7 +233,7 @@ class OfQuantity(Serialisable):
 
 @dataclass(frozen=True, eq=False)
 class Summary(HasChecks, Serialisable):
-    """What a lot says.
+    """Summary of a lot.
 
     Attributes
     ----------

@@ -63,7 +63,7 @@ _SPRINGS, _DASHPOTS = {"k_inf", "glass"}, {"b", "flow"}
 
 @dataclass(frozen=True, eq=False)
 class CurveData:
-    """Rows in units of their noise, and what is doubted besides.
+    """Rows in units of their noise, with further uncertainties.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ def band_of_curve(
 
 @dataclass(frozen=True, eq=False)
 class BeforeCurve:
-    """A relaxation modulus, and what may relax before its first value.
+    """Relaxation modulus, with the possible relaxation before its first value.
 
     No value shows an arm that is faster than the first time. All of them together are as stiff as
     what the curve shows of its first decade, one standard deviation; a part of `LITTLE` at least.
@@ -349,7 +349,7 @@ DOUBTED = 0.1
 
 
 class SingleTestFit(NamedTuple):
-    """The best that one test allows: its solid, and the scatter that each of its records leaves.
+    """Best fit of a single test: its solid, and the residual scatter of its records.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ _DENSE = 8
 
 @dataclass(frozen=True)
 class Misfit:
-    """How far a curve is from the model's, relative to the data.
+    """Relative misfit between a curve and its model.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Misfit:
 
 @dataclass(frozen=True)
 class MasterCurve:
-    r"""The non-negative spectrum on an even grid of ln tau that is nearest to a master curve.
+    r"""Non-negative spectrum on a uniform grid of ln tau, fitted to a master curve.
 
     Attributes
     ----------
@@ -249,7 +249,7 @@ _AS_CLOSE = 1.2
 
 
 class Dense(Protocol):
-    """A dense spectrum, and its relative root mean square error."""
+    """Dense spectrum, and its relative root mean square error."""
 
     @property
     def model(self) -> GeneralizedMaxwell:

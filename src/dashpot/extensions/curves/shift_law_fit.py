@@ -41,7 +41,7 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class LawScore:
-    """How one law follows the shifts.
+    """Goodness of fit of one law to the shifts.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class LawScore:
 
 @dataclass(frozen=True)
 class ShiftOutlier:
-    """A temperature whose shift lies off the law that all others follow.
+    """Temperature whose shift deviates from the law of all others.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class ShiftOutlier:
 
 @dataclass(frozen=True, eq=False)
 class ShiftLawFit:
-    """The law chosen, how well its constants are known, and how the others did.
+    """Chosen shift law, the uncertainty of its constants, and the scores of the others.
 
     Attributes
     ----------

@@ -46,7 +46,7 @@ from dashpot.solids.elastic import ElasticLaw
 
 @dataclass(frozen=True)
 class DepthLaw:
-    """What several depths say together.
+    """Joint result of tests at several depths.
 
     Attributes
     ----------

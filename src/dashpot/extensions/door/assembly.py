@@ -25,7 +25,7 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True)
 class Assembly:
-    """A door, and what its files say.
+    """Door with the contents of its files.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ _FARTHEST = 1.2
 
 @dataclass(frozen=True)
 class ClosingDoor:
-    """A door about its hinges, and the seal that it meets.
+    """Door about its hinges, with the seal that it meets.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class ClosingDoor:
 
 @dataclass(frozen=True)
 class ClosingHistory:
-    """What became of some doors, step by step.
+    """History of closing doors, step by step.
 
     Attributes
     ----------

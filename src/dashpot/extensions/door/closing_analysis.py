@@ -32,7 +32,7 @@ _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 @dataclass(frozen=True)
 class Share(Serialisable):
-    """What one term took from the motion.
+    """Energy that one term took from the motion.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Share(Serialisable):
 
 @dataclass(frozen=True)
 class Scatter(Serialisable):
-    """Doors drawn within their tolerances.
+    """Closing of doors drawn within their tolerances.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Scatter(Serialisable):
 
 @dataclass(frozen=True)
 class SealDoubt:
-    """By how much the seal's answer in milliseconds is not known.
+    """Uncertainty of the seal's response within milliseconds.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ class SealDoubt:
 
 @dataclass(frozen=True)
 class Closing:
-    """A door that closes.
+    """Closing of a door.
 
     Attributes
     ----------

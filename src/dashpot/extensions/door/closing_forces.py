@@ -12,7 +12,7 @@ from dashpot.solids.moving_plate import EvenStep
 
 
 class PressedSeal:
-    """The seal at every station of every door: its arms, and what they carry.
+    """Seal at every station of every door: its arms, and their forces.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class PressedSeal:
 
 
 class Chambers:
-    """The chambers of one kind of air in every door, at rest where the march begins.
+    """Chambers of one kind of air in every door, initially at rest.
 
     Parameters
     ----------

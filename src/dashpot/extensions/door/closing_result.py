@@ -17,7 +17,7 @@ from dashpot.extensions.door.door_model import Door
 
 @dataclass(frozen=True, repr=False)
 class ClosingResult(HasChecks, HasVerdict, Serialisable):
-    """What ``dashpot predict --close`` found.
+    """Result of ``dashpot predict --close``.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ ADIABATIC, ISOTHERMAL = 1.4, 1.0
 
 
 class DoorPosition(NamedTuple):
-    """A door at an angle.
+    """Position of a door at an angle.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class DoorPosition(NamedTuple):
 
 @dataclass(frozen=True)
 class Air:
-    r"""Air that the door presses out through holes and gaps.
+    r"""Air that the door displaces through holes and gaps.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Air:
 
 @dataclass(frozen=True)
 class Vents(Air):
-    """Holes in the bulb of the seal, which closing empties: a chamber at every station.
+    """Vent holes in the bulb of the seal: one chamber at every station.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Vents(Air):
 
 @dataclass(frozen=True)
 class Between(Air):
-    """Air between two seals, which escapes past the one that does not touch yet.
+    """Air between two seals, which escapes past the one that is not yet in contact.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class Between(Air):
 
 @dataclass(frozen=True)
 class Cabin(Air):
-    """The air of the cabin, into which the door sweeps.
+    """Air of the cabin, which the closing door compresses.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ class Cabin(Air):
 
 @dataclass(frozen=True)
 class Latch:
-    """What latching takes: force over what is left of the travel.
+    """Latch force over the remaining travel.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ class Latch:
 
 @dataclass(frozen=True)
 class CheckStrap:
-    """The check strap: moment over angle.
+    """Check strap: moment over angle.
 
     Attributes
     ----------
@@ -222,7 +222,7 @@ class CheckStrap:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What differs from door to door.
+    """Tolerances of doors.
 
     Attributes
     ----------
@@ -257,7 +257,7 @@ class Tolerances:
 
 @dataclass(frozen=True)
 class ClosingSetup:
-    """All that meets a closing door besides its seal; what is None or 0 is not there.
+    """Resistances of a closing door besides its seal; what is None or 0 is absent.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ PITCH = 0.025
 
 @dataclass(frozen=True)
 class RigidPart:
-    """A door, or the car body around it.
+    """Rigid part: a door, or the car body around it.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class RigidPart:
 
 @dataclass(frozen=True)
 class Support:
-    """A hinge, the latch or a bumper: what holds the door besides its seal.
+    """Support of the door besides its seal: a hinge, the latch or a bumper.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Support:
 
 @dataclass(frozen=True)
 class ShearChoice:
-    """What the seal answers sideways.
+    """Shear stiffness of the seal of a door.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class ShearChoice:
 
 @dataclass(frozen=True)
 class SealChoice:
-    """Which seal lies along the line.
+    """Seal along the line of a door.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class ModesChoice:
 
 @dataclass(frozen=True)
 class DoorPoint:
-    """A place and a direction that is watched or driven.
+    """Point and direction of a measured or driven motion.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class DoorPoint:
 
 @dataclass(frozen=True, eq=False)
 class Door(EqualByValue):
-    """What the file of a door says, SI; x, y and z are the file's own axes.
+    """Door as its file describes it, in SI units; x, y and z are the file's own axes.
 
     Attributes
     ----------

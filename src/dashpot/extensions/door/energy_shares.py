@@ -13,7 +13,7 @@ from dashpot.vibration.systems.state_space import ComplexMode
 
 @dataclass(frozen=True)
 class EnergyShare:
-    """The springs of one name in one mode.
+    """Energy share of the springs of one name in one mode.
 
     Attributes
     ----------

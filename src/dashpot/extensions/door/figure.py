@@ -94,7 +94,7 @@ def door(result: DoorResult, *, stamp: str = "") -> Picture:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """How a door is seen from outside.
+    """View of a door from outside.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ _SAME = 0.5
 
 @dataclass(frozen=True)
 class DoorMode(Serialisable):
-    """A mode of the closed door.
+    """Mode of the closed door.
 
     Attributes
     ----------

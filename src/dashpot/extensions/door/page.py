@@ -54,7 +54,7 @@ _SIDE, _THIRD = 290.0, 376.0
 
 
 class Bar(NamedTuple):
-    """Part of a bar: where it begins, how wide it is, both in per cent, and its colour."""
+    """Part of a bar: start and width in per cent, and colour."""
 
     at: str
     width: str
@@ -63,7 +63,7 @@ class Bar(NamedTuple):
 
 
 class ModeRow(NamedTuple):
-    """A mode as the table has it."""
+    """Row of a mode in the table."""
 
     number: int
     frequency: str
@@ -78,7 +78,7 @@ class ModeRow(NamedTuple):
 
 
 class ModesTable(NamedTuple):
-    """The modes of a door: rows, the parts that share them with their colours, what is said."""
+    """Table of a door's modes: rows, energy shares with colours, and texts."""
 
     rows: tuple[ModeRow, ...]
     parts: tuple[tuple[str, str], ...]

@@ -23,7 +23,7 @@ from dashpot.text_output.layout import Text
 
 @dataclass(frozen=True)
 class DoorPrediction(Serialisable):
-    """How a door vibrates, and how it closes."""
+    """Prediction of a door: vibration and closing."""
 
     keys = ("*found", "closing")
 

@@ -25,7 +25,7 @@ from dashpot.extensions.door.seal_line import SealLine
 
 @dataclass(frozen=True)
 class BaseResponse(Serialisable):
-    """A place over a base that shakes at random, with the seal and without.
+    """Response of a point to random base motion, with and without the seal.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class BaseResponse(Serialisable):
 
 
 class LineStatistics(NamedTuple):
-    """Of values along a line."""
+    """Statistics of values along a line."""
 
     least: float
     mean: float
@@ -51,7 +51,7 @@ class LineStatistics(NamedTuple):
 
 
 class LateralStiffness(NamedTuple):
-    """Of stiffnesses of a line."""
+    """Statistics of the lateral stiffness along a line."""
 
     across: float
     along: float
@@ -59,7 +59,7 @@ class LateralStiffness(NamedTuple):
 
 @dataclass(frozen=True)
 class SealOfDoor(Serialisable):
-    """What lies along the line of a door.
+    """Seal along the line of a door.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class SealOfDoor(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class DoorResult(HasChecks, HasVerdict, Serialisable):
-    """What ``dashpot predict`` found.
+    """Result of ``dashpot predict`` on a door.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ _ASIDE = 0.01
 
 @dataclass(frozen=True)
 class Joint:
-    """A piece of a line that is stiffer or softer than its seal: a corner moulding, a splice.
+    """Joint of a line, stiffer or softer than its seal: a corner moulding or a splice.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class SealLine(EqualByValue):
-    """A polyline of seal.
+    """Seal along a polyline.
 
     Attributes
     ----------

@@ -49,7 +49,7 @@ _WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
 
 @dataclass(frozen=True, eq=False)
 class NamedArray:
-    """One array with its name and unit as found."""
+    """Array with its name and unit as found."""
 
     name: str
     values: FloatArray | ComplexArray

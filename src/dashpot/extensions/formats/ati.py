@@ -29,7 +29,7 @@ _REST = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Calibration(EqualByValue):
-    r"""A transducer's calibration: :math:`[F; T] = C\,(v - v_0)`.
+    r"""Calibration of a transducer: :math:`[F; T] = C\,(v - v_0)`.
 
     Attributes
     ----------

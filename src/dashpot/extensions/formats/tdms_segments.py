@@ -17,7 +17,7 @@ _CONTIGUOUS = 0.5
 
 
 class SegmentReader(TdmsReader):  # type: ignore[misc]
-    """Reads the metadata of a TDMS file, and refuses what holds of some of its segments alone.
+    """Reader of TDMS metadata, which refuses properties of some segments only.
 
     A property that gives numbers their meaning (clock, start, unit, scale) is one of the object for
     the whole file. Where it changes between samples, those before it were recorded under another.

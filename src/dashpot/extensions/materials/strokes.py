@@ -16,7 +16,7 @@ _LEVELS = 8
 
 
 class Stroke(NamedTuple):
-    """Samples from one turning point to the next, rests at either end left out.
+    """Samples between two turning points, without the rests at either end.
 
     Attributes
     ----------

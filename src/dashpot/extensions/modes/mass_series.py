@@ -30,7 +30,7 @@ TIMES = np.geomspace(1e-3, 1e3, 97)
 
 @dataclass(frozen=True, eq=False)
 class SeveralMasses:
-    """Stiffness at the poles under several masses, and the solid that comes closest to all.
+    """Stiffness at the poles under several masses, and the solid closest to all.
 
     Attributes
     ----------

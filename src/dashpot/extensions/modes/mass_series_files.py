@@ -24,7 +24,7 @@ from dashpot.reading.read_options import ReadOptions
 
 
 class MassModes(NamedTuple):
-    """A mass, kg, where its modes were sought, Hz, and those modes."""
+    """Mass, kg, with its modes and the range in which they were sought, Hz."""
 
     mass: float
     band: tuple[float, float]
@@ -32,7 +32,7 @@ class MassModes(NamedTuple):
 
 
 class StiffnessAtMode(NamedTuple):
-    """A stiffness, N/m, at a frequency, with the standard errors of its parts."""
+    """Stiffness, N/m, at a frequency, with the standard errors of its parts."""
 
     frequency_hz: float
     storage: float
@@ -43,7 +43,7 @@ class StiffnessAtMode(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class ModesByMass(HasChecks, HasVerdict, Serialisable):
-    """What ``dashpot fit`` found under several masses.
+    """Result of ``dashpot fit`` under several masses.
 
     Attributes
     ----------

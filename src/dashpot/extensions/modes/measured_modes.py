@@ -43,7 +43,7 @@ SAME_MODE = 0.2
 
 @dataclass(frozen=True)
 class PointInMode:
-    """How a point moves in a mode, over the one that moves most; `se` of either part."""
+    """Motion of a point in a mode, relative to the largest; `se` of either part."""
 
     point: str
     real: float
@@ -53,7 +53,7 @@ class PointInMode:
 
 @dataclass(frozen=True)
 class MeasuredMode(ImpactMode):
-    """A mode with its residue of the receptance, m/(N s), and the mass that moves in it, kg.
+    """Mode with its residue of the receptance, m/(N s), and its modal mass, kg.
 
     Of several points they are those of the point that moves most; of a transmissibility those of
     1 kg on the base.
@@ -87,7 +87,7 @@ class MeasuredMode(ImpactMode):
 
 @dataclass(frozen=True)
 class SameMode:
-    """A mode and the one of another set that is most like it: both from 1, and how alike."""
+    """Pair of corresponding modes of two sets: both numbers from 1, and their similarity."""
 
     mode: int
     other: int
@@ -98,7 +98,7 @@ class SameMode:
 
 @dataclass(frozen=True, repr=False)
 class MeasuredModes(Modes):
-    """What FRFs tell: the modes that they share.
+    """Modes that several FRFs share.
 
     Attributes
     ----------

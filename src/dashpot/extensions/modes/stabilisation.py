@@ -36,7 +36,7 @@ NEW, FREQUENCY, DAMPING, SHAPE = range(4)
 
 @dataclass(frozen=True, eq=False)
 class Stabilisation:
-    """Poles of every order, and what of each was there at the order before.
+    """Poles of every order, with their agreement with the order before.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ NODES = 40
 
 @dataclass(frozen=True)
 class Coefficients:
-    """The two-arm solid of the paper, in its symbols.
+    """Two-arm solid of the paper, in its symbols.
 
     Attributes
     ----------

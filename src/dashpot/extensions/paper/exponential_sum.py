@@ -15,7 +15,7 @@ from dashpot.numerics.exponential_fit import OptimalityCertificate, certificate,
 
 @dataclass(frozen=True, eq=False)
 class ExponentialSum(FrozenArrays):
-    r"""The least-squares :math:`y = c + \sum_j a_j e^{-r_j x}`.
+    r"""Least-squares sum of exponentials :math:`y = c + \sum_j a_j e^{-r_j x}`.
 
     Attributes
     ----------

@@ -62,7 +62,7 @@ PRINTED = Coefficients(PAPER.k_inf, (PAPER.k[0], PAPER.k[1]), (PAPER.arm_b[0], P
 
 @dataclass(frozen=True)
 class Statement(Serialisable):
-    """One statement of the paper beside what is found.
+    """Statement of the paper beside dashpot's result.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class Statement(Serialisable):
 
 @dataclass(frozen=True)
 class Coefficient(Serialisable):
-    """One number of Table 1, in SI, as printed and as each record gives it back.
+    """Number of Table 1, in SI, as printed and as determined from each record.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Coefficient(Serialisable):
 
 @dataclass(frozen=True, eq=False)
 class HoldFit(Serialisable):
-    """Eq. (5) fitted to the hold by least squares, as the paper does it.
+    """Least-squares fit of eq. (5) to the hold, as in the paper.
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ class HoldFit(Serialisable):
 
 @dataclass(frozen=True, eq=False)
 class Reproduction(Serialisable):
-    """The paper, made again.
+    """Reproduction of the paper.
 
     Attributes
     ----------

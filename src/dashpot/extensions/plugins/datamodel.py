@@ -14,7 +14,7 @@ from dashpot.base.serialisation import Serialisable
 
 @dataclass(frozen=True, eq=False)
 class PluggedColumn(EqualByValue):
-    """One column of a file.
+    """Column of a file.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class PluggedColumn(EqualByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PluggedTest(EqualByValue, HasSummary):
-    """The columns of a file, for a kind that a plug-in fits.
+    """Columns of a file, for a kind of test that a plug-in fits.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class PluggedTest(EqualByValue, HasSummary):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
-    """What a plug-in found: its numbers and its checks, under its own name.
+    """Result of a plug-in: its numbers and checks, under its own name.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ from dashpot.text_output.layout import Text
 
 @dataclass(frozen=True)
 class Verification(Serialisable):
-    """A project, the hash of its history, and what was found of every result."""
+    """Verification of a project: the hash of its history, and the findings on every result."""
 
     schema = "dashpot/verification@1"
     keys = ("project", "ok", "head", "checks")

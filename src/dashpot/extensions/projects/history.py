@@ -28,7 +28,7 @@ _HEAD = re.compile(rb"(0|[1-9]\d{0,17}) ([0-9a-f]{64})\n(?:[1-9]\d{0,17} ([0-9a-
 
 @dataclass(frozen=True)
 class FileEntry:
-    """A file of the project as a line names it: its place, and the SHA-256 of its bytes."""
+    """File of the project as a line names it: its path, and the SHA-256 of its bytes."""
 
     file: str
     sha256: str
@@ -36,7 +36,7 @@ class FileEntry:
 
 @dataclass(frozen=True)
 class HistoryLine:
-    """A line of the history: one operation.
+    """Line of the history: one operation.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class HistoryLine:
 
 @dataclass(frozen=True)
 class History:
-    """What ``history.jsonl`` holds.
+    """Contents of ``history.jsonl``.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ OWN = ("dashpot.toml", "history.jsonl", "history.head", ".lock")
 
 @dataclass(frozen=True)
 class Project:
-    """A project folder that exists.
+    """Existing project folder.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
 
 @dataclass(frozen=True)
 class ResultNumbers(Serialisable):
-    """The numbers of a study, which verification recomputes and compares."""
+    """Numbers of a study that verification recomputes and compares."""
 
     schema = "dashpot/result@1"
     keys = ("study.mass", "fit", "alternatives", "*others")

@@ -68,7 +68,7 @@ _AT_ONCE = 16
 
 
 class ArmColumns:
-    """The rows of a stack, reduced, with columns of arms at fixed relaxation times."""
+    """Reduced rows of a stack, with columns of arms at fixed relaxation times."""
 
     def __init__(self, blocks: Sequence[DataBlock]) -> None:
         self.stack = stack = Stack(blocks)
@@ -180,7 +180,7 @@ _LINES = 40
 
 @dataclass(frozen=True, eq=False)
 class FractionalFit(SelectedModel):
-    """The best fractional solid of some data, and its uncertainty.
+    """Best fractional solid of some data, with its uncertainty.
 
     Attributes
     ----------
@@ -283,7 +283,7 @@ def element(data: FitData) -> FractionalFit:
 
 
 class AlternativeFamily(NamedTuple):
-    """The family that was not taken.
+    """Family that was not selected.
 
     Attributes
     ----------
@@ -305,7 +305,7 @@ class AlternativeFamily(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FamilySelection:
-    """One family taken, and the other.
+    """Selected family, and the alternative.
 
     Attributes
     ----------

@@ -150,7 +150,7 @@ REMEDIES: dict[str, Remedy | str] = {
 
 
 class Believable(Protocol):
-    """A criterion that asks how far a quantity went from what was known of it."""
+    """Criterion on the departure of a quantity from its prior."""
 
     def __call__(self, off: float, sd: float) -> Check:
         """Return the answer."""

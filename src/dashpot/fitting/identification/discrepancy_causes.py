@@ -53,7 +53,7 @@ _LIKE_A_COUNT = 0.1
 
 
 class DiscrepancyCause(NamedTuple):
-    """A quantity that may differ between two tests.
+    """Quantity that may differ between two tests.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ PAIRS = (
 
 @dataclass(frozen=True, eq=False)
 class Discrepancy:
-    """Two tests that no seal explains under what is known of the rig.
+    """Discrepancy of two tests that no seal explains under the priors of the rig.
 
     Attributes
     ----------

@@ -64,7 +64,7 @@ _ALONE, _JOINT = "a relaxation test of the seal", "a colder test or a hammer on 
 
 
 class AlternativeCandidate(NamedTuple):
-    """The best candidate of the other family.
+    """Best candidate of the other family.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ REACH, FARTHEST, ABOVE = 10.0, 3e3, 100.0
 
 @dataclass(frozen=True, eq=False)
 class FRFData:
-    """The lines of a measured accelerance that a model must explain.
+    """Lines of a measured accelerance as data of a fit.
 
     Attributes
     ----------

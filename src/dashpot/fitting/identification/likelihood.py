@@ -69,7 +69,7 @@ UNCHANGED = Prior(1.0)
 
 @dataclass(frozen=True)
 class NuisancePriors:
-    """What is known of the rig: mass, gain of acceleration over force, its delay, and its seals.
+    """Priors of the rig: mass, gain of acceleration over force, delay, and seals.
 
     An infinite standard deviation leaves a quantity free.
 
@@ -101,7 +101,7 @@ class NuisancePriors:
 
 @dataclass(frozen=True)
 class Constraints:
-    """Equalities, or near equalities, that the solid must obey besides the tests.
+    """Exact or approximate equalities that the solid must satisfy besides the tests.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class Constraints:
 
 @dataclass(frozen=True)
 class Parameters:
-    """A point of the parameter space, in physical terms."""
+    """Point of the parameter space, in physical units."""
 
     model: Solid
     mass: float
@@ -141,7 +141,7 @@ class Parameters:
 
 @dataclass(frozen=True, eq=False)
 class IdentificationProblem:
-    """What one kind of solid is held against, as a function of a flat parameter vector.
+    """Objective of one kind of solid as a function of a flat parameter vector.
 
     The vector holds the numbers of the solid, ln b if there is a dashpot, then those of ln m,
     ln g, d / 0.1 ms, and of the logarithms of factor and spring, that are not known exactly.
@@ -273,7 +273,7 @@ class IdentificationProblem:
 
 @dataclass(frozen=True, eq=False)
 class ModelPrediction:
-    """What the solid and the rig of one vector make of every test, with the slope by the vector."""
+    """Model prediction of every test at one parameter vector, with its derivative."""
 
     problem: IdentificationProblem
     theta: FloatArray
@@ -434,7 +434,7 @@ class ModelPrediction:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """The optimum for one number of arms, or an element, with or without a parallel dashpot."""
+    """Optimum for one number of arms, or an element, with or without a parallel dashpot."""
 
     problem: IdentificationProblem
     optimum: Optimum

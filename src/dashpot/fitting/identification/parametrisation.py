@@ -33,7 +33,7 @@ _AT_EDGE = 1e-3
 
 
 class RelaxationResiduals(NamedTuple):
-    """What a solid makes of a relaxation test: its rows of unit noise, and their derivative.
+    """Residuals of a relaxation test as rows of unit noise, with their derivative.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class RelaxationResiduals(NamedTuple):
 
 @dataclass(frozen=True)
 class Arms:
-    """Maxwell arms: ln k_inf, ln k_j, ln tau_j."""
+    """Maxwell arms as free numbers: ln k_inf, ln k_j, ln tau_j."""
 
     count: int = 0
 
@@ -137,7 +137,7 @@ class Arms:
 
 @dataclass(frozen=True, eq=False)
 class FractionalElement:
-    """A fractional element: ln k_inf, ln of its own k, ln tau, alpha.
+    """Fractional element as free numbers: ln k_inf, ln of its own k, ln tau, alpha.
 
     At fixed relaxation times its column is a weighted sum of columns of arms, so each relaxation
     test is asked once (:mod:`dashpot.fitting.fractional_model.family_selection`).

@@ -20,7 +20,7 @@ _DIMENSIONS: dict[str, Dimension] = {
 
 @dataclass(frozen=True)
 class HammerRig:
-    """How well the rig of a vibration test is known; 0 is exact.
+    """Prior uncertainty of the rig of a vibration test; 0 is exact.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class HammerRig:
 
 @dataclass(frozen=True)
 class KnownSolid:
-    r"""What the solid under a mass must obey besides the records (Zhang and Richards 2007).
+    r"""Prior knowledge of the solid under a mass (Zhang and Richards 2007).
 
     Each of the three is a value, which is exact, or a value and its standard deviation; the fields
     hold pairs in SI units.

@@ -28,7 +28,7 @@ MOST_ARMS = 3
 
 
 class PriorTests(NamedTuple):
-    """What was known before the hammer.
+    """Tests and fit known before the hammer test.
 
     Attributes
     ----------

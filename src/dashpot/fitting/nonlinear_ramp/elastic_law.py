@@ -55,7 +55,7 @@ LEAST_GAIN = 10.0
 
 
 class KnotSpacing(NamedTuple):
-    """A step of the ladder of laws: how many knots, and the power of their spacing."""
+    """Candidate elastic law: number of knots, and power of their spacing."""
 
     knots: int
     power: int = 1
@@ -67,7 +67,7 @@ class KnotSpacing(NamedTuple):
 
 @dataclass(frozen=True)
 class ElasticLawScore:
-    """One law of the ladder, fitted.
+    """Score of one candidate elastic law.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class ElasticLawScore:
 
 @dataclass(frozen=True, eq=False)
 class RampLaw:
-    r"""The elastic law that ramps support, the solid that answers it, and how well both are known.
+    r"""Elastic law that ramps support, with its solid, and the uncertainty of both.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ ROUNDING = 3e-6
 
 @dataclass(frozen=True, eq=False)
 class HoldEstimate:
-    """The holds of the records by themselves, their relaxation times shared.
+    """Fit of the holds of the records alone, with shared relaxation times.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class HoldEstimate:
 
 @dataclass(frozen=True, eq=False)
 class RampHoldOptimum:
-    """The optimum of one law.
+    """Optimum of one elastic law.
 
     Attributes
     ----------

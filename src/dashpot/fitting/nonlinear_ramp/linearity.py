@@ -53,7 +53,7 @@ UNREAD = 1e-3
 
 
 class LinearFitQuality(NamedTuple):
-    """What a linear fit leaves of a record, against its noise.
+    """Residual of a linear fit to a record, relative to its noise.
 
     Attributes
     ----------
@@ -168,7 +168,7 @@ _SAME_ARM = 1e-6
 
 
 class LinearityResult(NamedTuple):
-    """The linear solids that tests were offered, and whether one is sound.
+    """Linear solids fitted to tests, and whether one is adequate.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class LinearityResult(NamedTuple):
 
 
 class HoldBlocks:
-    """The holds of some records alone, compressed once for all that asks them."""
+    """Holds of some records, compressed once for all uses."""
 
     def __init__(self, records: Sequence[RampHold]) -> None:
         self.records = records
@@ -294,7 +294,7 @@ def _find_worst_record(
 
 
 class DelayedMotion(NamedTuple):
-    """Tests whose motion is as late as their force.
+    """Tests whose motion is delayed like their force.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
 
 @dataclass(frozen=True, eq=False)
 class DownsampledRows:
-    """Several records as rows on top of each other.
+    """Rows of several records, stacked.
 
     Attributes
     ----------
@@ -304,7 +304,7 @@ _FINISHED = 1e-5
 
 
 class Nuisances(NamedTuple):
-    """Columns of the load cells and clocks, shape (M, Q), and what is known of each."""
+    """Columns of load cells and clocks, shape (M, Q), with their priors."""
 
     names: tuple[str, ...]
     columns: FloatArray
@@ -312,7 +312,7 @@ class Nuisances(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """The window of ln tau: a sample of the ramp to the longest hold."""
+    """Bounds of ln tau: from one sample of the ramp to the longest hold."""
 
     low: float
     high: float
@@ -326,7 +326,7 @@ def tau_bounds(rows: DownsampledRows) -> Bounds:
 
 
 class Weighted:
-    """A quasi-linear solid, the standard deviation of one sample of each row, and nuisances.
+    """Quasi-linear solid, with the standard deviation of a sample of each row, and nuisances.
 
     Theta is every ln tau, then the shape of a law that is not straight; beta every stiffness of
     each set, then the nuisances. With `apart` each record has stiffnesses of its own; relaxation

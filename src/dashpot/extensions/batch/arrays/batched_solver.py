@@ -33,7 +33,7 @@ RIVALS = 3
 
 @dataclass(frozen=True, eq=False)
 class ManySolutions(EqualByValue):
-    """The optima of many records; rows without a solution hold NaN.
+    """Optima of many records; rows without a solution hold NaN.
 
     Attributes
     ----------

@@ -54,7 +54,7 @@ class BatchErrors(FrozenArrays):
 
 @dataclass(frozen=True, eq=False)
 class BatchFit(FrozenArrays):
-    """One solid per record; a record that could not be fitted holds NaN and a status that says why.
+    """Solids of many records; a record without a fit holds NaN and a status with the reason.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ POINTS = {1: 72, 2: 40, 3: 24}
 
 
 class GridSearch:
-    """The best set of grid points for each record: all sets at once, on swept Gram matrices."""
+    """Search for the best set of grid points of each record, by swept Gram matrices."""
 
     def __init__(self, family: SharedSampling, arms: int) -> None:
         self.family = family

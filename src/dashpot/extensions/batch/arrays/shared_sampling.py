@@ -35,7 +35,7 @@ RANK = 1e-14
 
 
 class ReducedRecords(NamedTuple):
-    """A stack of records through a family: all that a fit needs of them."""
+    """Records of a family, reduced to what a fit needs."""
 
     data: tuple[FloatArray, ...]  # arrays whose first axis is the record
     floor: FloatArray  # (R,)
@@ -140,7 +140,7 @@ def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
 
 
 class ColumnSpace(NamedTuple):
-    r"""The few dimensions that the compressed columns of a sampling live in.
+    r"""Low-dimensional space of the compressed columns of a sampling.
 
     With B an orthonormal basis of them, the fixed columns first, :math:`G = B_f F`, and S as many
     nodes as it has columns, so chosen that B_S is well conditioned,
@@ -211,7 +211,7 @@ def _make_compressed_family(
 
 @dataclass(frozen=True, eq=False)
 class CompressedFamily(SharedSampling):
-    """Records of a hold, a ramp and hold, or a plain decay on one sampling.
+    """Records of a hold, a ramp and hold, or a free decay on one sampling.
 
     A record is reduced as its coordinates in the space of the sampling's columns, those along the
     fixed columns apart: Gram matrices of the others then hold no large constant.

@@ -28,7 +28,7 @@ Kind = Literal["individuals", "moving range", "mean", "standard deviation"]
 
 
 class Signal(NamedTuple):
-    """A point at which a rule was broken, from 0, and the rule in words."""
+    """Signal of a control chart: index from 0, and the broken rule as text."""
 
     point: int
     rule: str
@@ -36,7 +36,7 @@ class Signal(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Chart(Serialisable):
-    """Points in their order, and what they should keep to.
+    """Control chart: ordered points with their limits.
 
     Attributes
     ----------

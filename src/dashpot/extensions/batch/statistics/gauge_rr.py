@@ -27,7 +27,7 @@ Labels: TypeAlias = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Variation:
-    """One source of a gauge study.
+    """Source of variation in a gauge study.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Variation:
 
 @dataclass(frozen=True)
 class Gauge:
-    """What a gauge study says.
+    """Result of a gauge study.
 
     Attributes
     ----------

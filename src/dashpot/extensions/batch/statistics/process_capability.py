@@ -22,7 +22,7 @@ inverse of the noncentral t loses its digits, then does not end."""
 
 @dataclass(frozen=True)
 class Capability:
-    """Of values that scatter, between limits.
+    """Process capability of scattering values between limits.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ SURE = 0.05
 
 @dataclass(frozen=True)
 class Difference:
-    """Of the means of two groups of seals, the second less the first.
+    """Difference of the means of two groups of seals, the second less the first.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ _PER_MAD = 1.482602218505602
 
 @dataclass(frozen=True)
 class Component:
-    """One source of scatter.
+    """Variance component.
 
     Attributes
     ----------

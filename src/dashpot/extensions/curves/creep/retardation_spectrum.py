@@ -117,7 +117,7 @@ def _solid(solution: Solution) -> GeneralizedMaxwell:
 
 @dataclass(frozen=True, eq=False)
 class Retarded(SelectedModel):
-    """The optimum in compliances, and the solid that it stands for.
+    """Optimum in compliances, and the equivalent solid.
 
     Attributes
     ----------

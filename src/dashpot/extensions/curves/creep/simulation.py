@@ -21,7 +21,7 @@ _LARGEST_DAMPING = 0.999
 
 @dataclass(frozen=True, eq=False)
 class CreepTruth(RigTruth):
-    """What really happened on the virtual rig under force control.
+    """Truth of a simulated creep test.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class CreepTruth(RigTruth):
 
 @dataclass(frozen=True)
 class SimulatedCreep:
-    """A simulated creep test and its truth."""
+    """Simulated creep test and its truth."""
 
     test: CreepTest
     truth: CreepTruth

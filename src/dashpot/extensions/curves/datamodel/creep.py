@@ -44,7 +44,7 @@ _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CreepTest(EqualByValue, HasSummary, Serialisable):
-    """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
+    """Creep test as recorded, in SI units: force held, displacement measured.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CreepCompliance(EqualByValue, HasSummary, Serialisable):
-    r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
+    r"""Creep compliance :math:`J(t)`, measured or superposed, after a force step at t = 0.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadHold(EqualByValue, HasSummary, Serialisable):
-    """A creep test prepared: both signals rise under the load, from the state before it.
+    """Prepared creep test: load and displacement relative to the state before loading.
 
     Attributes
     ----------

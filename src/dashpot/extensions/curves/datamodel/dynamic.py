@@ -33,7 +33,7 @@ from dashpot.extensions.curves.datamodel.sample_temperatures import (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DynamicTest(EqualByValue, HasSummary, Serialisable):
-    r"""Storage and loss as a machine measured them under a harmonic motion.
+    r"""Storage and loss, measured under harmonic motion.
 
     :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
     loss is dissipation.

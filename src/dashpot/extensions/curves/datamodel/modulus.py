@@ -27,7 +27,7 @@ from dashpot.extensions.curves.datamodel.sample_temperatures import (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RelaxationModulus(EqualByValue, HasSummary):
-    r"""A curve :math:`E(t)`, measured or shifted together, after a step at t = 0.
+    r"""Relaxation modulus :math:`E(t)`, measured or superposed, after a step at t = 0.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 class UnshiftedCurve(NamedTuple):
-    """What there is to say of a curve that nothing has shifted, as of one that was."""
+    """Curve that was not shifted, with the interface of a master curve."""
 
     sources: tuple[Source, ...]
     checks: tuple[Check, ...] = ()
@@ -28,7 +28,7 @@ class UnshiftedCurve(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Superposition(EqualByValue, Plottable):
-    """What time-temperature superposition makes of tests at several temperatures.
+    """Master curve of tests at several temperatures by time-temperature superposition.
 
     Attributes
     ----------

@@ -45,7 +45,7 @@ LEAST = 2
 
 @dataclass(frozen=True, eq=False)
 class Isotherm:
-    """One temperature.
+    """Data at one temperature.
 
     Attributes
     ----------

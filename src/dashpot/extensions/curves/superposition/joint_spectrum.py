@@ -38,7 +38,7 @@ _REGRID = 0.2 * _LN10
 
 @dataclass(frozen=True, eq=False)
 class ShiftedSpectrum:
-    """Isotherms on one spectrum.
+    """Spectrum of several shifted isotherms.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ def grid_of(
 
 @dataclass(frozen=True, eq=False)
 class ShiftSearch:
-    """What is shifted, and what may move.
+    """Isotherms to be shifted, and which shifts are free.
 
     Attributes
     ----------

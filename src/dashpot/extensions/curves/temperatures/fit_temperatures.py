@@ -69,7 +69,7 @@ _LITTLE = 0.01
 
 
 class MultiTemperatureFit(NamedTuple):
-    """One solid at several temperatures, found and known.
+    """Solid fitted at several temperatures, with its uncertainty.
 
     Attributes
     ----------

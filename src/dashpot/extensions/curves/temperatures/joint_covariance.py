@@ -31,7 +31,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 @dataclass(frozen=True, eq=False)
 class JointCovariance(ParameterCovariance):
-    """All that was fitted together, the noises in units of the spread that each test weighs by.
+    """Covariance of all fitted parameters, with noises in units of each test's weight.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def build_test_nuisances(
 
 
 class TestResidual(NamedTuple):
-    """What a point leaves of one test, N, the coefficients of the test's own columns fitted.
+    """Residual of one test, N, with the coefficients of its own columns fitted.
 
     Attributes
     ----------

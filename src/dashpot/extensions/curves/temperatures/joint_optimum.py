@@ -26,7 +26,7 @@ _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
 
 
 class ThermalOptimum(NamedTuple):
-    """One solid at several temperatures, found.
+    """Optimum of one solid at several temperatures.
 
     Attributes
     ----------

@@ -41,7 +41,7 @@ _STEPS, _STATIONARY = 80, 1e-10
 
 @dataclass(frozen=True, eq=False)
 class ShiftedSolid:
-    """One solid at the reference, and where every temperature lies.
+    """Solid at the reference temperature, with the shifts of all temperatures.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class ShiftedSolid:
 
 
 class TestContribution(NamedTuple):
-    """One test at a point: what it leaves, and the derivatives of the model by what is shared."""
+    """Residual of one test at a point, and derivatives by the shared parameters."""
 
     residual: FloatArray
     by: FloatArray

@@ -48,7 +48,7 @@ _COLUMNS, _WEAKEST = 240, 5e-6
 
 @dataclass(frozen=True, eq=False)
 class SingleTemperatureTest:
-    """One test by itself: its data, and what its own free fit says of them.
+    """Single test: its data, and the result of its own free fit.
 
     Attributes
     ----------

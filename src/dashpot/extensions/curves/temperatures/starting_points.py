@@ -25,7 +25,7 @@ _ROUNDS = 2
 
 
 class OrderCandidate(NamedTuple):
-    """One number of arms.
+    """Candidate number of arms.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ SAME_SPEED = 1.5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CompressionTest(EqualByValue, HasSummary):
-    """A compression load deflection test as the machine wrote it, in SI units.
+    """Compression load deflection test as recorded, in SI units.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class CompressionTest(EqualByValue, HasSummary):
 
 @dataclass(frozen=True, eq=False)
 class Branch(EqualByValue):
-    """One way of a cycle, loading or unloading, in the order of recording.
+    """Branch of a cycle, loading or unloading, in the order of recording.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class Branch(EqualByValue):
 
 @dataclass(frozen=True, eq=False)
 class Cycle(EqualByValue, Serialisable):
-    """One loading and, where it was recorded, the unloading after it.
+    """Cycle: one loading and, where recorded, the unloading after it.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ def format_hysteresis(cycle: Cycle) -> str:
 
 @dataclass(frozen=True)
 class AtCompression(Serialisable):
-    """What a cycle shows at one compression.
+    """Values of a cycle at one compression.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ class AtCompression(Serialisable):
 
 @dataclass(frozen=True)
 class Quoted(Serialisable):
-    """What a cycle shows at one compression, and of 100 mm, where the length is known."""
+    """Values of a cycle at one compression, also of 100 mm, where the length is known."""
 
     keys = ("*at", "per_100mm?")
 
@@ -250,7 +250,7 @@ class Quoted(Serialisable):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
-    """A compression load deflection test as cycles, and what one of them shows.
+    """Compression load deflection test as cycles, with the values of one of them.
 
     Made by :func:`dashpot.extensions.materials.cld.preprocess.cld`.
 
@@ -409,7 +409,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
 @dataclass(frozen=True)
 class RelaxedLaw(Serialisable):
-    """The elastic law under a cycle that was driven at a finite speed.
+    """Elastic law of a cycle that was driven at a finite speed.
 
     Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.relaxed_law`.
 
@@ -456,7 +456,7 @@ class RelaxedLaw(Serialisable):
 
 
 class RateArm(NamedTuple):
-    """A stiffness, N/m, its relaxation time, s, and what is known of both."""
+    """Maxwell arm: stiffness, N/m, and relaxation time, s, with their errors."""
 
     k: float
     tau: float
@@ -466,7 +466,7 @@ class RateArm(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RateLaw(EqualByValue, Serialisable):
-    r"""A spring and a dashpot that depend on compression, and Maxwell arms beside them.
+    r"""Spring and dashpot that depend on compression, with parallel Maxwell arms.
 
     .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
 
@@ -525,7 +525,7 @@ class RateLaw(EqualByValue, Serialisable):
 
 
 class ProcessCapability(Protocol):
-    """What is asked of how well the forces of pieces keep between two limits.
+    """Options of the process capability of pieces between two force limits.
 
     Attributes
     ----------

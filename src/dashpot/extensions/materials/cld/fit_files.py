@@ -49,7 +49,7 @@ _AS_WARM = 3.0
 
 @dataclass(frozen=True)
 class PieceStatistics:
-    """Mean and deviation of one figure over the pieces.
+    """Mean and standard deviation of one value over the pieces.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class PieceStatistics:
 
 @dataclass(frozen=True, repr=False)
 class Pieces(HasChecks, HasVerdict, Serialisable):
-    """What ``dashpot fit`` found.
+    """Result of ``dashpot fit`` on compression load deflection.
 
     Attributes
     ----------

@@ -55,7 +55,7 @@ _SMALLEST, _LARGEST = 1e-3, 20.0
 
 
 class DownsampledRecord(NamedTuple):
-    """A record thinned, to the end of the chosen cycle; hats of the samples where it is felt."""
+    """Record downsampled to the end of the chosen cycle, with hat functions of its samples."""
 
     time: FloatArray
     compression: FloatArray

@@ -26,7 +26,7 @@ MOST_PRELOAD = 0.05
 
 
 class Zero(NamedTuple):
-    """The zeros that were found.
+    """Zeros of compression and force.
 
     Attributes
     ----------

@@ -104,7 +104,7 @@ class CounterforceTest(EqualByValue, HasSummary):
 
 @dataclass(frozen=True, eq=False)
 class Oven(EqualByValue):
-    """What the pieces of one oven tell by themselves.
+    """Results of the pieces of one oven alone.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class Oven(EqualByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
-    """The law of aging, and how well the ovens tell it.
+    """Law of aging, with its uncertainty.
 
     Attributes
     ----------

@@ -40,7 +40,7 @@ def retained_fraction(
 
 @dataclass(frozen=True, eq=False)
 class AgingLaw(EqualByValue):
-    """The constants of the law, and how well they are known.
+    """Constants of the law of aging, with their covariance.
 
     Attributes
     ----------

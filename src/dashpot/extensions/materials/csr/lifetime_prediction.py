@@ -31,7 +31,7 @@ LOWER = 65e3
 
 @dataclass(frozen=True, repr=False)
 class Aged(HasVerdict, Serialisable):
-    """What is left of the force at a temperature, and when.
+    """Force left at a temperature over time.
 
     Attributes
     ----------

@@ -9,7 +9,7 @@ from dashpot.base.option_fields import option
 
 @dataclass(frozen=True)
 class AgingPredictionOptions:
-    """How far a prediction of aging goes.
+    """Options of a prediction of aging.
 
     Attributes
     ----------

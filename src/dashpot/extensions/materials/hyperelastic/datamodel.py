@@ -123,7 +123,7 @@ class StressStrainTest(EqualByValue, HasSummary):
 
 @dataclass(frozen=True, eq=False)
 class ElasticCurve(EqualByValue):
-    """The part of a test that a law is fitted to.
+    """Elastic curve of a test, to which a law is fitted.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ Limits: TypeAlias = tuple[float | None, float | None]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
-    """A hyperelastic law, and how well the tests tell it.
+    """Hyperelastic law, with its uncertainty.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ EXACT = 1e-9
 
 
 class WeightedCurves(NamedTuple):
-    """Curves as rows of one problem.
+    """Curves as rows of one least-squares problem.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class WeightedCurves(NamedTuple):
 
 
 class HyperelasticOptimum(NamedTuple):
-    """A law through curves, at its optimum.
+    """Optimum of a hyperelastic law.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ MODES = MappingProxyType({
 
 @dataclass(frozen=True)
 class Measures:
-    """What stress and strain of a file are over: as at rest, or as they are.
+    """Measures of stress and strain in a file: nominal or true.
 
     Attributes
     ----------

@@ -49,7 +49,7 @@ _SCAN = 600
 
 
 class Path(NamedTuple):
-    r"""A mode at some stretches: a power term has the stress 2 mu (e^{a p} - e^{a q}) / (a s).
+    r"""Mode at some stretches; a power term has the stress 2 mu (e^{a p} - e^{a q}) / (a s).
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ _NO_POWER = 1e-6
 
 @dataclass(frozen=True)
 class Hyperelastic:
-    """A hyperelastic law.
+    """Hyperelastic law.
 
     Attributes
     ----------

@@ -48,7 +48,7 @@ STEP = 3e-5
 
 @dataclass(frozen=True)
 class Law:
-    """A law as a fit takes it.
+    """Candidate contact law of a fit.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ LAWS = MappingProxyType(
 
 
 class Recorded(NamedTuple):
-    """What a sensor would record, and how it changes, each of shape (n,).
+    """Simulated sensor signal and its derivatives, each of shape (n,).
 
     Attributes
     ----------

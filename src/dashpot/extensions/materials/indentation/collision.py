@@ -41,7 +41,7 @@ State: TypeAlias = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class Collision(EqualByValue):
-    """One contact, from touch to release.
+    """Contact from touch to release.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ def stiffness_of(exponent: float, *, unit: float, mass: float, velocity: float) 
 
 
 class Shape(NamedTuple):
-    """A motion in units of the speed of approach and of the depth of a lossless contact.
+    """Motion in units of the approach speed and of the depth of a lossless contact.
 
     There all numbers are near 1, and the laws have one parameter less.
     """

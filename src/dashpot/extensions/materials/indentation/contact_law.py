@@ -34,7 +34,7 @@ SPHERE = 1.5
 
 @dataclass(frozen=True)
 class ViscousContact:
-    """A spring with a dashpot beside it, of a contact that may grow.
+    """Spring with a parallel dashpot, over a contact area that may grow.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class ViscousContact:
 
 @dataclass(frozen=True)
 class RelaxingContact:
-    """A sphere on a solid with one Maxwell arm.
+    """Sphere on a solid with one Maxwell arm.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ _DIMENSIONS: dict[str, Dimension] = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IndentationTest(EqualByValue, HasSummary):
-    """The motion of an indenter through one contact or several, in SI units.
+    """Motion of an indenter through one contact or several, in SI units.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ _CAME_FOR = ("modulus", "k")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
-    """What one contact says of a surface.
+    """Contact law of a surface, fitted to one contact.
 
     Attributes
     ----------

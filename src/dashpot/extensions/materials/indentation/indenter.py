@@ -13,7 +13,7 @@ from dashpot.base.value_ranges import SIZES, require_positive
 
 @dataclass(frozen=True)
 class Indenter:
-    """The body that hits; each number may be given with its unit, ``"5g"``.
+    """Indenter; each number may be given with its unit, ``"5g"``.
 
     Attributes
     ----------

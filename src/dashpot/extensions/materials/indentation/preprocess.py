@@ -24,7 +24,7 @@ _FEWEST = 6
 
 
 class ContactInterval(NamedTuple):
-    """Where the largest contact of a record lies, roughly.
+    """Approximate interval of the largest contact of a record.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from dashpot.vibration.modal.dynamic_stiffness import compute_stiffness_change
 
 @dataclass(frozen=True)
 class RodErrors:
-    """How well a rod's test is known, as standard deviations; the defaults are our choice.
+    """Errors of a rod's test, as standard deviations; the defaults are our choice.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ _PER_LINE = ("frequency", "modulus", "wave", "by_", "storage_sd", "loss_factor_s
 
 @dataclass(frozen=True, eq=False)
 class RodModulus(EqualByValue):
-    r"""Modulus of a rod's material against frequency, and what spoils it.
+    r"""Modulus of a rod's material against frequency, with its errors.
 
     Attributes
     ----------

@@ -39,7 +39,7 @@ _OF_THE_PLATEAU = frozenset({"plateau_told", "end_level"})
 
 @dataclass(frozen=True, repr=False)
 class Rod(HasVerdict, Serialisable):
-    """What ``dashpot fit`` found.
+    """Result of ``dashpot fit`` on a rod.
 
     Attributes
     ----------

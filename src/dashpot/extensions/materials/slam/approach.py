@@ -12,7 +12,7 @@ from dashpot.base.value_ranges import require_positive
 
 @dataclass(frozen=True)
 class Approach:
-    """How a mass meets a piece.
+    """Approach of a mass to a piece.
 
     Attributes
     ----------

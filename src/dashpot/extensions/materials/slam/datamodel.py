@@ -96,7 +96,7 @@ class SlamTest(EqualByValue, HasSummary):
 
 @dataclass(frozen=True, eq=False)
 class SlamHit(EqualByValue, Serialisable):
-    """One slam as it was fitted.
+    """Fitted slam.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class SlamHit(EqualByValue, Serialisable):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
-    """What slams say of a piece: its loss factor, and the arm that a ramp is too slow for.
+    """Loss factor of a piece and its fast arm, fitted to slams.
 
     Attributes
     ----------

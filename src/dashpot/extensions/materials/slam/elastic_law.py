@@ -24,7 +24,7 @@ _KNOTS = 17
 
 @dataclass(frozen=True, eq=False)
 class SlamLaw(EqualByValue):
-    """What is known of the elastic law before the slams.
+    """Elastic law as known before the slams.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ _SHORTEST, _LONGEST = 0.01, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """The arms that are known before.
+    """Arms as known before the slams.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Memory:
 
 @dataclass(frozen=True, eq=False)
 class Slams:
-    """All slams, each in its own scatter, with what is known before.
+    """All slams, each in units of its own scatter, with the prior knowledge.
 
     Theta holds c of the law, g and ln tau of the memory where that moves, g and ln tau of the arm,
     and of every slam its speed and touch.

@@ -34,7 +34,7 @@ _LONGEST = 40.0
 
 
 class Masses(NamedTuple):
-    """Masses on their pieces, one beside the other.
+    """Masses on their pieces, computed side by side.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Masses(NamedTuple):
 
 
 class MotionHistory(NamedTuple):
-    """Step by step, from touch on, shape (steps + 1, n): m, m/s, N, and the path, m."""
+    """Motion from touch on, step by step, shape (steps + 1, n): m, m/s, N, and the path, m."""
 
     x: FloatArray
     v: FloatArray
@@ -113,7 +113,7 @@ def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
 
 @dataclass(frozen=True, eq=False)
 class SlamMotion(EqualByValue):
-    """One mass on one piece, from touch to release.
+    """Motion of one mass on one piece, from touch to release.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class SlamMotion(EqualByValue):
 
 
 class Instant(NamedTuple):
-    """One instant of a motion: s, m, m/s, N, N."""
+    """Instant of a motion: s, m, m/s, N, N."""
 
     time: float
     compression: float

@@ -9,7 +9,7 @@ from dashpot.base.option_fields import option
 
 @dataclass(frozen=True)
 class SlamOptions:
-    """How a mass meets the piece.
+    """Options of a slam: mass, speed or fall.
 
     Attributes
     ----------

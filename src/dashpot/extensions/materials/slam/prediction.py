@@ -29,7 +29,7 @@ _STRAIGHT = 1e-3
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Slam(EqualByValue, HasVerdict, Serialisable):
-    """What a mass does that is slammed on a piece.
+    """Predicted slam of a mass on a piece.
 
     Attributes
     ----------

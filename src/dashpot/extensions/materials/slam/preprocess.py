@@ -25,7 +25,7 @@ _SCATTER = 20**0.5
 
 
 class RecordedSlam(NamedTuple):
-    """One slam of a record.
+    """Slam of a record.
 
     Attributes
     ----------
