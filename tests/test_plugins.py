@@ -1,4 +1,4 @@
-"""Packages of others by entry points: listed as text, loaded when named, held to the contract."""
+"""Packages of others by rows of theirs: listed as text, loaded when named, held to the contract."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import pytest
 from kit.shell import ran, told
 
 import dashpot as dp
-from dashpot.base import plugins
 from dashpot.reading import raw_file
+from dashpot.registry import plugins
 from dashpot.testing import check_format
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "labkit"
@@ -56,39 +56,59 @@ _ONE = '{"numbers": [{"name": "a", "value": 3.0}], '
 def installed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[str, dict[str, str], dict[str, str]], None]:
-    """Install a package of modules and entry points, here and in the children of this process."""
+    """Install a package with a row and modules, here and in the children of this process."""
     path = tmp_path / "site"
     path.mkdir()
     monkeypatch.syspath_prepend(str(path))
     monkeypatch.setenv("PYTHONPATH", f"{path}:{Path(dp.__file__).parents[1]}")
 
-    def install(name: str, modules: dict[str, str], points: dict[str, str]) -> None:
+    def install(name: str, modules: dict[str, str], words: dict[str, str] | str) -> None:
         for module, text in modules.items():
             (path / f"{module}.py").write_text(text)
+        write_row(path / name, words)
         known = path / f"{name}-0.1.0.dist-info"
         known.mkdir()
         (known / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.1.0\n")
-        lines = [f"[dashpot.{group}]\n{line}\n" for group, line in points.items()]
-        (known / "entry_points.txt").write_text("\n".join(lines))
-        plugins._scan_plugins.cache_clear()
+        (known / "entry_points.txt").write_text(f"[dashpot.extensions]\n{name} = {name}\n")
+        plugins.read_plugins.cache_clear()
 
-    plugins._scan_plugins.cache_clear()
+    plugins.read_plugins.cache_clear()
     yield install
-    plugins._scan_plugins.cache_clear()
+    plugins.read_plugins.cache_clear()
+
+
+def write_row(folder: Path, words: dict[str, str] | str) -> None:
+    """Write a package that cannot be imported, with the row of "name = word" of each group."""
+    folder.mkdir()
+    (folder / "__init__.py").write_text("raise SystemExit('imported')\n")
+    if not isinstance(words, str):
+        rows = [(group, *line.split(" = ")) for group, line in words.items()]
+        words = "\n".join(
+            f'[[{group}]]\nname = "{name}"\n{"fits" if group == "kinds" else "module"} = "{word}"'
+            for group, name, word in rows
+        )
+    (folder / plugins.ROW).write_text(words)
 
 
 @pytest.fixture
-def labkit(installed: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
+def labkit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The example package, as pip would install it."""
-    monkeypatch.syspath_prepend(str(EXAMPLE))
-    monkeypatch.setenv("PYTHONPATH", f"{EXAMPLE}:{Path(dp.__file__).parents[1]}")
-    points = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]["entry-points"]
-    listed = {
-        group.removeprefix("dashpot."): "\n".join(f"{k} = {v}" for k, v in one.items())
-        for group, one in points.items()
-    }
-    installed("labkit", {}, listed)
-    monkeypatch.setenv("PYTHONPATH", f"{sys.path[1]}:{EXAMPLE}:{Path(dp.__file__).parents[1]}")
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
+    known = tmp_path / "site" / "labkit-0.1.0.dist-info"
+    known.mkdir(parents=True)
+    (known / "METADATA").write_text("Metadata-Version: 2.1\nName: labkit\nVersion: 0.1.0\n")
+    (known / "entry_points.txt").write_text(
+        "".join(
+            f"[{group}]\n" + "".join(f"{name} = {value}\n" for name, value in points.items())
+            for group, points in project["entry-points"].items()
+        )
+    )
+    for path in (EXAMPLE, known.parent):
+        monkeypatch.syspath_prepend(str(path))
+    monkeypatch.setenv("PYTHONPATH", f"{known.parent}:{EXAMPLE}:{Path(dp.__file__).parents[1]}")
+    plugins.read_plugins.cache_clear()
+    yield
+    plugins.read_plugins.cache_clear()
 
 
 def sample(path: Path) -> Path:
@@ -106,7 +126,7 @@ def sample(path: Path) -> Path:
 def test_a_list_imports_nothing() -> None:
     found = told("inspect", "--plugins")
     assert [(one["group"], one["name"]) for one in found["plugins"]] == [
-        ("decks", "labsolver"), ("formats", "labkit"), ("kinds", "peel"),
+        ("formats", "labkit"), ("kinds", "peel"), ("solver_inputs", "labsolver"),
     ]  # fmt: skip
     assert not [name for name in sys.modules if name.startswith("labkit")]
     assert "--part format=labkit" in ran("inspect", "--plugins").stdout
@@ -234,7 +254,7 @@ def test_what_a_kind_does_wrong_is_one_sentence(
 ) -> None:
     module = f"def fit(columns, options):\n    return {found}\n"
     installed("odd", {f"oddly_{abs(hash(found))}": module}, {
-        "kinds": f"odd = oddly_{abs(hash(found))}"
+        "kinds": f"odd = oddly_{abs(hash(found))}:fit"
     })  # fmt: skip
     file = tmp_path / "seal.csv"
     file.write_text("time [s],force [N]\n" + "\n".join(f"{i},{i + 1}" for i in range(20)))
@@ -247,12 +267,12 @@ def test_what_a_kind_does_wrong_is_one_sentence(
 def test_names_of_dashpots_own_cannot_be_taken(
     installed: Callable[..., None], tmp_path: Path
 ) -> None:
-    stolen = "def write(solid, *, units, name):\n    raise SystemExit('stolen')\n"
+    stolen = "def nastran(solid, *, units, name):\n    raise SystemExit('stolen')\n"
     kind = "def fit(columns, options):\n    raise SystemExit('stolen')\n"
     installed(
         "thief",
         {"thief_deck": stolen, "thief_kind": kind},
-        {"decks": "nastran = thief_deck:write", "kinds": "relaxation = thief_kind"},
+        {"solver_inputs": "nastran = thief_deck", "kinds": "relaxation = thief_kind:fit"},
     )
     test = dp.simulate("relaxation", hold="20s", noise_free=True)
     deck = dp.export(
@@ -276,6 +296,50 @@ def test_one_name_by_two_packages_is_refused(
     assert "by one 0.1.0 and by two 0.1.0" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        ("[[formats]", "Expected ']]'"),
+        ('[[commands]]\nname = "a"', "found 'commands'; expected formats, kinds, solver_inputs"),
+        ('[formats]\nname = "a"', "expected [[formats]] before each"),
+        ('[[formats]]\nname = "a"', "expected name"),
+        ('[[formats]]\nname = "a"\nmodule = "b"\nmarks = "PK"', "'marks': 'PK'"),
+        ('[[formats]]\nname = 3\nmodule = "b"', "'name': 3"),
+        ('[[formats]]\nname = "a"\nmodule = "b:c"', 'module = "package.module" alone'),
+        ('[[kinds]]\nname = "a"\nfits = "b"', 'fits = "package.module:function" alone'),
+        ('[[kinds]]\nname = "a\\u001b"\nfits = "b:c"', "in 'kinds'"),
+        (2 * '[[kinds]]\nname = "a"\nfits = "b:c"\n', "a name of 'kinds' twice"),
+    ],
+)
+def test_a_row_that_is_wrong_is_one_sentence(
+    row: str, says: str, installed: Callable[..., None], tmp_path: Path
+) -> None:
+    installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
+    installed("bad", {}, row)
+    found = told("inspect", "--plugins")
+    assert [plugin["name"] for plugin in found["plugins"]] == ["good"]
+    (sentence,) = found["refused"]
+    assert sentence.startswith("bad 0.1.0 is not used: bad/dashpot_extension.toml: ")
+    assert says in sentence
+    assert "Ask who maintains bad." in ran("inspect", "--plugins").stdout
+    # what stands in another package is used all the same
+    file = tmp_path / "seal.good"
+    file.write_bytes(b"anything")
+    assert ran("inspect", file, "--part", "format=good").exit_code == 0
+    done = ran("inspect", file, "--part", "format=a")
+    assert done.exit_code == 2
+    assert "By plug-ins: good. bad 0.1.0 is not used" in done.stderr
+
+
+def test_a_row_that_is_missing_is_one_sentence(
+    installed: Callable[..., None], tmp_path: Path
+) -> None:
+    installed("bad", {}, "")
+    (tmp_path / "site" / "bad" / plugins.ROW).unlink()
+    (sentence,) = told("inspect", "--plugins")["refused"]
+    assert "its entry point says 'bad', where no dashpot_extension.toml is" in sentence
+
+
 def test_none_is_used_where_they_are_off(
     installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -284,7 +348,7 @@ def test_none_is_used_where_they_are_off(
     file.write_bytes(b"anything")
     assert ran("inspect", file, "--part", "format=good").exit_code == 0
     monkeypatch.setenv(plugins.SWITCH, plugins.OFF)
-    plugins._scan_plugins.cache_clear()
+    plugins.read_plugins.cache_clear()
     done = ran("inspect", file, "--part", "format=good")
     assert (done.exit_code, "Plug-ins are off" in done.stderr) == (2, True)
     assert told("inspect", "--plugins")["plugins"] == []
@@ -304,7 +368,7 @@ def test_no_command_pays_for_what_it_does_not_name() -> None:
         "import dashpot.cli\n"
         "try: dashpot.cli.main()\n"
         "except SystemExit: pass\n"
-        "print(sorted({'importlib.metadata', 'dashpot.base.plugins'} & set(sys.modules)))\n"
+        "print(sorted({'importlib.metadata', 'dashpot.registry.plugins'} & set(sys.modules)))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
@@ -339,13 +403,14 @@ def test_authors_are_told_what_is_wrong(code: str, says: str, tmp_path: Path) ->
 def test_of_a_package_that_is_found_twice_the_first_on_the_path_counts(
     installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    installed("twice", {}, {"formats": "rig = later_on_the_path:reader"})
+    installed("twice", {}, {"formats": "rig = later_on_the_path"})
     first = tmp_path / "first" / "twice-0.1.0.dist-info"
     first.mkdir(parents=True)
     (first / "METADATA").write_text("Metadata-Version: 2.1\nName: twice\nVersion: 0.2.0\n")
-    (first / "entry_points.txt").write_text("[dashpot.formats]\nrig = first:reader\n")
+    (first / "entry_points.txt").write_text("[dashpot.extensions]\ntwice = twice\n")
+    write_row(first.parent / "twice", {"formats": "rig = first"})
     monkeypatch.syspath_prepend(str(first.parent))
-    plugins._scan_plugins.cache_clear()
+    plugins.read_plugins.cache_clear()
     found = plugins.find_plugin("formats", "rig")
     assert found is not None
-    assert (found.value, found.version) == ("first:reader", "0.2.0")
+    assert (found.value, found.version) == ("first", "0.2.0")

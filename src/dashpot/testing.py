@@ -15,9 +15,9 @@ from __future__ import annotations
 from pathlib import Path
 from types import ModuleType
 
-from dashpot.base.plugins import Plugin
 from dashpot.base.units import find_unit
 from dashpot.reading.formats.plugin_format import table_of
+from dashpot.registry.plugins import Plugin
 
 
 def check_format(module: ModuleType, sample: str | Path) -> list[str]:

@@ -3,7 +3,7 @@
 COMMENT = "#"
 
 
-def write(solid: dict, *, units: str, name: str) -> str:
+def labsolver(solid: dict, *, units: str, name: str) -> str:
     """Return the cards of a solid, of which dashpot gives SI numbers."""
     if units != "SI":
         raise ValueError(f"{name} reads SI alone, and {units} was asked for")

@@ -34,7 +34,8 @@ def test_the_format_keeps_the_contract(tmp_path):
 
 def test_the_deck_holds_the_arms():
     solid = {"k_inf": 196.5, "k": [117.5], "tau": [0.5]}
-    assert labkit.deck.write(solid, units="SI", name="labsolver").splitlines()[1] == "ARM 117.5 0.5"
+    deck = labkit.deck.labsolver(solid, units="SI", name="labsolver")
+    assert deck.splitlines()[1] == "ARM 117.5 0.5"
 
 
 def test_the_mean_of_a_steady_peel():

@@ -18,7 +18,7 @@ from dashpot.base.units import Dimension, parse_quantity, parse_range
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from dashpot.base.plugins import Group
+    from dashpot.registry.plugins import Group
 
 
 def format_suggestion(word: str, names: Iterable[str]) -> str:
@@ -238,14 +238,16 @@ class ChoiceWithSuggestion(click.Choice[str]):
     def _is_plugin(self, value: str) -> bool:
         if self.plugins is None:
             return False
-        from dashpot.base.plugins import find_plugin  # no name of dashpot's own asks for metadata
+        from dashpot.registry.plugins import (
+            find_plugin,  # no name of dashpot's own asks for metadata
+        )
 
         return find_plugin(self.plugins, value) is not None
 
     def _more(self) -> str:
         if self.plugins is None:
             return ""
-        from dashpot.base.plugins import format_plugin_names
+        from dashpot.registry.plugins import format_plugin_names
 
         return format_plugin_names(self.plugins)
 

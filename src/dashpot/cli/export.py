@@ -62,7 +62,7 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=ChoiceWithSuggestion(_SOLVERS, plugins="decks"),
+        opt("--to", "target", type=ChoiceWithSuggestion(_SOLVERS, plugins="solver_inputs"),
             metavar="SOLVER",
             help=f"{', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),

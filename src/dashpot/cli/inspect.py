@@ -74,23 +74,24 @@ def command(
 
 _ASKED = {
     "formats": "fit FILE --part format={}", "kinds": "fit FILE --as {}",
-    "decks": "export FIT --to {}",
+    "solver_inputs": "export FIT --to {}",
 }  # fmt: skip
 """How a plug-in of each group is asked for."""
 
 
 def _plugins() -> CommandResult:
-    """What packages of others add, as their metadata say."""
-    from dashpot.base.plugins import Installed, plugins
+    """What packages of others add, as their rows say."""
+    from dashpot.registry.plugins import read_plugins
 
-    installed_package = Installed(plugins())
+    installed = read_plugins()
     rows = [["adds", "name", "package", "asked for by"]]
     rows += [
         [p.group, p.name, p.package_version, _ASKED[p.group].format(p.name)]
-        for p in installed_package.plugins
+        for p in installed.plugins
     ]
-    lines = table(rows, left=True) if installed_package.plugins else ["no plug-in is installed"]
-    return CommandResult(installed_package, Text([line.rstrip() for line in lines]))
+    lines = table(rows, left=True) if installed.plugins else []
+    lines += [f"{sentence}." for sentence in installed.refused or ()]
+    return CommandResult(installed, Text(lines or ["no plug-in is installed"]))
 
 
 def _follow(

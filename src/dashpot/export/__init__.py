@@ -173,14 +173,14 @@ def find_writer(target: str) -> Callable[..., DeckText]:
     """
     if target in TARGETS:
         return TARGETS[target]
-    from dashpot.base.plugins import find_plugin, format_plugin_names
     from dashpot.export.deck_validation import target_of
+    from dashpot.registry.plugins import find_plugin, format_plugin_names
 
-    plugin = find_plugin("decks", target)
+    plugin = find_plugin("solver_inputs", target)
     if plugin is None:
         raise ExportError(
             f"'{target}' is no solver; expected one of {', '.join(TARGETS)}."
-            f"{format_plugin_names('decks')}".rstrip(".")
+            f"{format_plugin_names('solver_inputs')}".rstrip(".")
         )
     return target_of(plugin)
 

@@ -13,12 +13,12 @@ from typing import Any, Protocol
 from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.errors import DataError, ExportError, Status
 from dashpot.base.plain_text import escape_terminal_text, paragraph
-from dashpot.base.plugins import Plugin
 from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import Deck, DeckText, Exportable, NonlinearFit
 from dashpot.export.unit_systems import NO_UNITS, unit_system
+from dashpot.registry.plugins import Plugin
 from dashpot.solids.maxwell import Solid
 
 # Whether a solid or a fit may be written as a deck: what must be known, and what is refused.
@@ -359,7 +359,7 @@ def target_of(plugin: Plugin) -> Target:
         if not isinstance(cards, str) or not cards.strip():
             text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
             plugin.wrong(text, "the cards of a deck as one text")
-        comment = getattr(import_module(function.__module__), "COMMENT", _COMMENT)
+        comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
         return deck.written(
             str(comment),
             f"deck by {plugin.says}",

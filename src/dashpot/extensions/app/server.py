@@ -17,7 +17,6 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dashpot.base import plugins
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.app import session
 from dashpot.extensions.app.access_control import Guard
@@ -27,6 +26,7 @@ from dashpot.extensions.app.upload_store import Store, TooLargeError, remove_sta
 from dashpot.extensions.app.words import format_for_page
 from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
 from dashpot.plot import style
+from dashpot.registry import plugins
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette

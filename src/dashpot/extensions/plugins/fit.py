@@ -6,14 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dashpot.base import plugins, units
+from dashpot.base import units
 from dashpot.base.checks import GRADES, Check, Remedy
 from dashpot.base.errors import FitError
-from dashpot.base.plugins import Plugin
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.plugins.datamodel import PluggedFit, PluggedTest
+from dashpot.registry import plugins
+from dashpot.registry.plugins import Plugin
 
 _EXPECTED = (
     "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
@@ -24,7 +25,7 @@ _KNOWN = frozenset({"numbers", "checks", "notes"})
 def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     """Return what the plug-in of a kind finds in the columns of one file.
 
-    Its module's ``fit(columns, options)`` gets a list of ``{"name", "role", "unit", "values"}``,
+    Its function ``(columns, options)`` gets a list of ``{"name", "role", "unit", "values"}``,
     SI where a unit is known, and returns numbers and checks.
 
     Raises
@@ -38,7 +39,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
         raise FitError(f"a plug-in fits one file at a time, and {len(records)} were given")
     (test,) = records
     plugin = plugins.require_plugin("kinds", test.kind)
-    module = plugin.load()
+    function = plugin.load()
     columns = [
         {
             "name": column.name,
@@ -49,7 +50,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
         for column in test.columns
     ]
     try:
-        entries = module.fit(columns, {"file": test.source.file if test.source else ""})
+        entries = function(columns, {"file": test.source.file if test.source else ""})
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.failed(error)
     if not isinstance(entries, dict):

@@ -502,7 +502,7 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
         return cast("FileKind", word), "as was said"
     from difflib import get_close_matches  # few need them, and they cost time to import
 
-    from dashpot.base.plugins import find_plugin, format_plugin_names
+    from dashpot.registry.plugins import find_plugin, format_plugin_names
 
     plugged = find_plugin("kinds", word)
     if plugged is not None:

@@ -49,7 +49,7 @@ def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
 def _table(raw: RawFile, options: ReadOptions) -> FileTable:
     name, called = format_of(raw), ""
     if options.format is not None:
-        from dashpot.base.plugins import require_plugin
+        from dashpot.registry.plugins import require_plugin
 
         name, called = _PLUGGED, require_plugin("formats", options.format).full_label
     if options.sheet is not None and not FORMATS[name].sheets:

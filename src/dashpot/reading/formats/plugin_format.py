@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base import plugins
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.plugins import Plugin
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import Column, FileTable, make_loader
+from dashpot.registry import plugins
+from dashpot.registry.plugins import Plugin
 
 API = 1
 """The version of the contract, which a format states as its ``API``."""

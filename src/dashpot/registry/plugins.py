@@ -1,31 +1,35 @@
-"""Entry points of other packages: file formats, kinds of tests and solver inputs.
+"""What packages of others add by a row of their own: formats, kinds of tests, solver inputs.
 
-Three groups are looked into::
+A package names itself in the group of entry points ``dashpot.extensions``. Its row is a TOML file
+beside its ``__init__.py``, with the fields of `dashpot.registry.row.Extension`.
 
-    [project.entry-points."dashpot.formats"]   # a module: read(raw: bytes, *, name: str) -> dict
-    [project.entry-points."dashpot.kinds"]     # a module: fit(columns: dict, options: dict) -> dict
-    [project.entry-points."dashpot.decks"]     # a function (solid: dict, *, units, name) -> str
-
-Plain data pass the border. A list reads the metadata of packages as text; a plug-in is imported
-when its name is typed or stands in a profile, and at no other time: a name of dashpot's own is
-never asked for here.
+Plain data pass the border. A list reads metadata and rows as text; a plug-in is imported when its
+name is typed or stands in a profile, and at no other time: a name of dashpot's own is never asked
+for here.
 """
 
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any, Literal, NoReturn, get_args
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Literal, NoReturn
 
-from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.serialisation import Serialisable
+from dashpot.registry.row import Extension
 
-Group = Literal["formats", "kinds", "decks"]
-GROUPS: tuple[Group, ...] = get_args(Group)
+Group = Literal["formats", "kinds", "solver_inputs"]
+ENTRY_POINTS = "dashpot.extensions"
+"""The group of entry points, whose values are packages."""
+ROW = "dashpot_extension.toml"
+"""The file of the row in such a package."""
 OFF = "none"
 """The value of :data:`SWITCH` with which no plug-in is used."""
 SWITCH = "DASHPOT_PLUGINS"
@@ -35,12 +39,12 @@ _LONGEST = 300
 
 @dataclass(frozen=True)
 class Plugin(Serialisable):
-    """Entry point of a plug-in.
+    """One thing that the row of another package adds.
 
     Attributes
     ----------
     group, name : str
-        What it adds, and how it is asked for.
+        The field of the row, and how it is asked for.
     value : str
         ``"module"`` or ``"module:function"``.
     package, version : str
@@ -114,38 +118,66 @@ class Plugin(Serialisable):
 
 @dataclass(frozen=True)
 class Installed(Serialisable):
-    """Plug-ins installed in this environment."""
+    """The plug-ins of this environment, and the rows that hold none, each as a sentence."""
 
     schema = "dashpot/plugins@1"
+    keys = ("plugins", "refused?")
     read_back = False
 
     plugins: tuple[Plugin, ...]
-
-
-def plugins(group: Group | None = None) -> tuple[Plugin, ...]:
-    """Return every plug-in that is installed, or those of a group; none is imported."""
-    plugins = _scan_plugins()
-    return tuple(plugin for plugin in plugins if group in {None, plugin.group})
+    refused: tuple[str, ...] | None = None
 
 
 @cache
-def _scan_plugins() -> tuple[Plugin, ...]:
+def read_plugins() -> Installed:
+    """Return every plug-in that is installed; none is imported."""
     if os.environ.get(SWITCH) == OFF:
-        return ()
+        return Installed(())
     from importlib.metadata import distributions  # it costs more than all that the scan does
 
-    plugins: dict[tuple[str, str, str], Plugin] = {}
+    found: dict[tuple[str, str], tuple[Plugin, ...]] = {}
+    refused = []
     for distribution in distributions():
-        for entry in distribution.entry_points:
-            package, _, group = entry.group.partition(".")
-            if package == "dashpot" and group in GROUPS:
-                # the first on the path is the one that is imported, also of one found twice
-                key = (group, entry.name, distribution.name)
-                plugins.setdefault(
-                    key,
-                    Plugin(group, entry.name, entry.value, distribution.name, distribution.version),
+        for entry in distribution.entry_points.select(group=ENTRY_POINTS):
+            package, version = distribution.name, distribution.version
+            if (package, entry.name) in found:
+                continue  # the first on the path is the one that is imported
+            found[package, entry.name] = ()
+            try:
+                row = _read_row(entry.value)
+            except (ValueError, OSError, ImportError) as error:
+                refused.append(
+                    f"{package} {version} is not used: {_line(str(error))}. "
+                    f"Ask who maintains {package}"
                 )
-    return tuple(sorted(plugins.values(), key=lambda p: (p.group, p.name, p.package)))
+                continue
+            found[package, entry.name] = (
+                *(Plugin("formats", i.name, i.module, package, version) for i in row.formats),
+                *(Plugin("kinds", i.name, i.fits, package, version) for i in row.kinds),
+                *(
+                    Plugin("solver_inputs", i.name, f"{i.module}:{i.name}", package, version)
+                    for i in row.solver_inputs
+                ),
+            )
+    plugins = [plugin for plugins in found.values() for plugin in plugins]
+    plugins.sort(key=lambda plugin: (plugin.group, plugin.name, plugin.package))
+    return Installed(tuple(plugins), tuple(refused) or None)
+
+
+def _read_row(package: str) -> Extension:
+    """Return the row that a package holds, which is found, and not imported."""
+    spec = find_spec(package) if package.isidentifier() else None
+    for folder in (spec and spec.submodule_search_locations) or ():
+        path = Path(folder, ROW)
+        if path.is_file():
+            try:
+                return Extension.from_mapping(package, tomllib.loads(path.read_text("utf-8")))
+            except ValueError as error:
+                raise DataError(f"{package}/{ROW}: {error}") from None
+    raise DataError(
+        f"its entry point says '{package}', where no {ROW} is; expected a package of the top "
+        "level that holds one"
+    )
 
 
 def find_plugin(group: Group, name: str) -> Plugin | None:
@@ -156,7 +188,7 @@ def find_plugin(group: Group, name: str) -> Plugin | None:
     ReadError
         If two packages bring one name.
     """
-    result = [plugin for plugin in plugins(group) if plugin.name == name]
+    result = [plugin for plugin in _list_plugins(group) if plugin.name == name]
     if len(result) > 1:
         raise ReadError(
             f"'{name}' is brought by {' and by '.join(item.package_version for item in result)}. "
@@ -166,10 +198,15 @@ def find_plugin(group: Group, name: str) -> Plugin | None:
     return result[0] if result else None
 
 
+def _list_plugins(group: Group) -> list[Plugin]:
+    return [plugin for plugin in read_plugins().plugins if plugin.group == group]
+
+
 def format_plugin_names(group: Group) -> str:
-    """Return the names of a group as the end of an error's sentence; empty where there are none."""
-    names = ", ".join(plugin.name for plugin in plugins(group))
-    return f" By plug-ins: {names}." if names else ""
+    """Return the names of a group, and what is refused, as the end of an error's sentence."""
+    names = ", ".join(plugin.name for plugin in _list_plugins(group))
+    refused = "".join(f" {sentence}." for sentence in read_plugins().refused or ())
+    return (f" By plug-ins: {names}." if names else "") + refused
 
 
 def require_plugin(group: Group, name: str) -> Plugin:
