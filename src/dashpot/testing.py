@@ -12,11 +12,12 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
 from dashpot.base.units import find_unit
-from dashpot.reading.formats.plugin_format import table_of
+from dashpot.registry import FORMATS
 from dashpot.registry.plugins import Plugin
 
 
@@ -67,7 +68,9 @@ def _read(
     from dashpot.base.errors import DashpotError
 
     try:
-        table = table_of(plugin, module, content, name)
+        table = import_module(FORMATS["plugin_format"].module).make_table(
+            plugin, module, content, name
+        )
     except DashpotError as error:
         raise AssertionError(str(error)) from error
     values = table.load(range(len(table.columns))).values

@@ -173,7 +173,6 @@ def find_writer(target: str) -> Callable[..., DeckText]:
     """
     if target in TARGETS:
         return TARGETS[target]
-    from dashpot.export.deck_validation import target_of
     from dashpot.registry.plugins import find_plugin, format_plugin_names
 
     plugin = find_plugin("solver_inputs", target)
@@ -182,7 +181,8 @@ def find_writer(target: str) -> Callable[..., DeckText]:
             f"'{target}' is no solver; expected one of {', '.join(TARGETS)}."
             f"{format_plugin_names('solver_inputs')}".rstrip(".")
         )
-    return target_of(plugin)
+    write: Callable[..., DeckText] = find_handler("solver input", plugin)(plugin)
+    return write
 
 
 __all__ = [

@@ -1,24 +1,22 @@
-"""Solver targets, those of plug-ins included, and the validation of a solid or fit for one."""
+"""The targets, and whether a solid or a fit may be written for one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import update_wrapper
-from importlib import import_module
 from inspect import signature
 from types import MappingProxyType
 from typing import Any, Protocol
 
 from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.errors import DataError, ExportError, Status
-from dashpot.base.plain_text import escape_terminal_text, paragraph
+from dashpot.base.plain_text import paragraph
 from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import Deck, DeckText, Exportable, NonlinearFit
 from dashpot.export.unit_systems import NO_UNITS, unit_system
-from dashpot.registry.plugins import Plugin
 from dashpot.solids.maxwell import Solid
 
 # Whether a solid or a fit may be written as a deck: what must be known, and what is refused.
@@ -43,7 +41,7 @@ _REMEDIES = {
 
 
 class Target(Protocol):
-    """Solver target: writes the deck of a solid by :func:`open_deck`."""
+    """What writes the decks of one solver: of a solid, by :func:`open_deck`."""
 
     def __call__(
         self,
@@ -70,8 +68,8 @@ def target(
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
     The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
-    first form is the default; of a seal line, the first of those that hold a `line`. `only` has the
-    forms that read an argument which others would leave unread.
+    first form is what it writes if not told; of a seal line, the first of those that hold a
+    `line`. `only` has the forms that read an argument which others would leave unread.
     """
 
     def enter(cards: Callable[..., DeckText]) -> Target:
@@ -297,7 +295,7 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
         return fit.verdict.says if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
-    # what a rig adds to all arms alike is no reason to fit fewer: errors and limits hold it
+    # what a rig adds to all arms alike is no reason to fit fewer: that is told in errors and limits
     model, error = fit.model, replace(fit, estimate=fit.estimate.noise_alone).standard_error
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
@@ -315,56 +313,3 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
 def _dense(fit: Fit) -> bool:
     """Whether its arms are a table of a spectrum, of which none has an error of its own."""
     return any(check.name == "few_arms_suffice" and check.failed for check in fit.checks)
-
-
-# A deck that a plug-in writes: the solid goes in as plain numbers, its cards come out as text.
-
-
-FORM = "arms"
-_COMMENT = "$"
-"""The sign before a remark, where the module of the plug-in states no ``COMMENT``."""
-
-
-def target_of(plugin: Plugin) -> Target:
-    """Return what writes the decks of a plug-in.
-
-    Its function gets ``{"k_inf", "b", "k", "tau", "temperature", "length", "band", "verdict"}``,
-    SI, the name of the unit system and its own name. What the deck is and whose it is, dashpot
-    writes over it.
-    """
-
-    def write(
-        solid: Exportable,
-        *,
-        units: str | None = None,
-        specimen: Specimen | None = None,
-        allow: Collection[str] = (),
-        form: str = FORM,
-    ) -> DeckText:
-        deck = open_deck(
-            solid, plugin.name, form, (FORM,), units=units, specimen=specimen, allow=allow
-        )
-        function = plugin.load()
-        model = deck.model
-        plain = {
-            "k_inf": float(model.k_inf), "b": float(model.b), "k": list(map(float, model.k)),
-            "tau": list(map(float, model.tau)), "temperature": deck.specimen.temperature,
-            "length": deck.specimen.length, "band": deck.band and list(deck.band),
-            "verdict": deck.fit.verdict.use if deck.fit else None,
-        }  # fmt: skip
-        try:
-            cards = function(plain, units=deck.units.name, name=plugin.name)
-        except Exception as error:  # noqa: BLE001  others' code may raise anything
-            plugin.failed(error)
-        if not isinstance(cards, str) or not cards.strip():
-            text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
-            plugin.wrong(text, "the cards of a deck as one text")
-        comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
-        return deck.written(
-            str(comment),
-            f"deck by {plugin.says}",
-            escape_terminal_text(cards).splitlines(),
-            verified=f"not verified by dashpot: written by {plugin.says}",
-        )
-
-    return write  # type: ignore[return-value]  # a plug-in has no options of its own

@@ -83,7 +83,6 @@ EXTENSION = Extension(
     ),
     formats=(
         FileFormat("text", "dashpot.reading.formats.text"),
-        FileFormat("plugin_format", "dashpot.reading.formats.plugin_format", sandboxed=True),
     ),
     solver_inputs=(
         SolverInput("nastran", "dashpot.export.decks.nastran", order=0),

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -98,7 +97,7 @@ class Plugin(Serialisable):
         """
         if isinstance(error, KeyboardInterrupt | MemoryError | DashpotError):
             raise error
-        text = _line(str(error))[:_LONGEST]
+        text = format_plain_line(str(error))[:_LONGEST]
         raise ReadError(
             f"{self.says} failed: {type(error).__name__}{': ' + text if text else ''}. "
             f"Ask who maintains {self.package}"
@@ -147,7 +146,7 @@ def read_plugins() -> Installed:
                 row = _read_row(entry.value)
             except (ValueError, OSError, ImportError) as error:
                 refused.append(
-                    f"{package} {version} is not used: {_line(str(error))}. "
+                    f"{package} {version} is not used: {format_plain_line(str(error))}. "
                     f"Ask who maintains {package}"
                 )
                 continue
@@ -227,53 +226,6 @@ def require_plugin(group: Group, name: str) -> Plugin:
     return plugin
 
 
-def items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
-    """Return a list of dictionaries in what a plug-in returned; empty where the key is not there.
-
-    Raises
-    ------
-    ReadError
-        If something else stands there.
-    """
-    return _get_typed_list(plugin, document, key, dict, "a list of dictionaries")
-
-
-def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    """Return a list of texts in what a plug-in returned; empty where the key is not there.
-
-    Raises
-    ------
-    ReadError
-        If something else stands there.
-    """
-    return tuple(map(_line, _get_typed_list(plugin, document, key, str, "a list of texts")))
-
-
-def _get_typed_list(
-    plugin: Plugin, document: Mapping[str, Any], key: str, kind: type, expected: str
-) -> Sequence[Any]:
-    results = document.get(key, [])
-    if not isinstance(results, list | tuple) or not all(
-        isinstance(result, kind) for result in results
-    ):
-        plugin.wrong(f"'{key}' of type {type(results).__name__}", expected)
-    return results
-
-
-def _line(text: str) -> str:
-    """Others' words on one line that a terminal does not obey."""
+def format_plain_line(text: str) -> str:
+    """Return others' words on one line that a terminal does not obey."""
     return " ".join(escape_terminal_text(text).split())
-
-
-def word(plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | None = None) -> str:
-    """Return a text in an item of what a plug-in returned.
-
-    Raises
-    ------
-    ReadError
-        If it is no text, or is missing and nothing stands in its place.
-    """
-    text = item.get(key, otherwise)
-    if not isinstance(text, str):
-        plugin.wrong(f"'{key}' of type {type(text).__name__}", "a text")
-    return _line(text)

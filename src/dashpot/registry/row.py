@@ -296,6 +296,32 @@ class Extension:
         suffix), ``"predict open files"`` (of a kind that is not fitted), ``"recorder"`` (a device
         by its driver), ``"record"`` (to a file), ``"open folder"`` (the last job kept in one, and
         what finds its files).
+        For a task, the function that does it for a type (``"package.module:Class"``) or
+        for a name. Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds),
+        ``"html"`` (a page of its own look), ``"export"`` (the input of a solver), ``"deck terms"``
+        (what the decks on its page are asked for). ``"plot"``: a figure of `dashpot.plot` by its
+        name; ``"fit figure"``: of a fit and a record, or the tests of its temperatures; ``"pole
+        figure"``: of a measured FRF. ``"document"``: the class of a schema; ``"read document"``:
+        fields of that class from its values. ``"read"``: a file of a kind that is no record;
+        ``"read record"``: one whose reader asks for more; ``"read several"``: files of one kind;
+        ``"roles"``: of the columns of a file of a kind; ``"table rule"``: whether a table is of a
+        kind; ``"calibrate"``: a table by a file of its maker. ``"predict"``: from a model;
+        ``"predict with option"``, ``"predict with sweep"``, ``"read sweep"``, ``"predict at
+        levels"``: from a fit. ``"compare"``: two of a type. ``"fit records"``: tests of a bench of
+        which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
+        the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals;
+        ``"stations"``: of the seal in a file. ``"keep"``: a job and its report, in a folder.
+        ``"random base"``: what a base that shakes at random does to a ``"mass"`` on seals, or to a
+        ``"system"`` of bodies. ``"solver input"``: what writes that of a plug-in. ``"fit complex
+        modulus"``: from frequencies and moduli to a solid, as a kind is fitted; ``"lot columns"``:
+        what the row of a lot lists of a record; ``"process capability"``: of values between two
+        limits. Of the app: ``"fit job"``: a job to its result
+        and its `JobPage`; ``"figure cards"``: of a result, in place of its picture; ``"file row"``:
+        what the list of files says of a suffix; ``"predict open files"``: files of a kind that is
+        not fitted; ``"recorder"``: a device by its driver; ``"record"``: to a file; ``"open
+        folder"``: the last job kept in one, and what finds its files.
+        Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"``, those
+        that it has besides, and ``"option groups"``, those under titles of their own.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command
@@ -320,7 +346,7 @@ class Extension:
         DataError
             If it holds what a plug-in cannot add, or an item is not its name and its word.
         """
-        rows: dict[str, tuple[Any, ...]] = {}
+        rows: dict[str, Any] = {}
         for group, items in mapping.items():
             if group not in _PLUGGED:
                 raise DataError(f"found '{group}'; expected {', '.join(_PLUGGED)}")

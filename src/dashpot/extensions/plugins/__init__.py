@@ -1,1 +1,1 @@
-"""Kinds of tests that a plug-in fits: columns in SI units to values and checks."""
+"""What plug-ins read, fit and write: plain data go in and come out, held to the contract."""

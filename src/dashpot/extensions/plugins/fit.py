@@ -12,9 +12,9 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.datamodel.checks import caution_checks
+from dashpot.extensions.plugins.contract import get_items, get_text, get_texts
 from dashpot.extensions.plugins.datamodel import PluggedFit, PluggedTest
-from dashpot.registry import plugins
-from dashpot.registry.plugins import Plugin
+from dashpot.registry.plugins import Plugin, require_plugin
 
 _EXPECTED = (
     "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
@@ -38,7 +38,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     if len(records) != 1:
         raise FitError(f"a plug-in fits one file at a time, and {len(records)} were given")
     (test,) = records
-    plugin = plugins.require_plugin("kinds", test.kind)
+    plugin = require_plugin("kinds", test.kind)
     function = plugin.load()
     columns = [
         {
@@ -58,27 +58,27 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     strange = sorted(map(str, entries.keys() - _KNOWN))
     if strange:
         plugin.wrong(f"the key '{strange[0]}'", _EXPECTED)
-    facts = tuple(_fact(plugin, entry) for entry in plugins.items(plugin, entries, "numbers"))
+    facts = tuple(_fact(plugin, entry) for entry in get_items(plugin, entries, "numbers"))
     if not facts:
         plugin.wrong("no numbers", _EXPECTED)
-    all_checks = tuple(_check(plugin, entry) for entry in plugins.items(plugin, entries, "checks"))
+    all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
     checks = (*all_checks, *caution_checks(sources_of(records)))
-    notes = plugins.texts(plugin, entries, "notes")
+    notes = get_texts(plugin, entries, "notes")
     return PluggedFit(
         plugin.name, plugin.package_version, facts, checks, notes, sources_of(records)
     )
 
 
 def _fact(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
-    name = plugins.word(plugin, item, "name")
+    name = get_text(plugin, item, "name")
     if not name.isidentifier():
         plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")
-    unit = plugins.word(plugin, item, "unit", "")
+    unit = get_text(plugin, item, "unit", "")
     resolved_unit = units.find_unit(unit) if unit else None
     if unit and (resolved_unit is None or resolved_unit.factor != 1.0 or resolved_unit.offset):
         plugin.wrong(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
     value = _number(plugin, item, "value", name)
-    words = plugins.word(plugin, item, "words", "")
+    words = get_text(plugin, item, "words", "")
     if "low" in item or "high" in item:
         low, high = (_number(plugin, item, end, name) for end in ("low", "high"))
         if not low <= value <= high:
@@ -101,11 +101,11 @@ def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> flo
 
 
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
-    name, says = (plugins.word(plugin, item, key) for key in ("name", "says"))
+    name, says = (get_text(plugin, item, key) for key in ("name", "says"))
     passed, grade = item.get("passed"), item.get("grade", "limit")
     if not (passed is None or isinstance(passed, bool)):
         plugin.wrong(f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None")
     if grade not in GRADES:
         plugin.wrong(f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}")
-    remedy = plugins.word(plugin, item, "remedy", "")
+    remedy = get_text(plugin, item, "remedy", "")
     return Check(name, passed, says, grade=grade, remedy=Remedy(remedy) if remedy else None)

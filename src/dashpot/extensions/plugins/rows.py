@@ -1,6 +1,7 @@
 """Registry row of a kind of test that a plug-in fits."""
+"""The row of a kind of test, a format and a deck that plug-ins bring."""
 
-from dashpot.registry.row import Extension, KindOfTest
+from dashpot.registry.row import Extension, FileFormat, KindOfTest
 
 EXTENSION = Extension(
     "plugins",
@@ -15,4 +16,8 @@ EXTENSION = Extension(
                 fits="dashpot.extensions.plugins.fit:fit_plugged", order=18,
         ),
     ),
+    handlers={
+        "solver input": {"dashpot.registry.plugins:Plugin": "dashpot.extensions.plugins.write_deck:make_writer"},
+    },
+    formats=(FileFormat("plugin_format", "dashpot.extensions.plugins.read_format", sandboxed=True),),
 )  # fmt: skip

@@ -9,13 +9,13 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.extensions.plugins.contract import get_items, get_text, get_texts
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import Column, FileTable, make_loader
-from dashpot.registry import plugins
-from dashpot.registry.plugins import Plugin
+from dashpot.registry.plugins import Plugin, require_plugin
 
 API = 1
 """The version of the contract, which a format states as its ``API``."""
@@ -32,11 +32,11 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ReadError
         If there is no such plug-in, it fails, or what it returns is not of the contract.
     """
-    plugin = plugins.require_plugin("formats", options.format or "")
-    return table_of(plugin, plugin.load(), b"".join(raw.blocks()), raw.name)
+    plugin = require_plugin("formats", options.format or "")
+    return make_table(plugin, plugin.load(), b"".join(raw.blocks()), raw.name)
 
 
-def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTable:
+def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTable:
     """Return what the module of a format makes of a file's bytes, held to the contract.
 
     Raises
@@ -56,7 +56,7 @@ def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTabl
         plugin.failed(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
-    columns = plugins.items(plugin, entries, "columns")
+    columns = get_items(plugin, entries, "columns")
     if not columns:
         plugin.wrong("no columns", _EXPECTED)
     values = [_values(plugin, column) for column in columns]
@@ -68,20 +68,20 @@ def table_of(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTabl
         format=plugin.full_label,
         columns=tuple(_column(plugin, column) for column in columns),
         load=make_loader(np.column_stack(values)),
-        header=plugins.texts(plugin, entries, "header"),
-        notes=(f"read by {plugin.says}", *plugins.texts(plugin, entries, "notes")),
+        header=get_texts(plugin, entries, "header"),
+        notes=(f"read by {plugin.says}", *get_texts(plugin, entries, "notes")),
     )
 
 
 def _column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
-    name = plugins.word(plugin, item, "name")
+    name = get_text(plugin, item, "name")
     unit = item.get("unit")
-    return Column(name, plugins.word(plugin, item, "unit")) if unit else Column(*split_unit(name))
+    return Column(name, get_text(plugin, item, "unit")) if unit else Column(*split_unit(name))
 
 
 def _values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
     """The numbers of a column; None and nan are blank cells."""
-    name = plugins.word(plugin, item, "name")
+    name = get_text(plugin, item, "name")
     try:
         values = np.asarray(item.get("values"), dtype=float)
     except (TypeError, ValueError):

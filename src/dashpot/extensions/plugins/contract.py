@@ -1,0 +1,59 @@
+"""What a plug-in returns, item by item, held to the contract."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from dashpot.registry.plugins import Plugin, format_plain_line
+
+
+def get_items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
+    """Return a list of dictionaries in what a plug-in returned; empty where the key is not there.
+
+    Raises
+    ------
+    ReadError
+        If something else stands there.
+    """
+    return _get_typed_list(plugin, document, key, dict, "a list of dictionaries")
+
+
+def get_texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    """Return a list of texts in what a plug-in returned; empty where the key is not there.
+
+    Raises
+    ------
+    ReadError
+        If something else stands there.
+    """
+    return tuple(
+        map(format_plain_line, _get_typed_list(plugin, document, key, str, "a list of texts"))
+    )
+
+
+def _get_typed_list(
+    plugin: Plugin, document: Mapping[str, Any], key: str, kind: type, expected: str
+) -> Sequence[Any]:
+    results = document.get(key, [])
+    if not isinstance(results, list | tuple) or not all(
+        isinstance(result, kind) for result in results
+    ):
+        plugin.wrong(f"'{key}' of type {type(results).__name__}", expected)
+    return results
+
+
+def get_text(
+    plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | None = None
+) -> str:
+    """Return a text in an item of what a plug-in returned.
+
+    Raises
+    ------
+    ReadError
+        If it is no text, or is missing and nothing stands in its place.
+    """
+    text = item.get(key, otherwise)
+    if not isinstance(text, str):
+        plugin.wrong(f"'{key}' of type {type(text).__name__}", "a text")
+    return format_plain_line(text)

@@ -1,0 +1,61 @@
+"""A deck that a plug-in writes: the solid goes in as plain numbers, its cards come out as text."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from importlib import import_module
+
+from dashpot.base.plain_text import escape_terminal_text
+from dashpot.datamodel.specimen import Specimen
+from dashpot.export.deck import DeckText, Exportable
+from dashpot.export.deck_validation import Target, open_deck
+from dashpot.registry.plugins import Plugin
+
+_FORM = "arms"
+_COMMENT = "$"
+"""The sign before a remark, where the module of the plug-in states no ``COMMENT``."""
+
+
+def make_writer(plugin: Plugin) -> Target:
+    """Return what writes the decks of a plug-in.
+
+    Its function gets ``{"k_inf", "b", "k", "tau", "temperature", "length", "band", "verdict"}``,
+    SI, the name of the unit system and its own name. What the deck is and whose it is, dashpot
+    writes over it.
+    """
+
+    def write(
+        solid: Exportable,
+        *,
+        units: str | None = None,
+        specimen: Specimen | None = None,
+        allow: Collection[str] = (),
+        form: str = _FORM,
+    ) -> DeckText:
+        deck = open_deck(
+            solid, plugin.name, form, (_FORM,), units=units, specimen=specimen, allow=allow
+        )
+        function = plugin.load()
+        model = deck.model
+        plain = {
+            "k_inf": float(model.k_inf), "b": float(model.b), "k": list(map(float, model.k)),
+            "tau": list(map(float, model.tau)), "temperature": deck.specimen.temperature,
+            "length": deck.specimen.length, "band": deck.band and list(deck.band),
+            "verdict": deck.fit.verdict.use if deck.fit else None,
+        }  # fmt: skip
+        try:
+            cards = function(plain, units=deck.units.name, name=plugin.name)
+        except Exception as error:  # noqa: BLE001  others' code may raise anything
+            plugin.failed(error)
+        if not isinstance(cards, str) or not cards.strip():
+            text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
+            plugin.wrong(text, "the cards of a deck as one text")
+        comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
+        return deck.written(
+            str(comment),
+            f"deck by {plugin.says}",
+            escape_terminal_text(cards).splitlines(),
+            verified=f"not verified by dashpot: written by {plugin.says}",
+        )
+
+    return write  # type: ignore[return-value]  # a plug-in has no options of its own
