@@ -11,7 +11,9 @@ for here.
 from __future__ import annotations
 
 import os
+import re
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -22,7 +24,7 @@ from typing import Any, Literal, NoReturn
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.serialisation import Serialisable
-from dashpot.registry.row import Extension
+from dashpot.registry.row import Extension, FileFormat, KindOfTest, SolverInput
 
 Group = Literal["formats", "kinds", "solver_inputs"]
 ENTRY_POINTS = "dashpot.extensions"
@@ -34,6 +36,14 @@ OFF = "none"
 SWITCH = "DASHPOT_PLUGINS"
 _LONGEST = 300
 """Characters of what a plug-in says of its own failure."""
+
+_MODULE = r"\w+(\.\w+)*"
+_PLUGGED: Mapping[str, tuple[Any, str, str, str]] = {
+    "formats": (FileFormat, "module", _MODULE, "package.module"),
+    "kinds": (KindOfTest, "fits", rf"{_MODULE}:\w+", "package.module:function"),
+    "solver_inputs": (SolverInput, "module", _MODULE, "package.module"),
+}
+"""What a row of plain data may hold: the field of each beside its name, and its pattern."""
 
 
 @dataclass(frozen=True)
@@ -170,13 +180,47 @@ def _read_row(package: str) -> Extension:
         path = Path(folder, ROW)
         if path.is_file():
             try:
-                return Extension.from_mapping(package, tomllib.loads(path.read_text("utf-8")))
+                return parse_extension(package, tomllib.loads(path.read_text("utf-8")))
             except ValueError as error:
                 raise DataError(f"{package}/{ROW}: {error}") from None
     raise DataError(
         f"its entry point says '{package}', where no {ROW} is; expected a package of the top "
         "level that holds one"
     )
+
+
+def parse_extension(name: str, mapping: Mapping[str, Any]) -> Extension:
+    """Return the row of a plug-in from plain data, as its TOML file states it.
+
+    Raises
+    ------
+    DataError
+        If it holds what a plug-in cannot add, or an item is not its name and its word.
+    """
+    rows: dict[str, Any] = {}
+    for group, items in mapping.items():
+        if group not in _PLUGGED:
+            raise DataError(f"found '{group}'; expected {', '.join(_PLUGGED)}")
+        kind, key, pattern, example = _PLUGGED[group]
+        if not isinstance(items, list):
+            raise DataError(f"found '{group}' without items; expected [[{group}]] before each")
+        for item in items:
+            patterns = {"name": r"[\w.-]+", key: pattern}
+            if (
+                not isinstance(item, dict)
+                or item.keys() != patterns.keys()
+                or not all(isinstance(text, str) for text in item.values())
+                or not all(re.fullmatch(patterns[field], text) for field, text in item.items())
+            ):
+                raise DataError(
+                    f"found {item!r:.100} in '{group}'; expected "
+                    f'name = "word" and {key} = "{example}" alone'
+                )
+        names = [item["name"] for item in items]
+        if len(set(names)) < len(names):
+            raise DataError(f"found a name of '{group}' twice in {names}; give each its own")
+        rows[group] = tuple(kind(**item) for item in items)
+    return Extension(name, **rows)
 
 
 def find_plugin(group: Group, name: str) -> Plugin | None:

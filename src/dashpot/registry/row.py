@@ -5,14 +5,11 @@ References are words, ``"package.module:name"``, imported when they are needed.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeAlias
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, Self, TypeAlias
-
-from dashpot.base.errors import DataError
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 Meant: TypeAlias = Literal[
     "bench",
@@ -336,37 +333,3 @@ class Extension:
     commands: tuple[Command, ...] = ()
     formats: tuple[FileFormat, ...] = ()
     solver_inputs: tuple[SolverInput, ...] = ()
-
-    @classmethod
-    def from_mapping(cls, name: str, mapping: Mapping[str, Any]) -> Self:
-        """Return the row of a plug-in from plain data, as its TOML file states it.
-
-        Raises
-        ------
-        DataError
-            If it holds what a plug-in cannot add, or an item is not its name and its word.
-        """
-        rows: dict[str, Any] = {}
-        for group, items in mapping.items():
-            if group not in _PLUGGED:
-                raise DataError(f"found '{group}'; expected {', '.join(_PLUGGED)}")
-            kind, key, pattern, example = _PLUGGED[group]
-            if not isinstance(items, list):
-                raise DataError(f"found '{group}' without items; expected [[{group}]] before each")
-            for item in items:
-                patterns = {"name": r"[\w.-]+", key: pattern}
-                if (
-                    not isinstance(item, dict)
-                    or item.keys() != patterns.keys()
-                    or not all(isinstance(text, str) for text in item.values())
-                    or not all(re.fullmatch(patterns[key], text) for key, text in item.items())
-                ):
-                    raise DataError(
-                        f"found {item!r:.100} in '{group}'; expected "
-                        f'name = "word" and {key} = "{example}" alone'
-                    )
-            names = [item["name"] for item in items]
-            if len(set(names)) < len(names):
-                raise DataError(f"found a name of '{group}' twice in {names}; give each its own")
-            rows[group] = tuple(kind(**item) for item in items)
-        return cls(name, **rows)
