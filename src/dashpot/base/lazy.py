@@ -65,7 +65,7 @@ def _read_homes(package: str, stub: str) -> dict[str, tuple[str, str]]:
 
 
 class LazyPackage(ModuleType):
-    """A package some of whose public functions bear the names of modules: what is meant is the function.
+    """A package some of whose public functions bear names of its modules: the function is meant.
 
     A module that is imported is set as an attribute of its package, which would hide the function.
     """
@@ -77,7 +77,7 @@ class LazyPackage(ModuleType):
 
 
 def set_package_functions(package: str, *verbs: str) -> None:
-    """Let these names of a package be its functions, whatever modules of these names are imported."""
+    """Let these names of a package be its functions, whatever modules are imported."""
     module = sys.modules[package]
     module.VERBS = frozenset(verbs)  # type: ignore[attr-defined]
     module.__class__ = LazyPackage

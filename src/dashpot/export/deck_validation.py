@@ -1,4 +1,4 @@
-"""The targets, and whether a solid or a fit may be written for one."""
+"""Solver targets, those of plug-ins included, and the validation of a solid or fit for one."""
 
 from __future__ import annotations
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeAlias
-from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, TypeAlias
 
 Meant: TypeAlias = Literal[
     "bench",
@@ -237,17 +235,6 @@ class FitRow(NamedTuple):
 
 
 class Extension(NamedTuple):
-_MODULE = r"\w+(\.\w+)*"
-_PLUGGED: Mapping[str, tuple[Any, str, str, str]] = {
-    "formats": (FileFormat, "module", _MODULE, "package.module"),
-    "kinds": (KindOfTest, "fits", rf"{_MODULE}:\w+", "package.module:function"),
-    "solver_inputs": (SolverInput, "module", _MODULE, "package.module"),
-}
-"""What a row of plain data may hold: the field of each beside its name, and its pattern."""
-
-
-@dataclass(frozen=True)
-class Extension:
     """What one package adds to the core; the core's own rows are one, too.
 
     Attributes
@@ -262,7 +249,8 @@ class Extension:
         page of its own look), ``"export"`` (the input of a solver), ``"deck terms"`` (what the
         solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
         document"`` (fields of that class from its values), ``"write frf"`` (to bytes, by the
-        ending of a file), ``"lot columns"`` (what the row of a lot lists).
+        ending of a file), ``"lot columns"`` (what the row of a lot lists), ``"solver input"`` (what
+        writes that of a plug-in).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
@@ -293,32 +281,6 @@ class Extension:
         suffix), ``"predict open files"`` (of a kind that is not fitted), ``"recorder"`` (a device
         by its driver), ``"record"`` (to a file), ``"open folder"`` (the last job kept in one, and
         what finds its files).
-        For a task, the function that does it for a type (``"package.module:Class"``) or
-        for a name. Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds),
-        ``"html"`` (a page of its own look), ``"export"`` (the input of a solver), ``"deck terms"``
-        (what the decks on its page are asked for). ``"plot"``: a figure of `dashpot.plot` by its
-        name; ``"fit figure"``: of a fit and a record, or the tests of its temperatures; ``"pole
-        figure"``: of a measured FRF. ``"document"``: the class of a schema; ``"read document"``:
-        fields of that class from its values. ``"read"``: a file of a kind that is no record;
-        ``"read record"``: one whose reader asks for more; ``"read several"``: files of one kind;
-        ``"roles"``: of the columns of a file of a kind; ``"table rule"``: whether a table is of a
-        kind; ``"calibrate"``: a table by a file of its maker. ``"predict"``: from a model;
-        ``"predict with option"``, ``"predict with sweep"``, ``"read sweep"``, ``"predict at
-        levels"``: from a fit. ``"compare"``: two of a type. ``"fit records"``: tests of a bench of
-        which one is of the type; ``"fit at several temperatures"``: prepared tests, by the type of
-        the first; ``"leave one out"``: the hits behind a fit. ``"mounts"``: of a line of seals;
-        ``"stations"``: of the seal in a file. ``"keep"``: a job and its report, in a folder.
-        ``"random base"``: what a base that shakes at random does to a ``"mass"`` on seals, or to a
-        ``"system"`` of bodies. ``"solver input"``: what writes that of a plug-in. ``"fit complex
-        modulus"``: from frequencies and moduli to a solid, as a kind is fitted; ``"lot columns"``:
-        what the row of a lot lists of a record; ``"process capability"``: of values between two
-        limits. Of the app: ``"fit job"``: a job to its result
-        and its `JobPage`; ``"figure cards"``: of a result, in place of its picture; ``"file row"``:
-        what the list of files says of a suffix; ``"predict open files"``: files of a kind that is
-        not fitted; ``"recorder"``: a device by its driver; ``"record"``: to a file; ``"open
-        folder"``: the last job kept in one, and what finds its files.
-        Of a command: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"``, those
-        that it has besides, and ``"option groups"``, those under titles of their own.
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

@@ -1,5 +1,4 @@
-"""Registry row of a kind of test that a plug-in fits."""
-"""The row of a kind of test, a format and a deck that plug-ins bring."""
+"""Registry row of the kinds of tests, formats and solver inputs that plug-ins bring."""
 
 from dashpot.registry.row import Extension, FileFormat, KindOfTest
 
