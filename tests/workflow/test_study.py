@@ -11,6 +11,7 @@ from kit.fits import of_noise
 
 import dashpot as dp
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
@@ -112,7 +113,11 @@ def test_the_story_without_a_hammer_ends_at_the_prediction():
 
 def test_a_mass_that_is_not_given_is_inferred_and_labelled(story):
     again = characterise(
-        story.test, replace(story.measured, checks=()), seals=2, joint=False, arms=2
+        story.test,
+        replace(story.measured, checks=()),
+        seals=2,
+        joint=False,
+        options=FitOptions(2),
     )
     assert again.mass_inferred
     assert again.mass == pytest.approx(BROAD_MASS, rel=0.1)

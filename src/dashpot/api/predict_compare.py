@@ -21,6 +21,7 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.structure import FRFSet
 from dashpot.datamodel.vibration_tests import ImpactTest
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.registry import find_handler, load_object, row_of
 from dashpot.workflow.frf_comparison import Agreement, agreement
 from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
@@ -308,10 +309,7 @@ def report(
         impact=impact,
         mass=kilograms,
         seals=seals,
-        arms=arms,
-        method=method,
-        law=elastic,
-        family=model,
+        options=FitOptions(arms, method, elastic, model),
         cuts=cuts,
         band=hertz,
         filter=filter,

@@ -2,13 +2,91 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
 
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked, require_choice
-from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.fit_data import NUISANCE, FitSetup, eq5_obstacle
-from dashpot.fitting.order_selection import FitOptions
+from dashpot.base.option_fields import (
+    FamilyAsked,
+    Method,
+    RampLawAsked,
+    ShiftLaw,
+    Vertical,
+    option,
+    require_choice,
+)
+from dashpot.base.units import Quantity
+
+
+@dataclass(frozen=True)
+class SolidOptions:
+    """Options of the solid that a fit finds, whatever the tests are.
+
+    Attributes
+    ----------
+    arms : int or "auto"
+    method : "full" or "hold"
+    law : "auto", "linear" or "nonlinear"
+    family : "maxwell", "fractional" or "auto"
+    intervals, thorough : bool
+        As :func:`~dashpot.fitting.relaxation.fit` takes them.
+    """
+
+    arms: int | Literal["auto"] = option(
+        "auto", "Maxwell arms.", word="auto", least=0, decides="fit"
+    )
+    method: Method = option(
+        "full", "Whole record, or equation (5) of the paper.", choices=Method, decides="fit"
+    )
+    law: RampLawAsked = option(
+        "auto", "Elastic law of the ramp.", choices=RampLawAsked, flag="elastic", decides="fit"
+    )
+    family: FamilyAsked = option(
+        "maxwell",
+        "Model of the seal: Maxwell arms, or fractional.",
+        choices=FamilyAsked,
+        flag="model",
+        decides="fit",
+    )
+    intervals: bool = True
+    thorough: bool = False
+
+
+@dataclass(frozen=True)
+class FitOptions(SolidOptions):
+    """Options of a fit: arguments of :func:`~dashpot.fitting.relaxation.fit`.
+
+    Attributes
+    ----------
+    max_arms : int
+        The most that ``"auto"`` tries.
+    shift_law, vertical : str
+        Of tests at several temperatures.
+    reference : float, optional
+        The temperature that they are shifted to, K.
+    """
+
+    max_arms: int = 6
+    shift_law: ShiftLaw = "auto"
+    vertical: Vertical = "free"
+    reference: Quantity | None = None
+
+    @property
+    def choices(self) -> dict[str, Any]:
+        """What differs from the usual, by the names of those arguments."""
+        return {
+            name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
+        }
+
+    @property
+    def count(self) -> int | None:
+        """The number of arms asked for; None if it is left to the data."""
+        return None if self.arms == "auto" else self.arms
+
+    @property
+    def point(self) -> int | None:
+        """The arms of an optimum that is wanted alone; None where more is."""
+        return None if self.intervals or self.family != "maxwell" else self.count
 
 
 def checked_family(family: str, arms: int | str = "auto") -> None:
@@ -40,29 +118,6 @@ def require_maxwell_family(family: str) -> None:
         )
 
 
-def checked_design(
-    records: Sequence[RampHold],
-    options: FitOptions,
-    nuisance: Sequence[str] = NUISANCE,
-) -> FitSetup:
-    """Return how the tests are set out, if that and all else that is asked go together.
-
-    Raises
-    ------
-    FitError
-        If an option is none, contradicts another, or does not apply to the records.
-    """
-    _refuse_method(records, options.method)
-    _refuse_law(options)
-    _refuse_family(options)
-    unknown = [name for name in nuisance if name not in NUISANCE]
-    if isinstance(nuisance, str) or unknown:
-        raise FitError(
-            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
-        )
-    return FitSetup(options.method, tuple(name for name in NUISANCE if name in nuisance))
-
-
 def refuse_shifts(what: str, asked: FitOptions) -> None:
     """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
     options = {
@@ -79,18 +134,8 @@ def refuse_shifts(what: str, asked: FitOptions) -> None:
         )
 
 
-def _refuse_method(records: Sequence[RampHold], method: str) -> None:
-    require_choice("method", method, Method, FitError)
-    if method == "full":
-        return
-    for number, record in enumerate(records, start=1):
-        obstacle = eq5_obstacle(record)
-        if obstacle is not None:
-            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
-            raise FitError(which + obstacle)
-
-
-def _refuse_law(options: FitOptions) -> None:
+def refuse_law(options: FitOptions) -> None:
+    """Refuse an elastic law that is none, or that contradicts the method or the starts."""
     law = options.law
     require_choice("law", law, RampLawAsked, FitError)
     if law == "nonlinear" and options.method == "hold":
@@ -104,7 +149,8 @@ def _refuse_law(options: FitOptions) -> None:
         )
 
 
-def _refuse_family(options: FitOptions) -> None:
+def refuse_family(options: FitOptions) -> None:
+    """Refuse a family that is none, or that contradicts the arms or the elastic law."""
     checked_family(options.family, options.arms)
     if options.family == "fractional" and options.law == "nonlinear":
         raise FitError(

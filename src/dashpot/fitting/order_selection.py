@@ -6,20 +6,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Any, Literal
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
-from dashpot.base.units import Quantity
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
 from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
 from dashpot.fitting.fit_construction import SolidEstimate, nuisances
 from dashpot.fitting.fit_data import FitData, InitialFit, max_determinable_arms, solid_of, weighed
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.parameter_errors import (
     Score,
     SolutionEstimate,
@@ -127,54 +125,6 @@ _MISFIT = 0.5
 FURTHER = 2
 #: no more of a sum of squares can be gained
 ALL = 1 - 1e-12
-
-
-@dataclass(frozen=True)
-class FitOptions:
-    """Options of a fit: arguments of :func:`~dashpot.fitting.relaxation.fit`.
-
-    Attributes
-    ----------
-    arms : int or "auto"
-    max_arms : int
-        The most that ``"auto"`` tries.
-    method : "full" or "hold"
-    law : "auto", "linear" or "nonlinear"
-    family : "maxwell", "fractional" or "auto"
-    intervals, thorough : bool
-    shift_law, vertical : str
-        Of tests at several temperatures.
-    reference : float, optional
-        The temperature that they are shifted to, K.
-    """
-
-    arms: int | Literal["auto"] = "auto"
-    max_arms: int = 6
-    method: Method = "full"
-    law: RampLawAsked = "auto"
-    family: FamilyAsked = "maxwell"
-    intervals: bool = True
-    thorough: bool = False
-    shift_law: ShiftLaw = "auto"
-    vertical: Vertical = "free"
-    reference: Quantity | None = None
-
-    @property
-    def choices(self) -> dict[str, Any]:
-        """What differs from the usual, by the names of those arguments."""
-        return {
-            name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
-        }
-
-    @property
-    def count(self) -> int | None:
-        """The number of arms asked for; None if it is left to the data."""
-        return None if self.arms == "auto" else self.arms
-
-    @property
-    def point(self) -> int | None:
-        """The arms of an optimum that is wanted alone; None where more is."""
-        return None if self.intervals or self.family != "maxwell" else self.count
 
 
 @dataclass(frozen=True, eq=False)

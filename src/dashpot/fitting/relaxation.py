@@ -10,7 +10,14 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
-from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
+from dashpot.base.option_fields import (
+    FamilyAsked,
+    Method,
+    RampLawAsked,
+    ShiftLaw,
+    Vertical,
+    require_choice,
+)
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.datamodel.bounds import EndOfHold
@@ -50,7 +57,13 @@ from dashpot.fitting.fit_data import (
     solid_of,
     weighed,
 )
-from dashpot.fitting.fit_options import checked_design, refuse_shifts, require_maxwell_family
+from dashpot.fitting.fit_options import (
+    FitOptions,
+    refuse_family,
+    refuse_law,
+    refuse_shifts,
+    require_maxwell_family,
+)
 from dashpot.fitting.fractional_model.family_selection import (
     FamilySelection,
     FractionalFit,
@@ -74,7 +87,6 @@ from dashpot.fitting.nonlinear_ramp.linearity import (
 )
 from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
 from dashpot.fitting.order_selection import (
-    FitOptions,
     SelectedModel,
     select_order,
     validate_arm_count,
@@ -269,10 +281,10 @@ def fit(
     refuse_copies(records)
     most = validate_arm_count(arms, max_arms)
     options = FitOptions(
-        "auto" if arms == "auto" else most, max_arms, method, law, family, intervals, thorough,
+        "auto" if arms == "auto" else most, method, law, family, intervals, thorough, max_arms,
         shift_law, vertical, reference,
     )  # fmt: skip
-    design = checked_design(records, options, nuisance)
+    design = _checked_design(records, options, nuisance)
     temperatures = checked_temperatures(records, shared=method == "full")
     reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
@@ -294,6 +306,40 @@ def fit(
         if not cause:
             raise
         raise FitError(f"{cause} As it is, {error}") from None
+
+
+def _checked_design(
+    records: Sequence[RampHold],
+    options: FitOptions,
+    nuisance: Sequence[str] = NUISANCE,
+) -> FitSetup:
+    """Return how the tests are set out, if that and all else that is asked go together.
+
+    Raises
+    ------
+    FitError
+        If an option is none, contradicts another, or does not apply to the records.
+    """
+    _refuse_method(records, options.method)
+    refuse_law(options)
+    refuse_family(options)
+    unknown = [name for name in nuisance if name not in NUISANCE]
+    if isinstance(nuisance, str) or unknown:
+        raise FitError(
+            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
+        )
+    return FitSetup(options.method, tuple(name for name in NUISANCE if name in nuisance))
+
+
+def _refuse_method(records: Sequence[RampHold], method: str) -> None:
+    require_choice("method", method, Method, FitError)
+    if method == "full":
+        return
+    for number, record in enumerate(records, start=1):
+        obstacle = eq5_obstacle(record)
+        if obstacle is not None:
+            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
+            raise FitError(which + obstacle)
 
 
 def _refuse_history(records: Sequence[RampHold]) -> None:
@@ -335,7 +381,7 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     near = np.log(fit.model.tau)
     arms = len(near)
     method: Method = "hold" if fit.method == "hold" else "full"
-    design = checked_design([test], FitOptions(arms, arms, method))
+    design = _checked_design([test], FitOptions(arms, method, max_arms=arms))
     as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], design, near), (0.0,))
     first = weighed(as_recorded.data, arms, only=True, near=near)
     return _point(as_recorded, first, design, arms)

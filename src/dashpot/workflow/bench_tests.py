@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 from dashpot.base.errors import DataError, FitError, ReadError
-from dashpot.base.option_fields import (
-    FamilyAsked,
-    Method,
-    RampLawAsked,
-    copy_option,
-    make_nested_options,
-)
+from dashpot.base.option_fields import Method, copy_option, make_nested_options
 from dashpot.base.result_mixins import HasSummary
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen, make_file_specimens
+from dashpot.fitting.fit_options import FitOptions, SolidOptions
 from dashpot.fitting.input_tests import depths_of
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.preprocessing.prepare import prepare
@@ -137,26 +132,6 @@ def fill_missing_temperatures(tests: Sequence[RampHold], fit: Fit) -> tuple[Ramp
     return tuple(map(fill_temperature, tests))
 
 
-# What a user says of tests at several temperatures: one of them alone, or all, shifted to one.
-
-
-def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:
-    """Return what :func:`~dashpot.fitting.relaxation.fit` is to do with several temperatures.
-
-    Raises
-    ------
-    FitError
-        If a choice is for sweeps, moduli and creep alone.
-    """
-    if choices.at is not None or choices.shifts is not None:
-        raise FitError(
-            "--only and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
-            "shifts: leave them out"
-        )
-    vertical = "free" if choices.vertical == "auto" else choices.vertical
-    return {"reference": choices.reference, "shift_law": choices.law, "vertical": vertical}
-
-
 # Which fit suits which record: from files to the solid behind them.
 
 
@@ -167,22 +142,21 @@ Record: TypeAlias = Any
 
 
 @dataclass(frozen=True)
-class BenchFitOptions:
+class BenchFitOptions(SolidOptions):
     """What is asked of the fit of tests on a bench, whatever the records turn out to be.
+
+    Sweeps, moduli and creep always have intervals.
 
     Attributes
     ----------
-    arms, method, law, family, filter, machine
-        As of :class:`~dashpot.workflow.job.Job`; `machine` None is a machine of which nothing is
-        known.
-    cuts : Cuts
-        Of one relaxation test, by hand.
     depth_law : bool
         Tests of different depths share their relaxation times and an elastic law; each has its own
         stiffnesses.
-    thorough, intervals : bool
-        As :func:`~dashpot.fitting.relaxation.fit` takes them; sweeps, moduli and creep always have
-        intervals.
+    filter : str or None
+    machine : Machine or None
+        None is a machine of which nothing is known.
+    cuts : Cuts
+        Of one relaxation test, by hand.
     cycle : int or None
         The loading to use, where a relaxation test has several.
     shifting : ShiftChoices
@@ -191,19 +165,35 @@ class BenchFitOptions:
         What was said of the first test: a temperature of its own refuses sweeps at several.
     """
 
-    arms: int | Literal["auto"] = copy_option(Job, "arms")
-    method: Method = copy_option(Job, "method")
     depth_law: bool = False
-    thorough: bool = False
-    law: RampLawAsked = copy_option(Job, "law")
-    family: FamilyAsked = copy_option(Job, "family")
-    intervals: bool = True
     filter: str | None = copy_option(Job, "filter")
     cuts: Cuts = make_nested_options(Cuts)
     machine: Machine | None = None
     cycle: int | None = None
     shifting: ShiftChoices = make_nested_options(ShiftChoices)
     specimen: Specimen | None = None
+
+    @property
+    def ramp_options(self) -> FitOptions:
+        """What is asked of ramps and holds, which find their own shifts.
+
+        Raises
+        ------
+        FitError
+            If a choice is for sweeps, moduli and creep alone.
+        """
+        shifting = self.shifting
+        if shifting.at is not None or shifting.shifts is not None:
+            raise FitError(
+                "--only and --shifts are for sweeps, moduli and creep; ramps and holds find their "
+                "own shifts: leave them out"
+            )
+        return FitOptions(
+            *(getattr(self, attribute.name) for attribute in fields(SolidOptions)),
+            shift_law=shifting.law,
+            vertical="free" if shifting.vertical == "auto" else shifting.vertical,
+            reference=shifting.reference,
+        )
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""
@@ -304,16 +294,7 @@ def read_test(
 def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not options.depth_law:
-        return fit_relaxation(
-            tests,
-            arms=options.arms,
-            method=options.method,
-            thorough=options.thorough,
-            law=options.law,
-            family=options.family,
-            intervals=options.intervals,
-            **shifted_ramps(options.shifting),
-        )
+        return fit_relaxation(tests, **options.ramp_options.choices)
     usual = options.nothing_of("method", "law", "family")
     if not usual or options.thorough or options.shifting != ShiftChoices():
         raise FitError(

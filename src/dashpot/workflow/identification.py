@@ -19,11 +19,10 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.order_selection import FitOptions
 from dashpot.reading.read_options import ReadOptions
 from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.systems.frf_prediction import MassOnSeals
-from dashpot.workflow.bench_tests import BenchFitOptions, prepared_files, shifted_ramps
+from dashpot.workflow.bench_tests import BenchFitOptions, prepared_files
 from dashpot.workflow.checks import seals_counted
 from dashpot.workflow.frf_comparison import select_failed_stops
 from dashpot.workflow.job import Cuts, HammerChoices, require_test_for_machine
@@ -177,8 +176,7 @@ def identify_files(
             "of the seals under the hammer"
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    shifts = shifted_ramps(bench.shifting)
-    apart = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough, **shifts)
+    apart = bench.ramp_options
     if not tests and (apart.choices or bench.cuts != Cuts() or bench.filter):
         raise DataError(
             "method, elastic law, cuts, filter, starting points and shifts say how relaxation "

@@ -29,6 +29,7 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
+from dashpot.fitting.fit_options import FitOptions, SolidOptions
 from dashpot.reading.read_options import ReadOptions
 
 # The main job as a value: which files, read and treated how.
@@ -182,29 +183,10 @@ class Job(Serialisable):
         None, "Mass of one seal: a third moves with the block.", unit="mass"
     )
     seals: float = option(1.0, "Seals in parallel.")
-    arms: int | Literal["auto"] = option(
-        "auto", "Maxwell arms.", word="auto", least=0, decides="fit"
-    )
-    method: Method = option(
-        "full",
-        "Whole record, or equation (5) of the paper.",
-        choices=Method,
-        decides="fit",
-    )
-    law: RampLawAsked = option(
-        "auto",
-        "Elastic law of the ramp.",
-        choices=RampLawAsked,
-        flag="elastic",
-        decides="fit",
-    )
-    family: FamilyAsked = option(
-        "maxwell",
-        "Model of the seal: Maxwell arms, or fractional.",
-        choices=FamilyAsked,
-        flag="model",
-        decides="fit",
-    )
+    arms: int | Literal["auto"] = copy_option(SolidOptions, "arms")
+    method: Method = copy_option(SolidOptions, "method")
+    law: RampLawAsked = copy_option(SolidOptions, "law")
+    family: FamilyAsked = copy_option(SolidOptions, "family")
     cuts: Cuts = make_nested_options(Cuts, decides="test")
     band: tuple[float, float] | None = option(
         None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", ends=True
@@ -237,6 +219,11 @@ class Job(Serialisable):
         unit="temperature",
         flag="hammer-temperature",
     )
+
+    @property
+    def fit_options(self) -> FitOptions:
+        """What is asked of the fit of the relaxation tests."""
+        return FitOptions(self.arms, self.method, self.law, self.family)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ import numpy as np
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.base.number_format import hertz, seals
-from dashpot.base.option_fields import FamilyAsked, Method, RampLawAsked
 from dashpot.base.plain_text import paragraph
 from dashpot.base.progress import send_progress
 from dashpot.base.result_mixins import Plottable
@@ -26,9 +25,9 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen, make_file_specimens
 from dashpot.datamodel.vibration_tests import ImpactTest
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.order_selection import FitOptions
 from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.read_options import ReadOptions
@@ -265,10 +264,7 @@ def characterise(
     impact: ImpactTest | None = None,
     mass: Quantity | None = None,
     seals: float = 1.0,
-    arms: int | Literal["auto"] = "auto",
-    method: Method = "full",
-    law: RampLawAsked = "auto",
-    family: FamilyAsked = "maxwell",
+    options: FitOptions = FitOptions(),  # noqa: B008
     cuts: Cuts | None = None,
     band: Range | None = None,
     filter: str | None = None,
@@ -294,9 +290,10 @@ def characterise(
         kg; inferred from `measured`, and labelled so, if missing.
     seals : float
         How many of the tested seals carry the mass; a fraction is a shorter piece.
-    arms, method, law, family, filter, cycle, machine
-        As in :func:`~dashpot.fitting.relaxation.fit` and
-        :func:`~dashpot.preprocessing.prepare.prepare`.
+    options : FitOptions
+        Of the fit of the tests; a number of arms is that of the joint fit, too.
+    filter, cycle, machine
+        As in :func:`~dashpot.preprocessing.prepare.prepare`.
     cuts : Cuts, optional
         Of the relaxation test, by hand.
     band : (float, float), optional
@@ -320,7 +317,7 @@ def characterise(
         (test, *tests), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
         cycle=cycle,
     )  # fmt: skip
-    chosen = fit(every, arms=arms, method=method, law=law, family=family)
+    chosen = fit(every, **options.choices)
     if impact_temperature is not None:
         chosen = chosen.at_temperature(impact_temperature)
     # what is shown is of the temperature of the solid
@@ -337,12 +334,12 @@ def characterise(
         response = _predict_mass_response(chosen, every, measured, on, band)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
-            usual = FitOptions(method=method, law=law)
-            before, number = _before_hammer(chosen, every, arms, usual, impact_temperature)
+            usual = replace(options, arms="auto", family="maxwell")
+            before, number = _before_hammer(chosen, every, options.arms, usual, impact_temperature)
             both = identify(
                 measured, tests=every, fit=before, mass=value, seals=seals, band=band, arms=number,
                 compression=response.compression if value is None else compression,
-                family=family, rig=HammerRig().on(machine), bench=usual,
+                family=options.family, rig=HammerRig().on(machine), bench=usual,
             )  # fmt: skip
             on = replace(on, mass=both.mass_found or mass, seals=seals * both.under_hammer)
             mended = _JointResults(both, *_predict_and_compare(both, measured, on, band))
@@ -489,10 +486,7 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
         impact=impact,
         mass=mass,
         seals=job.seals,
-        arms=job.arms,
-        method=job.method,
-        law=job.law,
-        family=job.family,
+        options=job.fit_options,
         cuts=job.cuts,
         band=job.band,
         filter=job.filter,

@@ -75,11 +75,7 @@ def fit_job(job: Job, intervals: bool, most: int | None) -> Fit:
     """The fit of a job's tests; with its intervals and checks if asked for."""
     return fit(
         prepare_job_tests(select_test_choices(job), most),
-        arms=job.arms,
-        method=job.method,
-        law=job.law,
-        family=job.family,
-        intervals=intervals,
+        **replace(job.fit_options, intervals=intervals).choices,
     )
 
 

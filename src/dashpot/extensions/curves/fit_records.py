@@ -11,7 +11,6 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import refuse_shifts
-from dashpot.fitting.order_selection import FitOptions
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.registry import row_of
 from dashpot.workflow.bench_tests import (
@@ -19,7 +18,6 @@ from dashpot.workflow.bench_tests import (
     BenchFitOptions,
     Record,
     prepare_ramps,
-    shifted_ramps,
 )
 from dashpot.workflow.job import ShiftChoices, require_test_for_machine
 
@@ -126,7 +124,7 @@ def _fit_creep(
                 "it out"
             )
         if not isinstance(record, Superposition) and options.shifting.at is None:
-            refuse_shifts("a creep test is", FitOptions(**shifted_ramps(options.shifting)))
+            refuse_shifts("a creep test is", options.ramp_options)
         return fit_creep(record, arms=options.arms, thorough=options.thorough), (record,)
 
 

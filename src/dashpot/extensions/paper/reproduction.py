@@ -25,6 +25,7 @@ from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.paper.equations import Coefficients
 from dashpot.extensions.paper.exponential_sum import exponential_sum
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.ground_truth import stamp, truth_json
 from dashpot.simulation.impact import SimulatedImpact, simulate_impact
@@ -227,7 +228,7 @@ def reproduce(seed: int = 0) -> Reproduction:
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
     study = characterise(
         rig.test, estimate_frf(hammer.test), impact=hammer.test, mass=PAPER_MASS, seals=SEALS,
-        arms=2,
+        options=FitOptions(2),
     )  # fmt: skip
     send_progress("the resonance")
     top, lower = peak_of(Kind.ACCELERANCE), peak_of(Kind.RECEPTANCE)

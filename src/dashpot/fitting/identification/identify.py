@@ -16,7 +16,7 @@ from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.fitting.checks.solid import arms_enough
-from dashpot.fitting.fit_options import checked_family
+from dashpot.fitting.fit_options import FitOptions, checked_family
 from dashpot.fitting.fractional_model.family_selection import ArmColumns
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.discrepancy_causes import (
@@ -53,7 +53,7 @@ from dashpot.fitting.identification.problem_inputs import (
     seals_of,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
-from dashpot.fitting.order_selection import FURTHER, FitOptions
+from dashpot.fitting.order_selection import FURTHER
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.model_order import DECISIVE, Shortage, select_model_order

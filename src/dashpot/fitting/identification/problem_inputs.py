@@ -11,12 +11,11 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.fit_options import require_maxwell_family
+from dashpot.fitting.fit_options import FitOptions, require_maxwell_family
 from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.fitting.input_tests import temperatures_of
 from dashpot.fitting.nuisance_priors import Prior
-from dashpot.fitting.order_selection import FitOptions
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import relaxation_data

@@ -28,10 +28,10 @@ from dashpot.fitting.fit_data import (
     solid_of,
     weighed,
 )
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.fractional_model.family_selection import FractionalFit, element
 from dashpot.fitting.nonlinear_ramp.quasi_linear import ramp_obstacle, relaxes_from
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
-from dashpot.fitting.order_selection import FitOptions
 from dashpot.fitting.parameter_errors import residual_of
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve

@@ -66,6 +66,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import NUISANCE, FitData, max_determinable_arms, regularise_clock
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
 from dashpot.fitting.nuisance_priors import (
     ROUNDING,
@@ -75,7 +76,6 @@ from dashpot.fitting.nuisance_priors import (
     estimate_channel_zero,
 )
 from dashpot.fitting.order_selection import (
-    FitOptions,
     SelectedModel,
     select_order,
     validate_arm_count,
@@ -150,7 +150,7 @@ def fit_creep(
         If no force is held, the compliance falls, or an option makes no sense.
     """
     validate_arm_count(arms, max_arms)
-    options = FitOptions(arms, max_arms, thorough=thorough)
+    options = FitOptions(arms, max_arms=max_arms, thorough=thorough)
     if isinstance(test, CreepCompliance) and test.temperature is not None:
         test = superpose(test)
     if isinstance(test, Superposition):

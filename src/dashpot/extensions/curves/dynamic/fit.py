@@ -58,7 +58,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import FitData, FitSetup, compress_tests
-from dashpot.fitting.fit_options import checked_family, require_maxwell_family
+from dashpot.fitting.fit_options import FitOptions, checked_family, require_maxwell_family
 from dashpot.fitting.fractional_model.family_selection import (
     FractionalFit,
     chosen_family,
@@ -66,7 +66,6 @@ from dashpot.fitting.fractional_model.family_selection import (
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import (
-    FitOptions,
     SelectedModel,
     select_order,
     validate_arm_count,
@@ -214,7 +213,9 @@ def fit_dynamic(
     weights = weights or _USUAL[shifted]
     most = validate_arm_count(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
-    selection = select_order(_stack_parts(sets), FitOptions(arms, max_arms, thorough=thorough))
+    selection = select_order(
+        _stack_parts(sets), FitOptions(arms, max_arms=max_arms, thorough=thorough)
+    )
     both = chosen_family(selection, family)
     selection = both.best
     band, met = _band(data, records, sets[1:], selection.model.k_0)

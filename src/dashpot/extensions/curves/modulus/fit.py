@@ -41,7 +41,8 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import FitData
-from dashpot.fitting.order_selection import FitOptions, select_order, validate_arm_count
+from dashpot.fitting.fit_options import FitOptions
+from dashpot.fitting.order_selection import select_order, validate_arm_count
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.preprocessing.checks import check_temperature
@@ -122,7 +123,7 @@ def fit_modulus(
     window = _window(t)
     block = _weight_curve(t, values, weights, window, most)
     selection = select_order(
-        FitData([block], [block]), FitOptions(arms, max_arms, thorough=thorough)
+        FitData([block], [block]), FitOptions(arms, max_arms=max_arms, thorough=thorough)
     )
     model = selection.model
     positive = t[t > 0]

@@ -54,9 +54,10 @@ from dashpot.fitting.fit_construction import (
     run_solid_checks,
 )
 from dashpot.fitting.fit_data import FitData, FitSetup, block_of, bound, data_of, weighed
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import end_stiffnesses
 from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks, assess_linearity
-from dashpot.fitting.order_selection import FURTHER, FitOptions, compute_certificate
+from dashpot.fitting.order_selection import FURTHER, compute_certificate
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.fitting.valid_band import band_of_hold, find_single_test_band, informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
@@ -98,7 +99,7 @@ def _fit_single_test(
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], FitSetup("full"))
     gate = assess_linearity(
-        HoldBlocks([record]), data, FitOptions("auto", _OWN_ARMS, thorough=thorough)
+        HoldBlocks([record]), data, FitOptions(max_arms=_OWN_ARMS, thorough=thorough)
     )
     bend = law == "nonlinear"
     if law == "linear" or record.loading_start is not None or (gate.sound and not bend):

@@ -17,8 +17,8 @@ from dashpot.extensions.curves.temperatures.starting_points import (
     first_shifts,
     refine_candidates,
 )
+from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import temperatures_of
-from dashpot.fitting.order_selection import FitOptions
 from dashpot.numerics.inference.model_order import DECISIVE, OrderChoice, select_model_order
 
 # what is known of how arms shift apart: two temperatures hardly tell, three do
