@@ -23,6 +23,7 @@ from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.study import characterise
 
 
@@ -51,7 +52,7 @@ def main() -> None:
             spent = [cpu_and_wall(command)[0] for _ in range(rounds)]
             print(f"{name:24} {statistics.median(spent):5.2f} s CPU (least {min(spent):.2f})")
     frf = estimate_frf(hammer, mass=BROAD_MASS)
-    study = characterise(bench, frf, impact=hammer, mass=BROAD_MASS, seals=2)
+    study = characterise(bench, frf, impact=hammer, block=BlockOnSeals(BROAD_MASS, 2))
     spent = []
     for _ in range(rounds):
         start = time.process_time()

@@ -30,6 +30,7 @@ from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once
@@ -260,7 +261,7 @@ def test_a_disturbed_record_is_answered_in_words() -> None:
 def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: float) -> None:
     bench = simulate_relaxation(BROAD, seed=3).test
     hammer = simulate_impact(stiffer * BROAD, mass=BROAD_MASS, hits=3, seed=3).test
-    study = characterise(bench, estimate_frf(hammer, mass=mass), mass=mass, seals=2)
+    study = characterise(bench, estimate_frf(hammer, mass=mass), block=BlockOnSeals(mass, 2))
     assert study.verdict.use == "do not use"
     # what the page shows of both tests is of the one cause that explains them
     assert study.joint.explanations[0].explains

@@ -31,6 +31,7 @@ from dashpot.text_output import results as text_of
 from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.study import characterise
 
@@ -73,7 +74,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     bench = simulate_relaxation(seal, rig=Rig().noise_free(), seed=1).test
     hammer = simulate_impact(seal, mass=mass, hits=5, rig=Hammer().noise_free(), seed=1).test
     frf = estimate_frf(hammer, mass=mass)
-    study = characterise(bench, frf, impact=hammer, mass=mass, seals=2)
+    study = characterise(bench, frf, impact=hammer, block=BlockOnSeals(mass, 2))
     assert study.verdict.use == "use", study.verdict
     checks = [*study.fit.checks, *frf.checks, *study.joint.checks, *study.joint_comparison.checks]
     if seal is PAPER:
@@ -176,7 +177,7 @@ def test_a_study_is_judged_by_the_solid_that_it_ends_with() -> None:
 
 def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     bench = simulate_relaxation(PAPER, hold_time=10.0, seed=1).test
-    found = characterise(bench, mass=PAPER_MASS, seals=2).verdict
+    found = characterise(bench, block=BlockOnSeals(PAPER_MASS, 2)).verdict
     assert found.use == "use with care"
     assert [check.name for check in found.because] == ["prediction_informed"]
     assert "Measure it with a hammer" in found.says

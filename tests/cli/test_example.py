@@ -16,6 +16,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.solids.demo_seals import BROAD
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.example_files import FILES
+from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.study import characterise
 
 ROD = ("--shape", "disc:20mm,20mm", "--density", "1000", "--mass", "31.4g")
@@ -57,7 +58,10 @@ def test_the_first_seal_is_the_one_that_was_simulated(folder):
     test, hits = read_relaxation(folder / "seal_8mm.csv"), read_impact(folder / "hammer.csv")
     assert test.source.simulated
     study = characterise(
-        test, estimate_frf(hits, mass=workflow.MASS), impact=hits, mass=workflow.MASS, seals=2
+        test,
+        estimate_frf(hits, mass=workflow.MASS),
+        impact=hits,
+        block=BlockOnSeals(workflow.MASS, 2),
     )
     assert study.verdict.use == "use"
     assert study.joint_comparison.damping_ratio_error == pytest.approx(0, abs=0.02)

@@ -26,7 +26,7 @@ from dashpot.workflow.frf_comparison import compare_files, weighed
 from dashpot.workflow.frf_prediction import predict_files
 from dashpot.workflow.identification import identify_files
 from dashpot.workflow.inspections import inspect_files
-from dashpot.workflow.job import HammerChoices, ShiftChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices, ShiftChoices
 from dashpot.workflow.measured_frf import total_mass
 from dashpot.workflow.static_equilibrium import _slid
 
@@ -114,17 +114,19 @@ def test_a_modulus_excludes_what_belongs_to_a_ramp(tmp_path, choice):
 
 
 def test_the_moving_mass_is_the_block_and_a_third_of_the_seals():
-    mass, (check,) = total_mass(0.1, seal=0.003, seals=2)
+    mass, (check,) = total_mass(BlockOnSeals(0.1, 2, 0.003))
     assert mass == pytest.approx(0.102)
     assert check.name == "seal_mass_negligible"
-    assert total_mass(0.1, seal=None, seals=2) == (0.1, ())
-    assert total_mass(None, seal=0.003, seals=2) == (None, ())
+    assert total_mass(BlockOnSeals(0.1, 2)) == (0.1, ())
+    assert total_mass(BlockOnSeals(None, 2, 0.003)) == (None, ())
 
 
 def test_a_fit_is_not_fitted_together_with_its_own_test():
-    choices = {"hammer": HammerChoices(), "options": ReadOptions(), "mass": 0.1}
+    choices = {"hammer": HammerChoices(), "options": ReadOptions()}
     with pytest.raises(ReadError, match="leave the fit out"):
-        identify_files(["hits.csv"], fits=[a_fit(PAPER)], tests=["seal.csv"], **choices)
+        identify_files(
+            ["hits.csv"], BlockOnSeals(0.1), fits=[a_fit(PAPER)], tests=["seal.csv"], **choices
+        )
 
 
 def test_an_inspection_says_what_preparation_sees(seal, sweep):
@@ -180,23 +182,30 @@ SAID = ReadOptions(units={"real": "(m/s^2)/N", "imaginary": "(m/s^2)/N"})
 
 def test_what_the_user_says_of_an_frf_is_heeded(foreign):
     with pytest.raises(ReadError, match="makes no FRF"):
-        compare_files(a_fit(PAPER), [foreign], hammer=HammerChoices(), options=ReadOptions())
+        compare_files(
+            a_fit(PAPER), [foreign], BlockOnSeals(), hammer=HammerChoices(), options=ReadOptions()
+        )
     found = compare_files(
-        a_fit(PAPER), [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2
+        a_fit(PAPER), [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID
     )
     assert found.comparison.measured_hz == pytest.approx(12.71, abs=0.02)
 
 
 def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     found = compare_files(
-        a_fit(PAPER), [foreign], hammer=HammerChoices(), options=SAID, seals=2, band=(8, 40)
+        a_fit(PAPER),
+        [foreign],
+        BlockOnSeals(seals=2),
+        hammer=HammerChoices(),
+        options=SAID,
+        band=(8, 40),
     )
     assert found.mass == pytest.approx(0.104, rel=1e-2)
     (coherence,) = [check for check in found.noted if check.name == "coherence"]
     assert coherence.passed
     assert "(12.6 Hz)" in coherence.says
     found = identify_files(
-        [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2, band=(8, 40)
+        [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID, band=(8, 40)
     )
     fit, straight, noted = found.fit, found.direct.of, found.noted
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
@@ -217,7 +226,7 @@ def hard(se=0.0):
 
 
 def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
-    found = predict_files(hard(), mass=0.104, seals=2, band=(5.0, 40.0))
+    found = predict_files(hard(), block=BlockOnSeals(0.104, 2), band=(5.0, 40.0))
     at = hardening.resting(0.104, 2)
     scale = hardening.tangent(at) / hardening.K_INF
     told = found.document
@@ -228,10 +237,12 @@ def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
     assert told["tangent"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
     assert found.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
     assert "tangent at 3.24 mm" in str(found.at_rest)
-    given = predict_files(hard(), mass=0.104, seals=2, band=(5.0, 40.0), compression=8e-3)
+    given = predict_files(hard(), block=BlockOnSeals(0.104, 2, compression=8e-3), band=(5.0, 40.0))
     assert given.document["compression"] == 8e-3
     assert given.peak[0] > found.peak[0]
-    assert str(predict_files(a_fit(PAPER), mass=0.104, band=(5.0, 40.0)).at_rest) == ""
+    assert (
+        str(predict_files(a_fit(PAPER), block=BlockOnSeals(0.104), band=(5.0, 40.0)).at_rest) == ""
+    )
 
 
 def test_limits_carry_the_doubt_of_the_tangent():
@@ -239,7 +250,7 @@ def test_limits_carry_the_doubt_of_the_tangent():
     f = np.linspace(8.0, 18.0, 801)
 
     def inside(se):
-        found = predict_files(hard(se), mass=0.104, seals=2, band=(8.0, 18.0), lines=801)
+        found = predict_files(hard(se), block=BlockOnSeals(0.104, 2), band=(8.0, 18.0), lines=801)
         scale = found.at_rest.point.factor * (1 + 1.5 * 0.02)
         omega = 2 * np.pi * f
         truth = np.abs(omega**2 / (2 * hardening.stiffness(omega, scale) - 0.104 * omega**2))
@@ -261,7 +272,7 @@ def test_a_mass_and_the_stiffness_under_it_find_each_other():
         f, mass=0.104, seals=2, scale=hardening.tangent(at) / hardening.K_INF, noise=1e-3, seed=1
     )
     frf = FRF(f, value, sd=sd, averages=4, units="SI")
-    assert weighed(hard(), frf, mass=None, seals=2).mass == pytest.approx(0.104, rel=5e-3)
+    assert weighed(hard(), frf, BlockOnSeals(seals=2)).mass == pytest.approx(0.104, rel=5e-3)
 
 
 def test_what_nothing_limits_stays_without_limit_however_the_tangent_slides():

@@ -19,6 +19,7 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.study import characterise
 
@@ -63,7 +64,7 @@ def story():
     bench = simulate_relaxation(BROAD, seed=1)
     hammer = simulate_impact(BROAD, mass=BROAD_MASS, hits=5, rig=Hammer(record=8.0), seed=1)
     frf = estimate_frf(hammer.test, mass=BROAD_MASS)
-    return characterise(bench.test, frf, impact=hammer.test, mass=BROAD_MASS, seals=2)
+    return characterise(bench.test, frf, impact=hammer.test, block=BlockOnSeals(BROAD_MASS, 2))
 
 
 def test_the_story_says_that_damping_was_not_tested(story):
@@ -103,7 +104,7 @@ def test_standard_errors_know_nothing_of_unseen_arms():
 
 def test_the_story_without_a_hammer_ends_at_the_prediction():
     bench = simulate_relaxation(PAPER, hold_time=10.0, seed=1)
-    story = characterise(bench.test, mass=PAPER_MASS, seals=2)
+    story = characterise(bench.test, block=BlockOnSeals(PAPER_MASS, 2))
     peak = story.prediction.frequency[np.abs(story.prediction.value).argmax()]
     assert peak == pytest.approx(12.71, rel=0.01)
     assert story.comparison is None
@@ -115,7 +116,7 @@ def test_a_mass_that_is_not_given_is_inferred_and_labelled(story):
     again = characterise(
         story.test,
         replace(story.measured, checks=()),
-        seals=2,
+        block=BlockOnSeals(seals=2),
         joint=False,
         options=FitOptions(2),
     )

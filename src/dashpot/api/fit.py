@@ -21,7 +21,7 @@ from dashpot.registry import FITS, KINDS, load_object, row_of
 from dashpot.workflow.bench_tests import BenchFitOptions, fit_records
 from dashpot.workflow.fit_routing import BENCH, route
 from dashpot.workflow.identification import identify_solid
-from dashpot.workflow.job import Cuts, HammerChoices, ShiftChoices
+from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, ShiftChoices
 from dashpot.workflow.measured_frf import Modes, measured_frf, modes_of_hits
 
 Arms: TypeAlias = int | Literal["auto"]
@@ -221,14 +221,16 @@ def fit_jointly(
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
     result = identify_solid(
         frf,
+        BlockOnSeals(
+            kilograms,
+            1.0 if seals is None else seals,
+            convert_to_si(seal_mass, "mass"),
+            convert_to_si(compression, "length"),
+        ),
         tests=tests,
         fits=[record for record in records if isinstance(record, Fit)],
-        mass=kilograms,
-        seal_mass=convert_to_si(seal_mass, "mass"),
-        seals=1.0 if seals is None else seals,
         seals_assumed=seals is None,
         band=hertz,
-        compression=convert_to_si(compression, "length"),
         temperature=convert_to_si(impact_temperature, "temperature"),
         hammer=hammer,
         arms=arms,

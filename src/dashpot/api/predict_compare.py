@@ -25,7 +25,7 @@ from dashpot.fitting.fit_options import FitOptions
 from dashpot.registry import find_handler, load_object, row_of
 from dashpot.workflow.frf_comparison import Agreement, agreement
 from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
-from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
+from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, LevelChoices, PartChoices
 
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import Solid
@@ -144,15 +144,17 @@ def _under_mass(
     return prediction(
         fit,
         _prepare_tests(record, machine),
-        mass=convert_to_si(mass, "mass"),
-        seal_mass=convert_to_si(seal_mass, "mass"),
-        seals=seals,
+        block=BlockOnSeals(
+            convert_to_si(mass, "mass"),
+            seals,
+            convert_to_si(seal_mass, "mass"),
+            convert_to_si(compression, "length"),
+        ),
         band=si_range(band, "frequency"),
         lines=lines,
         kind=quantity,
         base=bool(base),
         relative=relative,
-        compression=convert_to_si(compression, "length"),
         temperature=convert_to_si(temperature, "temperature"),
         part=part,
         at_level=choices,
@@ -236,12 +238,11 @@ def _agreement(
     return agreement(
         first,
         frf_of([second], mass=kilograms, band=hertz, hammer=hammer),
+        BlockOnSeals(
+            kilograms, 1.0 if seals is None else seals, convert_to_si(seal_mass, "mass"), at
+        ),
         tests=_prepare_tests(record),
-        mass=kilograms,
-        seal_mass=convert_to_si(seal_mass, "mass"),
-        seals=1.0 if seals is None else seals,
         band=hertz,
-        compression=at,
     )
 
 
@@ -305,10 +306,9 @@ def report(
     study = characterise(
         tests[0],
         measured,
+        block=BlockOnSeals(kilograms, seals, compression=convert_to_si(compression, "length")),
         tests=tests[1:],
         impact=impact,
-        mass=kilograms,
-        seals=seals,
         options=FitOptions(arms, method, elastic, model),
         cuts=cuts,
         band=hertz,
@@ -316,7 +316,6 @@ def report(
         cycle=cycle,
         machine=machine,
         joint=joint,
-        compression=compression,
         impact_temperature=impact_temperature,
     )
     return replace(study, title=title)

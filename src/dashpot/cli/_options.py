@@ -24,7 +24,7 @@ from dashpot.cli._param_types import ChoiceWithSuggestion, Figure, File, Output,
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
-from dashpot.workflow.job import Cuts, HammerChoices, Job
+from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, Job
 
 MODEL, MASS, READING, RESULT = "Model", "Mass on seals", "Reading the files", "Result"
 RAMP, WARM, HITS = "Ramp and hold", "Several temperatures", "Hammer hits"
@@ -163,6 +163,11 @@ def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> li
             build_options(Job, "compression", kinds=kinds),
         ),
     ]
+
+
+def pop_block(said: dict[str, Any]) -> BlockOnSeals:
+    """Take the block that the options of :func:`under_mass` describe out of what was said."""
+    return BlockOnSeals(*(said.pop(attribute.name) for attribute in fields(BlockOnSeals)))
 
 
 def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[CommandOption]:

@@ -27,7 +27,7 @@ from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File
 from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text
-from dashpot.workflow.job import Job
+from dashpot.workflow.job import BlockOnSeals, Job
 
 _LOT, _SOLID = "lot", "fit"
 _MEASURED = set(VIBRATION.split())
@@ -73,10 +73,10 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
         return _lots(first, others[0], said["quantities"])
     if text == _SOLID:
         print_detected_kinds({path: detections[path] for path in others})
-        names = ("records", "mass", "seal_mass", "compression", "band", "hammer")
         return _prediction(
-            first, others, seals=said["seals"], picture=said["picture"], reading=said["options"],
-            **{name: said[name] for name in names},
+            first, others, options.pop_block(said),
+            picture=said["picture"], reading=said["options"],
+            **{name: said[name] for name in ("records", "band", "hammer")},
         )  # fmt: skip
     print_detected_kinds(detections)
     return _frfs(first, others, said)
@@ -103,8 +103,8 @@ def _place(path: str) -> str:
 def _prediction(
     fit: str,
     measured: Sequence[str],
+    block: BlockOnSeals,
     *,
-    seals: float,
     picture: str | None,
     reading: Any,
     **choices: Any,
@@ -114,25 +114,25 @@ def _prediction(
     agreement = workflow.compare_files(
         fitted,
         measured,
-        seals=seals,
+        block,
         options=reading.without(reading.of_bench),
         options_with=reading.only(("units", *reading.of_bench)),
         **choices,
     )
     if picture:
         sources = (*fitted.source, *agreement.comparison.measured.source)
-        named = dp.plot.stamp(sources, fitted.specimen, mass=agreement.mass, seals=seals)
+        named = dp.plot.stamp(sources, fitted.specimen, mass=agreement.mass, seals=block.seals)
         drawn = dp.plot.comparison(
             agreement.comparison, band=agreement.limits, interval=agreement.interval, stamp=named
         )
         write_figure(picture, drawn)
     inferred = agreement.mass_inferred
-    block = "MASS" if inferred else grams(agreement.mass)
+    mass = "MASS" if inferred else grams(agreement.mass)
     family = ("--model", "auto") if fitted.alternative is not None else ()
     follow = ""
     if fitted.method in get_choice_values(Method):
         tests = [source.file for source in fitted.source]
-        rig = ("--mass", block, "--seals", f"{seals:g}")
+        rig = ("--mass", mass, "--seals", f"{block.seals:g}")
         again = options.get_typed_options_for("fit", but=("--mass", "--seals", "--model"))
         why = "fits both tests together"
         follow = format_command("fit", *tests, *measured, *family, *rig, *again, why=why)

@@ -33,7 +33,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, find_handler, load_object
 from dashpot.text_output import results as text_of
 from dashpot.workflow.bench_tests import BenchFitOptions
-from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
 # What the user said to ``dashpot fit``: the records, what each was taken for, and the options.
 
@@ -362,11 +362,11 @@ def run_joint(request: FitRequest) -> CommandResult:
         )
     result = workflow.identify_files(
         measured,
+        BlockOnSeals(request.mass, **request.some("seals", "seal_mass", "compression")),
         fits=[workflow.read_fit(path) for path in fits],
         tests=[path for path in extras if path not in fits],
         options=reading.without(reading.of_bench),
         options_with=reading.only(("units", *reading.of_bench)),
-        mass=request.mass,
         family=request.model(FamilyAsked, "maxwell"),
         seals_assumed="--seals" not in request.get_option_words(),
         bench=BenchFitOptions(
@@ -374,7 +374,7 @@ def run_joint(request: FitRequest) -> CommandResult:
             **request.some("method", "cuts", "filter", "thorough", "shifting", "machine",
                          "specimen"),
         ),
-        **request.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
+        **request.some("rig", "impact_temperature", "arms",
                      "known", "band", "temperatures", "hammer"),
     )  # fmt: skip
     request.draw(lambda: dp.plot.stiffness(result.fit))

@@ -246,12 +246,12 @@ def _under_mass(
     picture: str | None,
     output: str | None,
     hammer: Any,
-    mass: float | None,
     **choices: Any,
 ) -> CommandResult:
     """Predict the response of a mass on the seals, or on parts of a material."""
     fitted = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
-    if mass is None:
+    block = options.pop_block(choices)
+    if block.mass is None:
         raise click.UsageError("Give the mass of the block: --mass 104g")
     several = len(choices["at_level"].levels) > 1
     if output and several and not output.lower().endswith((".json", *PAGE_SUFFIXES)):
@@ -259,7 +259,7 @@ def _under_mass(
             "-o FRF.csv holds one level: ask one --level, or write .json or .html"
         )
     prediction = workflow.predict_files(
-        fitted, mass=mass, relative=hammer.motion == "relative", **choices
+        fitted, block=block, relative=hammer.motion == "relative", **choices
     )
     if picture:
         write_figure(picture, prediction.plot())

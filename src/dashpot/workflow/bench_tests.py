@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -189,11 +189,11 @@ class BenchFitOptions(SolidOptions):
                 "own shifts: leave them out"
             )
         return FitOptions(
-            *(getattr(self, attribute.name) for attribute in fields(SolidOptions)),
+            self.arms, self.method, self.law, self.family, self.intervals, self.thorough,
             shift_law=shifting.law,
             vertical="free" if shifting.vertical == "auto" else shifting.vertical,
             reference=shifting.reference,
-        )
+        )  # fmt: skip
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
 from dashpot.workflow.checks import fit_is_tested
-from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
 from dashpot.workflow.static_equilibrium import (
     LIMIT_LINES,
@@ -43,25 +42,25 @@ WEIGHINGS = 100
 def weighed(
     fit: Fit,
     frf: FRF,
+    block: BlockOnSeals,
     *,
-    mass: float | None,
-    seals: float,
     band: tuple[float, float] | None = None,
-    compression: float | None = None,
 ) -> MassOnSeals:
-    """Return the mass given, else the one that the peak of the FRF in `band`, Hz, implies.
+    """Return what moves with the block given, else what the peak of the FRF in `band`, Hz, implies.
 
-    The seals are as stiff as under that mass, or at the compression given, m.
+    The seals are as stiff as under that mass, or at the compression given.
     """
+    mass, _ = total_mass(block)
     if mass is not None:
-        return MassOnSeals(mass, seals, compression)
+        return MassOnSeals(mass, block.seals, block.compression)
     near = frf if band is None else frf.band(*band)
-    mass = infer_mass(seals * fit.model, near)[0]
+    mass = infer_mass(block.seals * fit.model, near)[0]
     for _ in range(WEIGHINGS):
-        point = operating_point(fit, mass=mass, seals=seals, compression=compression)
-        last, mass = mass, infer_mass(seals * point.solid(fit), near)[0]
-        if abs(mass - last) <= 1e-9 * mass:
-            return MassOnSeals(mass, seals, compression)
+        on = MassOnSeals(mass, block.seals, block.compression)
+        solid = operating_point(fit, **on.keywords).solid(fit)
+        mass = infer_mass(block.seals * solid, near)[0]
+        if abs(mass - on.mass) <= 1e-9 * mass:
+            return replace(on, mass=mass)
     raise DataError(
         "no mass rests where its peak is: the stiffness of the seals changes too fast with the "
         "compression; give --mass"
@@ -205,14 +204,13 @@ class Agreement(HasVerdict, Serialisable):
 def compare_files(
     fit: Fit,
     measured: Sequence[str | Path],
+    block: BlockOnSeals,
     *,
     hammer: HammerChoices,
     options: ReadOptions,
-    mass: float | None = None,
     band: tuple[float, float] | None = None,
     records: Sequence[str | Path] = (),
     options_with: ReadOptions | None = None,
-    **asked: Any,
 ) -> Agreement:
     """Hold the prediction of a fit against the hits or the FRF in files.
 
@@ -221,18 +219,20 @@ def compare_files(
     fit : Fit
         Of one seal.
     measured : sequence of path
+    block, band
+        As of :func:`agreement`.
     hammer, options
         How hits are averaged, and what the user said of the files.
     records : sequence of path
         The relaxation tests behind the fit: they bound the unresolved arms.
     options_with : ReadOptions, optional
         What the user said of those.
-    mass, band, asked
-        As of :func:`agreement`.
     """
-    impact, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    impact, frf = read_measured(
+        measured, choices=hammer, options=options, mass=block.mass, band=band
+    )
     tests = prepared_files(records, options=options_with)
-    held = agreement(fit, frf, tests=tests, mass=mass, band=band, **asked)
+    held = agreement(fit, frf, block, tests=tests, band=band)
     if not (held.in_sample and tests):
         return held
     leave_out = find_handler("leave one out", impact)
@@ -242,7 +242,7 @@ def compare_files(
         impact,
         tests,
         fit,
-        MassOnSeals(held.mass, held.seals, asked.get("compression")),
+        MassOnSeals(held.mass, block.seals, block.compression),
         choices=hammer,
         band=band,
     )
@@ -252,13 +252,10 @@ def compare_files(
 def agreement(
     fit: Fit,
     frf: FRF,
+    block: BlockOnSeals,
     *,
     tests: Sequence[RampHold] = (),
-    mass: float | None = None,
-    seal_mass: float | None = None,
-    seals: float = 1.0,
     band: tuple[float, float] | None = None,
-    compression: float | None = None,
 ) -> Agreement:
     """Hold the prediction of a fit against an FRF.
 
@@ -267,20 +264,16 @@ def agreement(
     fit : Fit
         Of one seal.
     frf : FRF
+    block : BlockOnSeals
+        Its mass is inferred from the FRF if missing.
     tests : sequence of RampHold
         The relaxation tests behind the fit.
-    mass, seal_mass : float, optional
-        Of the block, inferred from the FRF if missing, and of one seal, kg.
-    seals : float
-        How many carry the block.
     band : (float, float), optional
         Lines compared, Hz.
-    compression : float, optional
-        Of the seals, m; by default that of the mass's weight.
     """
-    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    frf = remove_seal_mass(frf, total, seal_mass, seals)
-    on = weighed(fit, frf, mass=total, seals=seals, band=band, compression=compression)
+    _, noted = total_mass(block)
+    frf = remove_seal_mass(frf, block)
+    on = weighed(fit, frf, block, band=band)
     _, comparison = compare_with_measured(fit, frf, on, band=band)
     rests = find_static_equilibrium(fit, on)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
@@ -293,7 +286,7 @@ def agreement(
         limits = frf_limits(fit, tests, rests.point, on, frequency=about)
     noted = (*frf.checks, *noted, fit_is_tested(len(circular)))
     return Agreement(
-        comparison, on.mass, mass is None, noted, rests, (lines, formal), limits, seals,
+        comparison, on.mass, block.mass is None, noted, rests, (lines, formal), limits, on.seals,
         in_sample=bool(circular),
     )  # fmt: skip
 

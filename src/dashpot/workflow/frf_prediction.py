@@ -46,7 +46,7 @@ from dashpot.workflow.bench_tests import (
     refuse_unfitted_tests,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
+from dashpot.workflow.job import BlockOnSeals, LevelChoices, PartChoices, require_test_for_machine
 from dashpot.workflow.static_equilibrium import (
     LIMIT_LINES,
     RivalModes,
@@ -368,7 +368,7 @@ def predict_files(
     fit: Fit,
     records: Sequence[str | Path] = (),
     *,
-    mass: float,
+    block: BlockOnSeals,
     part: PartChoices | None = None,
     at_level: LevelChoices | None = None,
     machine: Machine | None = None,
@@ -387,7 +387,7 @@ def predict_files(
         What is known of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
-    mass, part, at_level, asked
+    block, part, at_level, asked
         As of :func:`prediction`.
 
     Raises
@@ -401,22 +401,19 @@ def predict_files(
         read_sweep = find_handler("read sweep", at_level)
         swept = read_sweep(at_level, unit=fit.unit, part=part, options=options)
     tests = prepared_files(records, machine=machine, options=options)
-    return prediction(fit, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
+    return prediction(fit, tests, block=block, part=part, at_level=at_level, swept=swept, **asked)
 
 
 def prediction(
     fit: Fit,
     tests: Sequence[RampHold] = (),
     *,
-    mass: float,
-    seal_mass: float | None = None,
-    seals: float = 1.0,
+    block: BlockOnSeals,
     band: tuple[float, float] | None = None,
     lines: int = 2001,
     kind: str | None = None,
     base: bool = False,
     relative: bool = False,
-    compression: float | None = None,
     temperature: float | None = None,
     part: PartChoices | None = None,
     at_level: LevelChoices | None = None,
@@ -431,9 +428,8 @@ def prediction(
         Of one seal.
     tests : sequence of RampHold
         The relaxation tests behind it: they bound the unresolved arms.
-    mass, seal_mass : float
-        Of the block and of one seal, kg.
-    seals : float
+    block : BlockOnSeals
+        Its mass is given.
     band : (float, float), optional
         Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
     kind : str, optional
@@ -441,8 +437,6 @@ def prediction(
         :func:`~dashpot.vibration.systems.frf_prediction.predict_frf`.
     base, relative : bool
         The base moves, and the motion of the mass is taken relative to it.
-    compression : float, optional
-        Of the seals, m; by default that of the mass's weight.
     temperature : float, optional
         K; by default that of the fit's solid.
     part : PartChoices, optional
@@ -459,10 +453,11 @@ def prediction(
     DataError
         If the choices exclude each other, or a record is not what was fitted.
     """
+    mass, seals = block.weighed_mass, block.seals
     SIZES["mass"].refuse(mass)
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
-    moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
+    moving, noted = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
     here = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
@@ -476,8 +471,8 @@ def prediction(
             abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
         )
     # over a base, mounts that weigh something couple the mass to it
-    coupled = compute_coupled_mass(seal_mass, seals) if frf_kind.over_base else 0.0
-    load = MassOnSeals(moving, seals, compression, coupled)
+    coupled = compute_coupled_mass(block.seal_mass, seals) if frf_kind.over_base else 0.0
+    load = MassOnSeals(moving, seals, block.compression, coupled)
     rests = find_static_equilibrium(here, load)
     on = MountedMass(here, rests, load, frf_kind)
     frf = on.frf(np.linspace(*band, lines))

@@ -25,7 +25,7 @@ from dashpot.vibration.systems.frf_prediction import MassOnSeals
 from dashpot.workflow.bench_tests import BenchFitOptions, prepared_files
 from dashpot.workflow.checks import seals_counted
 from dashpot.workflow.frf_comparison import select_failed_stops
-from dashpot.workflow.job import Cuts, HammerChoices, require_test_for_machine
+from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, require_test_for_machine
 from dashpot.workflow.measured_frf import (
     ImpactResult,
     build_impact_result,
@@ -130,10 +130,10 @@ class Identified(HasVerdict, Serialisable):
 
 def identify_files(
     measured: Sequence[str | Path],
+    block: BlockOnSeals,
     *,
     hammer: HammerChoices,
     options: ReadOptions,
-    mass: float,
     band: tuple[float, float] | None = None,
     tests: Sequence[str | Path] = (),
     bench: BenchFitOptions | None = None,
@@ -157,7 +157,7 @@ def identify_files(
         Of the seals under the hammer, K, where tests at several temperatures are fitted too.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
-    hammer, mass, band, asked
+    block, hammer, band, asked
         As of :func:`identify_solid`.
     """
     bench = bench or BenchFitOptions()
@@ -175,7 +175,7 @@ def identify_files(
             f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
             "of the seals under the hammer"
         )
-    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=block.mass, band=band)
     apart = bench.ramp_options
     if not tests and (apart.choices or bench.cuts != Cuts() or bench.filter):
         raise DataError(
@@ -191,21 +191,18 @@ def identify_files(
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
     return identify_solid(
-        frf, tests=prepared, mass=mass, band=band,
+        frf, block, tests=prepared, band=band,
         temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=apart, **asked,
     )  # fmt: skip
 
 
 def identify_solid(
     frf: FRF,
+    block: BlockOnSeals,
     *,
     tests: Sequence[RampHold] = (),
     fits: Sequence[Fit] = (),
-    mass: float,
-    seal_mass: float | None = None,
-    seals: float = 1.0,
     band: tuple[float, float] | None = None,
-    compression: float | None = None,
     temperature: float | None = None,
     specimen: Specimen | None = None,
     hammer: HammerChoices | None = None,
@@ -217,16 +214,14 @@ def identify_solid(
     Parameters
     ----------
     frf : FRF
+    block : BlockOnSeals
+        Its mass is given.
     tests : sequence of RampHold
-        Relaxation tests to fit together with it.
+        Relaxation tests to fit together with the FRF.
     fits : sequence of Fit
         At most one, in place of the tests.
-    mass, seal_mass : float
-        Of the block and of one seal, kg.
     band : (float, float), optional
         Lines fitted, Hz.
-    compression : float, optional
-        Of the seals, m; by default that of the mass's weight.
     temperature : float, optional
         Of the seals under the hammer, K, where tests at several temperatures are fitted too.
     specimen : Specimen, optional
@@ -234,7 +229,7 @@ def identify_solid(
     hammer : HammerChoices, optional
         How hits were averaged.
     seals_assumed : bool
-        Nobody counted the seals: `seals` is what is usual, and this is said.
+        Nobody counted the seals: their number is what is usual, and this is said.
     choices
         As in :func:`~dashpot.fitting.identification.identify.identify`.
     """
@@ -246,21 +241,19 @@ def identify_solid(
         vibration = build_impact_result(
             frf, find_modes_or_reason(frf, band)[0], hammer or HammerChoices()
         )
-    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    total, noted = total_mass(block)
+    on = MassOnSeals(total or block.weighed_mass, block.seals, block.compression)
     if seals_assumed:
-        noted = (*noted, seals_counted(seals))
-    frf = remove_seal_mass(frf, total, seal_mass, seals)
-    mass = total or mass
-    straight = dynamic_stiffness(frf, mass, seals=seals, band=band)
+        noted = (*noted, seals_counted(on.seals))
+    frf = remove_seal_mass(frf, block)
+    straight = dynamic_stiffness(frf, on.mass, seals=on.seals, band=band)
     fit = identify(
         frf,
         band=band,
         tests=tests,
         fit=fits[0] if fits else None,
-        mass=mass,
-        seals=seals,
-        compression=compression,
         temperature=temperature,
+        **on.keywords,
         **choices,
     )
     if specimen is not None:
@@ -271,7 +264,7 @@ def identify_solid(
     evidence = replace(fit.evidence, checks=(*useless, *fit.checks))
     others = tuple(check for check in frf.checks if check not in useless)
     fit = replace(fit, evidence=evidence)
-    rests = find_static_equilibrium(fit, MassOnSeals(mass, seals, compression))
+    rests = find_static_equilibrium(fit, on)
     return Identified(fit, DirectStiffness(straight), (*others, *noted), rests, vibration)
 
 

@@ -132,6 +132,43 @@ class Cuts:
 
 
 @dataclass(frozen=True)
+class BlockOnSeals:
+    """A block on so many equal seals, as a user says it.
+
+    Attributes
+    ----------
+    mass, seal_mass : float or None
+        Of the block, to be inferred from an FRF if missing, and of one seal, kg.
+    seals : float
+        How many carry the block.
+    compression : float or None
+        Of the seals under it, m; None for that of its weight.
+    """
+
+    mass: float | None = option(None, "Mass of the block, e.g. 104g.", unit="mass")
+    seals: float = option(1.0, "Seals in parallel.")
+    seal_mass: float | None = option(
+        None, "Mass of one seal: a third moves with the block.", unit="mass"
+    )
+    compression: float | None = option(
+        None, "Compression of the seals under the mass.", unit="length", word="weight"
+    )
+
+    @property
+    def weighed_mass(self) -> float:
+        """The mass of the block, kg.
+
+        Raises
+        ------
+        DataError
+            If it is not given.
+        """
+        if self.mass is None:
+            raise DataError("no mass is given: say what rests on the seals, such as 104 g")
+        return self.mass
+
+
+@dataclass(frozen=True)
 class Job(Serialisable):
     """Everything that decides the result of ``dashpot report``.
 
@@ -178,11 +215,9 @@ class Job(Serialisable):
 
     relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
     impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)
-    mass: float | None = option(None, "Mass of the block, e.g. 104g.", unit="mass")
-    seal_mass: float | None = option(
-        None, "Mass of one seal: a third moves with the block.", unit="mass"
-    )
-    seals: float = option(1.0, "Seals in parallel.")
+    mass: float | None = copy_option(BlockOnSeals, "mass")
+    seal_mass: float | None = copy_option(BlockOnSeals, "seal_mass")
+    seals: float = copy_option(BlockOnSeals, "seals")
     arms: int | Literal["auto"] = copy_option(SolidOptions, "arms")
     method: Method = copy_option(SolidOptions, "method")
     law: RampLawAsked = copy_option(SolidOptions, "law")
@@ -197,9 +232,7 @@ class Job(Serialisable):
     joint: bool = option(
         True, "Do not fit both tests together.", flag="no-joint", is_flag=True, parse=not_
     )
-    compression: float | None = option(
-        None, "Compression of the seals under the mass.", unit="length", word="weight"
-    )
+    compression: float | None = copy_option(BlockOnSeals, "compression")
     specimen: Specimen = make_nested_options(Specimen, decides="test")
     machine: Machine = make_nested_options(Machine, decides="test")
     reading: ReadOptions = make_nested_options(ReadOptions, decides="test")
@@ -219,6 +252,11 @@ class Job(Serialisable):
         unit="temperature",
         flag="hammer-temperature",
     )
+
+    @property
+    def block(self) -> BlockOnSeals:
+        """The block on the seals."""
+        return BlockOnSeals(self.mass, self.seals, self.seal_mass, self.compression)
 
     @property
     def fit_options(self) -> FitOptions:

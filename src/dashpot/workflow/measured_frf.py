@@ -45,7 +45,7 @@ from dashpot.vibration.systems.frf_prediction import (
     moving_mass,
     on_light_mounts,
 )
-from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
 # What was measured, whatever was struck or shaken: from files to an FRF that is judged.
 
@@ -243,23 +243,23 @@ def average(
     return estimate_frf(impact, **options, mass=mass, resonance_band=band)
 
 
-def total_mass(
-    block: float | None, *, seal: float | None, seals: float
-) -> tuple[float | None, tuple[Check, ...]]:
+def total_mass(block: BlockOnSeals) -> tuple[float | None, tuple[Check, ...]]:
     """Return the block's mass with what moves of the seals, where both are known."""
-    if block is not None:
-        SIZES["mass"].refuse(block)
-    if block is None or seal is None:
-        return block, ()
-    mass, check = moving_mass(block, seal=seal, seals=seals)
+    if block.mass is not None:
+        SIZES["mass"].refuse(block.mass)
+    if block.mass is None or block.seal_mass is None:
+        return block.mass, ()
+    mass, check = moving_mass(block.mass, seal=block.seal_mass, seals=block.seals)
     return mass, (check,)
 
 
-def remove_seal_mass(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
+def remove_seal_mass(frf: FRF, block: BlockOnSeals) -> FRF:
     """Return a transmissibility as seals without mass would show it; another FRF as it is."""
+    mass, _ = total_mass(block)
     if not frf.quantity.over_base or mass is None:
         return frf
-    return on_light_mounts(frf, mass=mass, coupled=compute_coupled_mass(seal_mass, seals))
+    coupled = compute_coupled_mass(block.seal_mass, block.seals)
+    return on_light_mounts(frf, mass=mass, coupled=coupled)
 
 
 # What every search for modes gives: a sequence of them, judged with the FRF that shows them.

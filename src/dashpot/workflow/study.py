@@ -17,7 +17,7 @@ from dashpot.base.plain_text import paragraph
 from dashpot.base.progress import send_progress
 from dashpot.base.result_mixins import Plottable
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
+from dashpot.base.units import Quantity, Range, format_quantity, si_range
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -45,7 +45,7 @@ from dashpot.vibration.systems.frf_prediction import (
 from dashpot.workflow.bench_tests import fit_fixed_order, prepared_tests
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.frf_comparison import compare_with_measured, weighed
-from dashpot.workflow.job import Cuts, Job
+from dashpot.workflow.job import BlockOnSeals, Cuts, Job
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
 from dashpot.workflow.static_equilibrium import (
     StaticEquilibrium,
@@ -260,10 +260,9 @@ def characterise(
     test: RelaxationTest,
     measured: FRF | None = None,
     *,
+    block: BlockOnSeals = BlockOnSeals(),  # noqa: B008
     tests: Sequence[RelaxationTest] = (),
     impact: ImpactTest | None = None,
-    mass: Quantity | None = None,
-    seals: float = 1.0,
     options: FitOptions = FitOptions(),  # noqa: B008
     cuts: Cuts | None = None,
     band: Range | None = None,
@@ -271,7 +270,6 @@ def characterise(
     cycle: int | None = None,
     machine: Machine | None = None,
     joint: bool = True,
-    compression: Quantity | None = None,
     impact_temperature: Quantity | None = None,
 ) -> Study:
     """The main job: prepare, fit, predict, compare, and mend with a joint fit.
@@ -282,14 +280,12 @@ def characterise(
         One seal, ramp and hold.
     measured : FRF, optional
         Of a mass on the seals.
+    block : BlockOnSeals
+        Its mass is inferred from `measured`, and labelled so, if missing.
     tests : sequence of RelaxationTest
         Of the same seal, to be fitted with `test`, such as a cold one.
     impact : ImpactTest, optional
         The hits behind `measured`, kept for the report.
-    mass : float, optional
-        kg; inferred from `measured`, and labelled so, if missing.
-    seals : float
-        How many of the tested seals carry the mass; a fraction is a shorter piece.
     options : FitOptions
         Of the fit of the tests; a number of arms is that of the joint fit, too.
     filter, cycle, machine
@@ -300,8 +296,6 @@ def characterise(
         Lines to compare, Hz.
     joint : bool
         Whether to fit relaxation and FRF together, too.
-    compression : float, optional
-        Of the seals under the mass, m; by default that of its weight.
     impact_temperature : float, optional
         Of the seals under the hammer, K; by default that of the solid of the tests.
 
@@ -310,8 +304,8 @@ def characterise(
     DataError, FitError
         If a test cannot be prepared, fitted or compared.
     """
-    mass, band = convert_to_si(mass, "mass"), si_range(band, "frequency")
-    compression = convert_to_si(compression, "length")
+    band = si_range(band, "frequency")
+    mass, noted = total_mass(block)
     send_progress("fitting the relaxation test")
     every = prepared_tests(
         (test, *tests), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
@@ -323,26 +317,25 @@ def characterise(
     # what is shown is of the temperature of the solid
     first = find_reference_test(chosen, every)
     test, prepared = (test, *tests)[first], every[first]
-    value = mass
+    on = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
     if measured is not None:
-        mass = weighed(
-            chosen, measured, mass=mass, seals=seals, band=band, compression=compression
-        ).mass
+        measured = remove_seal_mass(measured, block)
+        on = weighed(chosen, measured, block, band=band)
     response, mended = _MassResponse(), _JointResults()
-    if mass is not None:
-        on = MassOnSeals(mass, seals, compression)
+    if on is not None:
         response = _predict_mass_response(chosen, every, measured, on, band)
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual = replace(options, arms="auto", family="maxwell")
             before, number = _before_hammer(chosen, every, options.arms, usual, impact_temperature)
             both = identify(
-                measured, tests=every, fit=before, mass=value, seals=seals, band=band, arms=number,
-                compression=response.compression if value is None else compression,
+                measured, tests=every, fit=before, mass=mass, seals=on.seals, band=band,
+                compression=response.compression if mass is None else on.compression, arms=number,
                 family=options.family, rig=HammerRig().on(machine), bench=usual,
             )  # fmt: skip
-            on = replace(on, mass=both.mass_found or mass, seals=seals * both.under_hammer)
-            mended = _JointResults(both, *_predict_and_compare(both, measured, on, band))
+            found = both.mass_found or on.mass, on.seals * both.under_hammer
+            under = MassOnSeals(*found, on.compression)
+            mended = _JointResults(both, *_predict_and_compare(both, measured, under, band))
     send_progress("bounding what the tests leave open")
     hold_fit, checks = _fit_paper_equation(every, chosen)
     return Study(
@@ -353,14 +346,14 @@ def characterise(
             _get_fixed_order_fit(arms, chosen, prepared) for arms in COMPARED_ORDERS
         ),
         hold_fit=hold_fit,
-        seals=seals,
-        mass=mass,
-        mass_inferred=value is None and mass is not None,
+        seals=block.seals,
+        mass=None if on is None else on.mass,
+        mass_inferred=mass is None and on is not None,
         impact=impact,
         measured=measured,
         unseen=unseen_arm_band(chosen, every, STIFFNESS_LINES),
         parameters=parameter_band(chosen, STIFFNESS_LINES),
-        checks=(*checks, *response.untested),
+        checks=(*checks, *response.untested, *noted),
         further=(*every[:first], *every[first + 1 :]),
         prediction=response.prediction,
         comparison=response.comparison,
@@ -472,20 +465,18 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
         )
     )
     impact = measured = None
-    mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
+    mass, _ = total_mass(job.block)
     if job.impact:
         send_progress(f"reading {_format_file_names(job.impact)}")
         impact, measured = read_measured(
             job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
         )
-        measured = remove_seal_mass(measured, mass, job.seal_mass, job.seals)
     study = characterise(
         test,
         measured,
+        block=job.block,
         tests=tests,
         impact=impact,
-        mass=mass,
-        seals=job.seals,
         options=job.fit_options,
         cuts=job.cuts,
         band=job.band,
@@ -493,11 +484,10 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
         cycle=job.reading.cycle,
         machine=job.machine,
         joint=job.joint,
-        compression=job.compression,
         impact_temperature=job.impact_temperature,
     )
     logo = "" if job.logo is None else read_logo(job.logo)
-    return replace(study, checks=(*study.checks, *noted), title=job.title, logo=logo)
+    return replace(study, title=job.title, logo=logo)
 
 
 def _read(file: str, options: ReadOptions, specimen: Specimen | None) -> RelaxationTest:

@@ -26,7 +26,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_frf
 from dashpot.workflow import compare_files
 from dashpot.workflow.example_files import EXAMPLES
-from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
 pytestmark = pytest.mark.once
 
@@ -152,7 +152,7 @@ def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
     found = row_of(Entry(bench, hammer=(hammer,), mass=MASS), replace(ONE_ARM, seals=2))
     fit = fit_tests(read_relaxation(bench), arms=1)
     agreed = compare_files(
-        fit, [hammer], hammer=HammerChoices(), options=ReadOptions(), mass=MASS, seals=2
+        fit, [hammer], BlockOnSeals(MASS, 2), hammer=HammerChoices(), options=ReadOptions()
     )
     held = agreed.comparison
     assert (found["predicted_Hz"], found["measured_Hz"]) == (held.predicted_hz, held.measured_hz)

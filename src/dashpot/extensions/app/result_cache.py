@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import fields, replace
 from functools import lru_cache
 
-from dashpot.base.errors import DashpotError, DataError, FitError
+from dashpot.base.errors import DashpotError, FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import make_file_specimens
@@ -154,17 +154,14 @@ def base_motion(job: Job) -> Prediction:
         If the mass is not known.
     """
     new_study = study(job)
-    if new_study.mass is None:
-        raise DataError("no mass is given: say what rests on the seals, such as 104 g")
+    block = replace(job.block, mass=new_study.mass, seal_mass=None)
     solid = new_study.joint or new_study.fit
-    top = highest_peak(job.seals * solid.solid.k_0, new_study.mass)
+    top = highest_peak(job.seals * solid.solid.k_0, block.weighed_mass)
     return prediction(
         solid,
-        mass=new_study.mass,
-        seals=job.seals,
+        block=block,
         band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
         base=True,
-        compression=job.compression,
     )
 
 

@@ -35,6 +35,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
+from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.study import Study, characterise
 
 DEPTH, RAMP, HOLD = 8e-3, 1.0, 40.0
@@ -227,8 +228,8 @@ def reproduce(seed: int = 0) -> Reproduction:
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
     study = characterise(
-        rig.test, estimate_frf(hammer.test), impact=hammer.test, mass=PAPER_MASS, seals=SEALS,
-        options=FitOptions(2),
+        rig.test, estimate_frf(hammer.test), impact=hammer.test,
+        block=BlockOnSeals(PAPER_MASS, SEALS), options=FitOptions(2),
     )  # fmt: skip
     send_progress("the resonance")
     top, lower = peak_of(Kind.ACCELERANCE), peak_of(Kind.RECEPTANCE)

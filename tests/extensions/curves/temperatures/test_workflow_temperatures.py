@@ -22,7 +22,7 @@ from dashpot.report import html
 from dashpot.simulation.impact import simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow import EXAMPLES, fit_files, predict_files
-from dashpot.workflow.job import Job, ShiftChoices
+from dashpot.workflow.job import BlockOnSeals, Job, ShiftChoices
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.study import characterise
 
@@ -88,7 +88,7 @@ def test_the_solid_is_that_of_the_reference_asked_for(bench):
 @pytest.mark.parametrize("celsius", [23.0, 0.0, 10.0])
 def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, found, celsius):
     kelvin = celsius + 273.15
-    made = predict_files(found, bench, mass=MASS, seals=2, band=BAND, temperature=kelvin)
+    made = predict_files(found, bench, block=BlockOnSeals(MASS, 2), band=BAND, temperature=kelvin)
     assert made.document["temperature"] == pytest.approx(kelvin)
     f = made.limits.frequency
     stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
@@ -104,7 +104,7 @@ def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, found, celsiu
 
 def test_records_that_do_not_say_their_temperature_are_known_by_the_fit(bench, found):
     again = from_json(to_json(found))
-    one = predict_files(again, bench, mass=MASS, seals=2, band=BAND)
+    one = predict_files(again, bench, block=BlockOnSeals(MASS, 2), band=BAND)
     low, high = one.limits.peak_frequency
     fine = np.linspace(*BAND, 4001)
     stiffness = np.array([cold.complex_stiffness("hidden", f, 23.0) for f in fine])
@@ -116,7 +116,7 @@ def test_records_that_do_not_say_their_temperature_are_known_by_the_fit(bench, f
 
 def test_beyond_the_tested_temperatures_a_pair_predicts_nothing(bench, found):
     with pytest.raises(dp.DataError, match="third temperature"):
-        predict_files(found, mass=MASS, band=BAND, temperature=263.15)
+        predict_files(found, block=BlockOnSeals(MASS), band=BAND, temperature=263.15)
 
 
 def test_a_solid_alone_has_no_temperature(found):
@@ -151,7 +151,9 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     tests = cold.records("hidden", (23.0, 0.0), 0)
     model = dp.GeneralizedMaxwell(*cold.HIDDEN)
     hits = simulate_impact(model, mass=MASS, seals=2, seed=1).test
-    study = characterise(tests[0], estimate_frf(hits), tests=tests[1:], mass=MASS, seals=2.0)
+    study = characterise(
+        tests[0], estimate_frf(hits), tests=tests[1:], block=BlockOnSeals(MASS, 2.0)
+    )
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
     assert study.joint is not None
     assert study.joint.verdict.use == "use"
@@ -170,8 +172,7 @@ def test_a_hammer_of_another_temperature_has_its_own_shift():
         tests[0],
         estimate_frf(hits),
         tests=tests[1:],
-        mass=MASS,
-        seals=2.0,
+        block=BlockOnSeals(MASS, 2.0),
         impact_temperature="10degC",
     )
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 3e-3
