@@ -19,7 +19,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.comparison.compare import compare
-from dashpot.vibration.systems.frf_prediction import operating_point, predict_frf
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
 
 TABLE_1 = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 MASS, SEALS = 0.104, 2.0
@@ -54,23 +54,23 @@ def test_a_straight_law_changes_nothing() -> None:
 
 @pytest.mark.parametrize("fit", [straight(), hard()], ids=["straight", "hardening"])
 def test_no_seal_is_pressed_far_beyond_its_test_or_its_height(fit: Fit) -> None:
-    operating_point(fit, mass=MASS, compression=23.9e-3)
+    operating_point(fit, MassOnSeals(MASS, compression=23.9e-3))
     for refused in (
-        lambda: operating_point(fit, mass=MASS, compression=24.1e-3),
-        lambda: operating_point(fit, mass=104.0, seals=SEALS),
+        lambda: operating_point(fit, MassOnSeals(MASS, compression=24.1e-3)),
+        lambda: operating_point(fit, MassOnSeals(104.0, SEALS)),
         lambda: fit.at_compression(24.1e-3),
         lambda: predict_frf(fit, mass=104.0, seals=SEALS, frequency=LINES),
     ):
         with pytest.raises(DataError, match="tested to 8 mm"):
             refused()
     low = replace(fit, provenance=replace(fit.provenance, specimen=Specimen(height=12e-3)))
-    operating_point(low, mass=MASS, compression=11.9e-3)
+    operating_point(low, MassOnSeals(MASS, compression=11.9e-3))
     with pytest.raises(DataError, match=r"by 12 mm, but it is 12 mm high: check its unit"):
-        operating_point(low, mass=MASS, compression=12e-3)
+        operating_point(low, MassOnSeals(MASS, compression=12e-3))
 
 
 def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> None:
-    point = operating_point(hard(), mass=MASS, seals=SEALS, compression=8e-3)
+    point = operating_point(hard(), MassOnSeals(MASS, SEALS, 8e-3))
     assert point.factor == law().ratio[-1]
     assert point.given
     found = point.solid(hard())
@@ -116,14 +116,14 @@ def test_seals_and_compression_belong_to_a_fit() -> None:
 def test_the_block_of_the_paper_sags_where_the_cubic_carries_it() -> None:
     at = hardening.resting(MASS, SEALS)
     assert at == pytest.approx(3.25e-3, rel=0.02)
-    point = operating_point(hard(), mass=MASS, seals=SEALS)
+    point = operating_point(hard(), MassOnSeals(MASS, SEALS))
     assert point.compression == pytest.approx(at, rel=2e-3)
     assert point.factor == pytest.approx(hardening.tangent(at) / 196.5, rel=5e-3)
     assert not point.beyond
 
 
 def test_deeper_than_tested_the_last_tangent_goes_on_and_it_is_said() -> None:
-    point = operating_point(hard(), mass=1.0, seals=SEALS)
+    point = operating_point(hard(), MassOnSeals(1.0, SEALS))
     assert point.beyond
     assert point.factor == law().ratio[-1]
     carried = law().force(8e-3) + law().tangent(8e-3) * (point.compression - 8e-3)

@@ -19,7 +19,7 @@ from dashpot.reading.write import write_relaxation
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.vibration.systems.frf_prediction import operating_point, predict_frf
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.example_files import EXAMPLES
 from dashpot.workflow.frf_comparison import compare_files, weighed
@@ -278,13 +278,13 @@ def test_a_mass_and_the_stiffness_under_it_find_each_other():
 def test_what_nothing_limits_stays_without_limit_however_the_tangent_slides():
     f = np.geomspace(5.0, 30.0, 200)
     limits = np.array([np.full(200, 0.1), np.where((f > 12) & (f < 13), np.inf, 5.0)])
-    point = operating_point(hard(0.02), mass=0.104, seals=2)
+    point = operating_point(hard(0.02), MassOnSeals(0.104, 2))
     slid = _slid(f, limits, point)
     assert not np.isnan(slid).any()
     assert np.isinf(slid[1]).sum() > np.isinf(limits[1]).sum()
     assert (slid[0] <= limits[0]).all()
     assert (slid[1] >= limits[1]).all()
-    certain = operating_point(hard(), mass=0.104, seals=2)
+    certain = operating_point(hard(), MassOnSeals(0.104, 2))
     np.testing.assert_array_equal(_slid(f, limits, certain), limits)
 
 

@@ -184,13 +184,32 @@ for _unit in TABLE.values():
     _FOLDED.setdefault(_unit.word.lower(), []).append(_unit)
 
 
+@lru_cache(maxsize=1024)
 def find_unit(word: str, dimension: Dimension | None = None) -> Unit | None:
     """Return the unit that `word` names, or None; `dimension` settles ``g`` and ``nm``.
 
     >>> find_unit("µm"), find_unit("Newtons").word, find_unit("furlong")
     (Unit(word='um', dimension='length', factor=1e-06, offset=0.0), 'N', None)
     """
-    return _find(word, dimension)
+    text = " ".join(word.replace("μ", "µ").split())
+    lowered = text.lower()
+    spellings = (
+        text,
+        text.replace("µ", "u"),
+        _ALIASES.get(lowered, ""),
+        _ALIASES.get(lowered.replace(" ", ""), ""),
+        _ALIASES.get(lowered.replace(" ", "_"), ""),
+        text.rstrip("."),
+        _ALIASES.get(lowered.rstrip("."), ""),
+    )
+    for spelling in spellings:
+        for unit in _WORDS.get(spelling, ()):
+            if dimension in (None, unit.dimension):
+                return unit
+    # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
+    folded = text.replace("µ", "u").lower().rstrip(".")
+    matches = [u for u in _FOLDED.get(folded, ()) if dimension in (None, u.dimension)]
+    return matches[0] if len(matches) == 1 else None
 
 
 def is_same_unit(first: str, second: str) -> bool:
@@ -216,30 +235,7 @@ def dimensions(word: str) -> tuple[Dimension, ...]:
     ('mass', 'acceleration')
     """
     entries = dict.fromkeys(unit.dimension for unit in TABLE.values())
-    return tuple(dimension for dimension in entries if _find(word, dimension) is not None)
-
-
-@lru_cache(maxsize=1024)
-def _find(word: str, dimension: Dimension | None) -> Unit | None:
-    text = " ".join(word.replace("μ", "µ").split())
-    lowered = text.lower()
-    spellings = (
-        text,
-        text.replace("µ", "u"),
-        _ALIASES.get(lowered, ""),
-        _ALIASES.get(lowered.replace(" ", ""), ""),
-        _ALIASES.get(lowered.replace(" ", "_"), ""),
-        text.rstrip("."),
-        _ALIASES.get(lowered.rstrip("."), ""),
-    )
-    for spelling in spellings:
-        for unit in _WORDS.get(spelling, ()):
-            if dimension in (None, unit.dimension):
-                return unit
-    # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
-    folded = text.replace("µ", "u").lower().rstrip(".")
-    matches = [u for u in _FOLDED.get(folded, ()) if dimension in (None, u.dimension)]
-    return matches[0] if len(matches) == 1 else None
+    return tuple(dimension for dimension in entries if find_unit(word, dimension) is not None)
 
 
 def parse_unit(word: str, dimension: Dimension) -> Unit:

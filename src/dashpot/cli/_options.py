@@ -11,7 +11,6 @@ from typing import Any
 import click
 
 from dashpot.base.option_fields import FigureSize, get_choice_values
-from dashpot.base.units import Dimension
 from dashpot.cli._command import (
     CommandOption,
     DashpotCommand,
@@ -20,7 +19,16 @@ from dashpot.cli._command import (
     mark_advanced,
     opt,
 )
-from dashpot.cli._param_types import ChoiceWithSuggestion, Figure, File, Output, Scoped, Units, Wlf
+from dashpot.cli._param_types import (
+    ChoiceWithSuggestion,
+    Figure,
+    File,
+    Output,
+    Scoped,
+    Units,
+    WithUnit,
+    Wlf,
+)
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
@@ -75,7 +83,7 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
         *build_options(
             ReadOptions,
             "rate",
-            type=Scoped(_with_unit("frequency")),
+            type=Scoped(WithUnit("frequency")),
             multiple=True,
             metavar="FREQUENCY",
             into="options",
@@ -83,7 +91,7 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
         *build_options(
             ReadOptions,
             "window_decay",
-            type=Scoped(_with_unit("time")),
+            type=Scoped(WithUnit("time")),
             multiple=True,
             metavar="TIME",
             kinds="impact frf",
@@ -103,12 +111,6 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
     for option in options:
         option.more = option.flag not in short
     return group(READING, options)
-
-
-def _with_unit(dimension: Dimension) -> click.ParamType[object]:
-    from dashpot.cli._param_types import WithUnit
-
-    return WithUnit(dimension)
 
 
 def result(

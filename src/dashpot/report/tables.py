@@ -29,7 +29,7 @@ from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.systems.frf_prediction import model_modes, operating_point
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.static_equilibrium import rival_of
 from dashpot.workflow.study import Study
@@ -345,7 +345,7 @@ def resonance(study: Study) -> TextTable | None:
     rests = study.at_rest
     compression = rests.point.compression if rests is not None and rests.point.given else None
     for says, fit, mass in _solids(study, study.mass):
-        point = operating_point(fit, mass=mass, seals=study.seals, compression=compression)
+        point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
         on = study.seals * fit.under_hammer * point.solid(fit)
         for mode in model_modes(on, mass)[:1]:
             rows.append((f"{says}: exact pole", round_to_error(mode.frequency, digits=5),

@@ -57,7 +57,7 @@ def weighed(
     mass = infer_mass(block.seals * fit.model, near)[0]
     for _ in range(WEIGHINGS):
         on = MassOnSeals(mass, block.seals, block.compression)
-        solid = operating_point(fit, **on.keywords).solid(fit)
+        solid = operating_point(fit, on).solid(fit)
         mass = infer_mass(block.seals * solid, near)[0]
         if abs(mass - on.mass) <= 1e-9 * mass:
             return replace(on, mass=mass)

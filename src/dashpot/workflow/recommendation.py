@@ -15,6 +15,7 @@ from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import (
+    MassOnSeals,
     OperatingPoint,
     model_modes,
     operating_point,
@@ -146,7 +147,7 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
         return None, None
     rests = study.at_rest
     compression = None if rests is None or not rests.point.given else rests.point.compression
-    point = operating_point(solid, mass=mass, seals=study.seals, compression=compression)
+    point = operating_point(solid, MassOnSeals(mass, study.seals, compression))
     seals = study.seals * solid.under_hammer * point.solid(solid)
     mode = next(iter(model_modes(seals, mass)), None)
     if mode is None:

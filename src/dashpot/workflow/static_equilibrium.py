@@ -119,7 +119,7 @@ class StaticEquilibrium:
 
 def find_static_equilibrium(fit: Fit, on: MassOnSeals) -> StaticEquilibrium:
     """Return where a mass rests on seals, with the secant and the tangent solid."""
-    point = operating_point(fit, **on.keywords)
+    point = operating_point(fit, on)
     k = fit.solid.k_inf
 
     def evaluate_stiffness(solid: Solid, error: float) -> StiffnessAt:

@@ -19,7 +19,7 @@ from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import relaxation_data
-from dashpot.vibration.systems.frf_prediction import OperatingPoint, operating_point
+from dashpot.vibration.systems.frf_prediction import MassOnSeals, OperatingPoint, operating_point
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001
@@ -123,7 +123,7 @@ def point_of(
         raise DataError(
             "the stiffness of the seals depends on their compression: give --mass, or --compression"
         )
-    return operating_point(before, mass=mass or 1.0, seals=seals, compression=compression)
+    return operating_point(before, MassOnSeals(mass or 1.0, seals, compression))
 
 
 def numbers_of(arms: int | str, before: Fit | None) -> list[int]:

@@ -18,6 +18,7 @@ from dashpot.vibration.comparison.checks import checks, format_conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak
 from dashpot.vibration.systems.frf_prediction import (
+    MassOnSeals,
     OperatingPoint,
     accelerance,
     mass_for_peak,
@@ -230,9 +231,9 @@ def _assemble_mass_on_seals(
                 "--compression"
             )
         # with a straight law, or at a compression that is given, the stiffness needs no mass
-        resolved_point = operating_point(fit, mass=1.0, seals=seals, compression=compression)
+        resolved_point = operating_point(fit, MassOnSeals(1.0, seals, compression))
         mass = _mass_within(predicted, seals * resolved_point.solid(fit))
-    point = operating_point(fit, mass=mass, seals=seals, compression=compression)
+    point = operating_point(fit, MassOnSeals(mass, seals, compression))
     return seals * point.solid(fit), mass, point
 
 

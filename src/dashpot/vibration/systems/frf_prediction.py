@@ -103,21 +103,14 @@ class OperatingPoint:
         return fit.solid if self.linear else self.factor * fit.solid
 
 
-def operating_point(
-    fit: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
-) -> OperatingPoint:
+def operating_point(fit: Fit, on: MassOnSeals) -> OperatingPoint:
     r"""The compression of a mass's weight, or one given, and the tangent there.
 
     Parameters
     ----------
     fit : Fit
         Of one seal.
-    mass : float
-        kg.
-    seals : float
-        How many carry it.
-    compression : float, optional
-        m; by default where :math:`n F_e(x) = m g`.
+    on : MassOnSeals
 
     Raises
     ------
@@ -125,6 +118,7 @@ def operating_point(
         If a number cannot be, the fit is of a material, no compression carries the weight, or
         the seal would be pressed beyond its height or ten times as deep as it was tested.
     """
+    mass, seals, compression = on.mass, on.seals, on.compression
     require_positive(mass=mass, seals=seals)
     require_positive(compression=compression, optional=True)
     if fit.unit != "N/m":
@@ -292,7 +286,7 @@ def _assemble_seals(
     """All the seals together, as small vibration feels them."""
     if isinstance(model, Fit):
         count = 1.0 if seals is None else seals
-        point = operating_point(model, mass=mass, seals=count, compression=compression)
+        point = operating_point(model, MassOnSeals(mass, count, compression))
         return count * point.solid(model)
     if seals is not None or compression is not None:
         raise DataError(
