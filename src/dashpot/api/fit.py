@@ -279,7 +279,7 @@ def frf_of(
 
 
 def _require_single_measurement(measured: Sequence[Any]) -> Any:
-    """What was measured: one record, or hits in several."""
+    """Return what was measured: one record, or hits in several."""
     if len(measured) == 1:
         return measured[0]
     if all(isinstance(item, ImpactTest) for item in measured):

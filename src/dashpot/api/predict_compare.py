@@ -164,7 +164,7 @@ def _under_mass(
 
 
 def _prepare_tests(record: Records, machine: Machine | None = None) -> list[RampHold]:
-    """The tests behind a fit, prepared."""
+    """Return the tests behind a fit, prepared."""
     tests = (record,) if isinstance(record, RelaxationTest | RampHold) else record
     return [prepare_ramp_hold(test, machine) for test in tests]
 
@@ -406,7 +406,7 @@ def export(
 
 
 def _set_contact_length(result: Any, metres: float) -> Any:
-    """The fit of a piece whose length in contact is known; a bare solid has no piece."""
+    """Return the fit of a piece whose length in contact is known; a bare solid has no piece."""
     if hasattr(result, "provenance"):
         piece = replace(result.specimen, length=metres)
         return replace(result, provenance=replace(result.provenance, specimen=piece))

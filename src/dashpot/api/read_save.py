@@ -128,7 +128,7 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
 
 
 def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
-    """The reading options that were said."""
+    """Return the reading options that were said."""
     unknown = sorted(how.keys() - How.__annotations__.keys())
     if unknown:
         raise DataError(
@@ -156,7 +156,7 @@ def _column(role: str, stated: Any) -> str | tuple[str, ...]:
 
 
 def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]) -> Any:
-    """The record in a file of one of the kinds of the register."""
+    """Return the record in a file of one of the kinds of the register."""
     name = Path(path).name
     if kind not in KINDS or not KINDS[kind].reader:
         raise ReadError(

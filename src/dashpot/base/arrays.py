@@ -17,7 +17,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.serialisation import EDGE
 from dashpot.base.units import Dimension, Unit, find_unit, from_unit, get_default_unit, si_unit
 
-# Read-only, finite arrays, and records that hold them.
+# Read-only finite arrays.
 
 
 T = TypeVar("T")
@@ -210,7 +210,7 @@ def compute_single_dft(values: FloatArray, turn: float) -> complex:
 
 
 def _tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
-    """A stretch of exp(j turn i), and where such stretches begin, to make `count` of."""
+    """Return a stretch of exp(j turn i), and where such stretches begin, to make `count` of."""
     short = max(int(np.ceil(np.sqrt(count))), 1)
     fine, coarse = (np.exp(1j * turn * np.arange(short) * index) for index in (1, short))
     return fine, coarse
@@ -341,7 +341,7 @@ def _validate_array(
     return array
 
 
-# What a user says of the arrays that he gives: their units, in the order of the arrays.
+# Units of the arrays that a user gives.
 
 
 SI = "SI"

@@ -235,7 +235,7 @@ def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = ""
 
 
 class HasChecks:
-    """Interface of a result with `checks`."""
+    """Base class of results with `checks`."""
 
     checks: tuple[Check, ...]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-# What can go wrong, as types.
+# Exceptions.
 #
 # ::
 #
@@ -75,7 +75,7 @@ class ExportError(DashpotError, ValueError):
     """
 
 
-# How a fit can end.
+# Status of an optimisation.
 
 
 class Status(Enum):

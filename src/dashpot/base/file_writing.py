@@ -12,7 +12,7 @@ from pathlib import Path
 from dashpot.base.errors import DataError
 from dashpot.base.plain_text import escape_terminal_text
 
-# The operating system's lock on a file: it ends with the process that holds it.
+# File locks, which end with the process that holds them.
 
 
 @contextmanager
@@ -94,7 +94,7 @@ else:
         return True
 
 
-# A file written whole or not at all.
+# Atomic writing.
 
 
 PART = ".part"

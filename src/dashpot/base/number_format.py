@@ -52,7 +52,7 @@ def format_with_error(
 
 
 def format_cell(value: float | None, unit: str, *, digits: int = 3) -> str:
-    """A value, SI, in a column of a unit of the table; empty where there is none.
+    """Return a value, SI, in a column of a unit of the table; empty where there is none.
 
     >>> format_cell(0.0083, "mm"), format_cell(None, "mm"), format_cell(17432.1, "N/mm", digits=4)
     ('8.30', '', '17.43')
@@ -102,7 +102,7 @@ def interval(low: float, high: float) -> str:
 
 
 def format_interval(value: float, low: float, high: float, error: float) -> str:
-    """The interval of a value; an end more than a factor of ten away from one >= 0 is open.
+    """Return the interval of a value; an end more than a factor of ten away from one >= 0 is open.
 
     With both ends open it says nothing of the value: it is not identified.
     """
@@ -119,7 +119,7 @@ def format_interval(value: float, low: float, high: float, error: float) -> str:
 
 
 def percent(ratio: float, *, digits: int = 2) -> str:
-    """A relative difference with its sign, in per cent."""
+    """Return a relative difference with its sign, in per cent."""
     if not math.isfinite(ratio):
         return "unknown"
     value = 100 * ratio
@@ -130,20 +130,20 @@ def percent(ratio: float, *, digits: int = 2) -> str:
 
 
 def format_signed_difference(value: float | None, *, digits: int = 2) -> str:
-    """A difference with its sign; a dash where none is known."""
+    """Return a difference with its sign; a dash where none is known."""
     if value is None or not math.isfinite(value):
         return "–"
     return f"{MINUS if value < 0 else '+'}{_format_digits(abs(value), digits)}"
 
 
 def decibels(value: float) -> str:
-    """A level difference with its sign."""
+    """Return a level difference with its sign."""
     text = f"{abs(value):.1f} dB"
     return text if text == "0.0 dB" else f"{MINUS if value < 0 else '+'}{text}"
 
 
 def hertz(band: tuple[float, float]) -> str:
-    """A band of frequencies; one without width holds none.
+    """Return a band of frequencies; one without width holds none.
 
     >>> hertz((0.5, 20.0)), hertz((3.0, 3.0))
     ('0.5 to 20 Hz', 'none')
@@ -155,7 +155,7 @@ def hertz(band: tuple[float, float]) -> str:
 
 
 def format_band(band: tuple[float, float]) -> str:
-    """Where something holds, as a sentence says it.
+    """Return where something holds, as a sentence says it.
 
     >>> format_band((0.5, 20.0)), format_band((3.0, 3.0))
     ('from 0.5 to 20 Hz', 'nowhere')
@@ -164,19 +164,19 @@ def format_band(band: tuple[float, float]) -> str:
 
 
 def _drop_trailing_zeros(number: str) -> str:
-    """A number without the zeros behind its point."""
+    """Return a number without the zeros behind its point."""
     return number.rstrip("0").rstrip(".") if "." in number and "·" not in number else number
 
 
 def duration(seconds: float) -> str:
-    """A time in ms below one second, else in s."""
+    """Return a time in ms below one second, else in s."""
     if seconds < 0.9995:
         return format_with_error(seconds, "ms")
     return format_with_error(seconds, "s")
 
 
 def json_number(value: float) -> float | str:
-    """A number as JSON may hold it: one that is not finite by its name.
+    """Return a number as JSON may hold it: one that is not finite by its name.
 
     >>> [json_number(float(word)) for word in ("1.5", "inf", "-inf", "nan")]
     [1.5, 'Infinity', '-Infinity', 'NaN']
@@ -206,7 +206,7 @@ def seals(number: float) -> str:
 
 
 def symbol(name: str) -> str:
-    """A parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
+    """Return a parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
     text = (
         name.replace("k_inf", "k∞").replace("tau", "τ").replace("alpha", "α").replace("ln_", "ln ")
     )
@@ -216,12 +216,12 @@ def symbol(name: str) -> str:
 
 
 def split_identifier(name: str) -> str:
-    """A check's or a step's identifier as words."""
+    """Return a check's or a step's identifier as words."""
     return name.replace("k_inf", "k∞").replace("tau", "τ").replace("_", " ")
 
 
 def expand_powers(sentence: str) -> str:
-    """A sentence with the powers of ten that people do not write spelled out.
+    """Return a sentence with the powers of ten that people do not write spelled out.
 
     >>> expand_powers("leaves 1.3e+02 times the scatter, 2e-14 m")
     'leaves 130 times the scatter, 2e-14 m'
@@ -257,7 +257,7 @@ def format_typographic(sentence: str) -> str:
 
 
 def shorter(text: str) -> str:
-    """A number given in full precision as six digits; anything else as it is."""
+    """Return a number given in full precision as six digits; anything else as it is."""
     try:
         return f"{float(text):.6g}" if len(text) > 8 else text
     except ValueError:

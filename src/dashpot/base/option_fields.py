@@ -12,8 +12,7 @@ from dashpot.base.units import Dimension, convert_to_si, format_command_quantity
 # The words that users choose among, each list stated once, as a type.
 #
 # Signatures name the type; options, the app's buttons and the sentence that refuses another word
-# take
-# its words. Nothing here needs NumPy, for ``--help`` does not.
+# take its words. Nothing here needs NumPy, for ``--help`` does not.
 
 
 Method: TypeAlias = Literal["full", "hold"]
@@ -109,7 +108,7 @@ def iterate_option_fields(result: Any) -> Iterator[Field[Any]]:
 
 
 def is_path_field(attribute: Field[Any]) -> bool:
-    """Whether a field holds a path, or several."""
+    """Return whether a field holds a path, or several."""
     return attribute.metadata.get("metavar") in {"FILE", "FRF"}
 
 
@@ -187,7 +186,7 @@ def texts_of(attribute: Field[Any], value: Any) -> list[str]:
             for number in several]  # fmt: skip
 
 
-# What a page asks of a test beside its files: a field each, and what was answered in it.
+# Form of a test on a page: its fields, and their values.
 
 
 Form: TypeAlias = Literal["number", "bare", "range", "sizes", "words"]
@@ -220,11 +219,11 @@ class FormField(NamedTuple):
     before: str = ""
 
     def read(self, typed: str) -> str:
-        """What was typed, with points for decimal commas."""
+        """Return the typed text, with points for decimal commas."""
         return typed.strip() if self.form == "sizes" else typed.strip().replace(",", ".")
 
     def words(self, text: str) -> tuple[str, ...]:
-        """What was answered, as values of its option: none of an empty text."""
+        """Return the entries of a field as values of its option: none of an empty text."""
         if self.form == "words":
             return tuple(text.split())
         if not text:
@@ -263,16 +262,16 @@ class FormData:
         return cls(asks, tuple(sorted((name, text) for name, text in stated if text)))
 
     def get_text(self, name: str) -> str:
-        """What stands in a field; empty where nothing does."""
+        """Return the text of a field; empty where there is none."""
         return dict(self.said).get(name, "")
 
     def number(self, name: str, dimension: Dimension) -> float | None:
-        """A quantity, SI: in the field's unit, or in the one typed after it."""
+        """Return a quantity, SI: in the field's unit, or in the one typed after it."""
         text = self.get_option_value(name)
         return convert_to_si(text, dimension) if text else None
 
     def bare(self, name: str) -> float | None:
-        """A number in the field's unit alone.
+        """Return a number in the field's unit alone.
 
         Raises
         ------
@@ -294,7 +293,7 @@ class FormData:
         return si_range(text, dimension) if text else None
 
     def require_quantity(self, name: str, dimension: Dimension) -> float:
-        """A quantity that has to be given.
+        """Return a quantity that has to be given.
 
         Raises
         ------
@@ -308,7 +307,7 @@ class FormData:
         return value
 
     def options(self, files: int) -> tuple[str, ...]:
-        """The words of a shell that say the same of so many files."""
+        """Return the words of a shell that say the same of so many files."""
         results: list[str] = []
         for form_field in self.asks:
             names = (
@@ -324,7 +323,7 @@ class FormData:
         return tuple(results)
 
     def get_option_value(self, name: str) -> str:
-        """What stands in a field, as a value of its option."""
+        """Return the text of a field as a value of its option."""
         return next(iter(self._ask(name).words(self.get_text(name))), "")
 
     def _ask(self, name: str) -> FormField:

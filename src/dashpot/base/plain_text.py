@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
-# Text that a terminal prints and does not obey.
+# Text that is safe to print on a terminal.
 
 
 # controls but tab and line feed, marks that turn the direction of writing, bytes that are no text
@@ -62,7 +62,7 @@ def _escape_character(sign: str) -> str:
     return sign.encode("unicode_escape").decode("ascii")
 
 
-# Sentences that people read: how they begin, end, follow each other, and how long they may be.
+# Sentences: their beginning, end, order and length.
 
 
 _END = re.compile(r"(?<=[.?!])(?<!eq\.)(?<!e\.g\.) (?=[A-Z\d])")

@@ -10,7 +10,7 @@ _listener: ContextVar[Callable[[str], None] | None] = ContextVar("listener", def
 
 
 def send_progress(what: str) -> None:
-    """Say what a long piece of work begins with now, such as ``"fitting the relaxation test"``."""
+    """Report the current step of a long computation, such as ``"fitting the relaxation test"``."""
     listener = _listener.get()
     if listener is not None:
         listener(what)

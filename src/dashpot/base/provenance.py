@@ -120,5 +120,5 @@ def sources_of(records: Iterable[Read]) -> tuple[Source, ...]:
 
 
 def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
-    """Return what was done to records, one after the other."""
+    """Return the processing steps of records, in order."""
     return tuple(step for record in records for step in record.steps)

@@ -36,7 +36,7 @@ class TableCells(NamedTuple):
 
     @property
     def ascii(self) -> TableCells:
-        """In the alphabet that every terminal has."""
+        """Return the row in ASCII, which every terminal has."""
         return TableCells(*map(ascii_only, self))
 
     @property
@@ -148,12 +148,12 @@ class ReportedValue(Serialisable):
 
     @property
     def called(self) -> str:
-        """How a table calls it."""
+        """Label of the value in tables."""
         return self.words or _WORD.sub(" ", self.name)
 
     @property
     def symbol(self) -> str:
-        """Its name as a page prints it."""
+        """Symbol of the value on a page."""
         return symbol(self.called)
 
     @property
@@ -162,17 +162,17 @@ class ReportedValue(Serialisable):
         return "" if self.reading == "1" else self.reading.replace("*", "·")
 
     def shown(self, value: float) -> float:
-        """A value of this fact, SI, in the unit that people read."""
+        """Return a value of this fact, SI, in the unit that people read."""
         return value if self.reading == self.unit else convert_to_unit(value, self.reading)
 
     @property
     def scale(self) -> float:
-        """What a difference of 1 in SI is in the unit that people read."""
+        """Size of an SI difference of 1 in the display unit."""
         return self.shown(1.0) - self.shown(0.0)
 
     @property
     def size(self) -> float:
-        """Its standard error in the unit that people read; else a quarter of its interval.
+        """Standard error in the display unit; else a quarter of the interval.
 
         Of a value that is at most so much half of what lies between, and a thousandth at least.
         """
@@ -225,7 +225,7 @@ class ReportedValue(Serialisable):
 
     @property
     def says(self) -> str:
-        """In words, with its interval."""
+        """Value as text, with its interval."""
         cells = self.cells
         if self.bound_alone or self.least_alone:
             return f"{self.called} {cells.interval} {cells.unit}".rstrip()

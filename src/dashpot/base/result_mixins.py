@@ -47,7 +47,7 @@ class Printable:
 
     @property
     def kept(self) -> Any:
-        """What a file keeps of it, for other commands to read: itself, or the fit in it."""
+        """Part of the result that a file keeps for other commands: itself, or its fit."""
         return self
 
     def __str__(self) -> str:
@@ -74,12 +74,12 @@ class HasSummary(Printable):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """What a shell prints of it, line by line."""
+        """Summary that a Python shell prints, line by line."""
         raise NotImplementedError
 
     @property
     def series(self) -> Series:
-        """Its numbers as columns, the first of them their index.
+        """Numbers as columns, the first of them their index.
 
         None in place of numbers that it does not have; nothing at all where its facts are its
         table.
@@ -92,7 +92,7 @@ class HasSummary(Printable):
         return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
 
     def to_pandas(self) -> pd.DataFrame:
-        """The numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
+        """Return the numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class HasSummary(Printable):
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """The numbers as an :class:`xarray.Dataset`; each variable carries its unit.
+        """Return the numbers as an :class:`xarray.Dataset`; each variable carries its unit.
 
         Raises
         ------
@@ -118,12 +118,12 @@ class Plottable(HasSummary):
     """Mixin of results with a figure, which a notebook displays."""
 
     def plot(self) -> Picture:
-        """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
+        """Return the :class:`~dashpot.plot.picture.Picture` for :func:`dashpot.plot.save`."""
         drawn: Picture = load_function("report.result_output", "picture")(self)
         return drawn
 
     def _repr_html_(self) -> str:
-        """Its picture and its words, for a notebook."""
+        """Return its picture and its words, for a notebook."""
         page: str = load_function("report.result_output", "html")(self)
         return page
 

@@ -71,7 +71,7 @@ class _Key(NamedTuple):
         return cls(name or way[-1], way, body.startswith("*"), "?" in marks, "~" in marks)
 
     def item(self, result: object) -> dict[str, Any]:
-        """What a document has of it: nothing where it is left out, or several items."""
+        """Return the items of a document for a key: none where it is left out, or several."""
         value = to_plain_value(reduce(_attribute, self.way, result))
         if self.known:
             value = replace_nonfinite_numbers(value)

@@ -213,7 +213,7 @@ def find_unit(word: str, dimension: Dimension | None = None) -> Unit | None:
 
 
 def is_same_unit(first: str, second: str) -> bool:
-    """Whether two words are one unit, however spelled.
+    """Return whether two words are one unit, however spelled.
 
     >>> is_same_unit("sec", "Sekunden"), is_same_unit("N", "kN"), is_same_unit("Pa.s", "pa.s")
     (True, False, True)
@@ -466,7 +466,7 @@ def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
 
 
 def si_fields(result: Any) -> None:
-    """Put those fields of a frozen dataclass into SI that name their unit and hold a text."""
+    """Convert fields of a frozen dataclass to SI that state their unit and hold a text."""
     for field in fields(result):
         if "unit" in field.metadata:
             value = convert_to_si(getattr(result, field.name), field.metadata["unit"])

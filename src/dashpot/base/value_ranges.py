@@ -59,8 +59,7 @@ def select_fields(result: object, *names: str) -> dict[str, Any]:
 
 # Sizes that tests of seals have: one table of what is doubted, and of what no one means.
 #
-# A soft range holds nearly every test. What lies outside is a note where a unit was said, for
-# large
+# A soft range holds nearly every test. What lies outside is a note where a unit was said, for large
 # and small ones do exist. Outside a hard range no test of rubber lies: whoever said it is asked
 # again, in a file, an option or an array alike, and where a result would imply it. Needs no NumPy.
 
@@ -91,7 +90,7 @@ class PlausibleRange(NamedTuple):
         return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
 
     def unusual(self, size: float) -> bool:
-        """Whether hardly any test has it."""
+        """Return whether hardly any test has it."""
         low, high = self.soft
         return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
 

@@ -23,7 +23,7 @@ _RECORD = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: (?:a virtual|simulated) ")
 
 
 def byline(what: str) -> str:
-    """Say that dashpot made a file, and what it is, on one line.
+    """Return one line which states that dashpot made a file, and its title.
 
     >>> byline("frequency response function").startswith("dashpot ")
     True
@@ -32,7 +32,7 @@ def byline(what: str) -> str:
 
 
 def software() -> dict[str, str]:
-    """Return what computes here: version by name."""
+    """Return the versions of dashpot and of the libraries that it computes with, by name."""
     import platform
 
     import numpy as np
@@ -47,7 +47,7 @@ def software() -> dict[str, str]:
 
 
 def is_record(head: bytes) -> bool:
-    """Tell whether a file that begins with `head` is a record of the virtual rig or hammer.
+    """Return whether a file that begins with `head` is a record of the virtual rig or hammer.
 
     >>> is_record(b"# simulated by dashpot 1.2.3: a virtual hammer, not a measurement")
     True
@@ -56,7 +56,7 @@ def is_record(head: bytes) -> bool:
 
 
 def is_ours(head: bytes) -> bool:
-    """Tell whether a file that begins with `head` was written by dashpot.
+    """Return whether a file that begins with `head` was written by dashpot.
 
     >>> is_ours(b'{"schema": "dashpot/fit@1"'), is_ours(b"dashpot 2: front left")
     (True, False)

@@ -70,7 +70,7 @@ class CommandOption(click.Option):
 
     @property
     def flag(self) -> str:
-        """As it is typed."""
+        """Option as it is typed."""
         return max(self.opts, key=len)
 
     def consume_value(self, ctx: click.Context, opts: Mapping[str, Any]) -> tuple[Any, Any]:
@@ -80,7 +80,7 @@ class CommandOption(click.Option):
         return value, source
 
     def suits(self, kinds: set[str]) -> bool:
-        """Whether it is for records of any of these kinds."""
+        """Return whether it is for records of any of these kinds."""
         if self.kinds:
             return not self.kinds.isdisjoint(kinds)
         return not kinds or not self.unheard >= kinds
@@ -181,7 +181,7 @@ _PASSED = ("help", "metavar", "multiple", "is_flag")
 
 
 def _get_default(field: Field[Any]) -> Any:
-    """What click takes where nothing is typed."""
+    """Return what click takes where nothing is typed."""
     if "is_flag" in field.metadata:
         return False
     if field.default is MISSING or "multiple" in field.metadata:
@@ -249,7 +249,7 @@ class DashpotCommand(click.Command):
 
     @property
     def options(self) -> list[CommandOption]:
-        """What it asks for."""
+        """Options of the command."""
         return [param for param in self.params if isinstance(param, CommandOption)]
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from dashpot.workflow.outputs import Outputs
 
 
-# What every command shares: its outcome, files in and out, exit codes.
+# Result of a command, input and output files, exit codes.
 
 
 _WRITTEN, _TAKEN = "dashpot.written", "dashpot.stdout"
@@ -222,7 +222,7 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
 
 
 def is_json(path: str) -> bool:
-    """Tell whether a file opens like a JSON object, so that it may be a fit."""
+    """Return whether a file begins like a JSON object, so that it may be a fit."""
     from dashpot.reading.raw_file import like_json
 
     if not Path(path).is_file():  # a look into a pipe would take its first bytes away
@@ -235,7 +235,7 @@ def is_json(path: str) -> bool:
 
 
 def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
-    """Return what each file is."""
+    """Return the kind of each file."""
     from dashpot.reading.readers.detect_kind import recognise
 
     return {path: recognise(path, options.of(path)) for path in files}
@@ -271,7 +271,7 @@ def _to_name(path: str, options: ReadOptions) -> str:
 
 
 def get_kind_name(kind: str) -> str:
-    """Return what a file of a kind is called, such as 'a relaxation test'."""
+    """Return the name of a file's kind, such as 'a relaxation test'."""
     from dashpot.reading.readers import detect_kind as recognise
 
     return recognise.get_kind_label(kind)
@@ -286,7 +286,7 @@ def format_override_hint(kinds: Collection[str]) -> str:
 
 
 def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
-    """Say on stderr what each file was taken for: a decision that the user did not make."""
+    """Print on stderr the kind for which each file was taken."""
     grouped: dict[str, list[str]] = {}
     for path, detection in detections.items():
         grouped.setdefault(detection.what, []).append(Path(path).name)
@@ -294,7 +294,7 @@ def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
     to_stderr(f"recognised {listed}")
 
 
-# What the user said to ``dashpot fit``: the records, what each was taken for, and the options.
+# Input of ``dashpot fit``: the records, their kinds, and the options.
 
 
 PAGE_SUFFIXES = (".html", ".htm")

@@ -99,7 +99,7 @@ def _failure(error: BaseException) -> Failure:
 
 
 def _plainly(says: str) -> str:
-    """A refusal of click in words that no programmer is needed for."""
+    """Return a refusal of click in words that no programmer is needed for."""
     whole = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", says)
     return whole.replace("is not a valid float", "is no number")
 
@@ -117,7 +117,7 @@ def _hint(error: click.ClickException) -> str:
 
 
 def _having(error: click.NoSuchOption) -> list[str]:
-    """The other commands that have an option which this one lacks."""
+    """Return the other commands that have an option which this one lacks."""
     context = error.ctx.parent if error.ctx else None
     if context is None or not isinstance(context.command, click.Group):
         return []

@@ -39,7 +39,7 @@ def format_suggestion(word: str, names: Iterable[str]) -> str:
 
 
 def format_choices(words: Sequence[str]) -> str:
-    """All words there are, as a sentence."""
+    """Return all words there are, as a sentence."""
     return f"Known are {', '.join(words[:-1])} and {words[-1]}." if words[1:] else ""
 
 

@@ -27,7 +27,7 @@ _MEASURED = {
 def over_profiles(
     ctx: click.Context, options: ReadOptions, profiles: Sequence[tuple[str, str]]
 ) -> ReadOptions:
-    """Return what the user said, and what profiles say wherever the user said nothing.
+    """Return the user's options, completed by those of profiles.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def over_profiles(
 
 
 def _records(ctx: click.Context) -> list[str]:
-    """The files that stand as arguments of a command."""
+    """Return the files that stand as arguments of a command."""
     named = [param.name for param in ctx.command.params if isinstance(param, click.Argument)]
     several = (ctx.params.get(name or "") for name in named)
     flat = [word for item in several for word in (item if isinstance(item, tuple) else (item,))]

@@ -17,7 +17,7 @@ from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.progress import set_progress_listener
 from dashpot.text_output.layout import COLUMNS, SIZE, ScreenSize
 
-# Text on a terminal: coloured where it may be; and progress.
+# Colour and progress.
 
 
 PATIENCE, BEAT = 1.0, 0.25
@@ -70,7 +70,7 @@ def _watch(now: list[str], over: threading.Event, began: float) -> None:
     sys.stderr.flush()
 
 
-# The one way to the terminal: others' words are printed, never obeyed.
+# Output to the terminal, without control characters.
 
 
 def to_stdout(text: str) -> None:

@@ -35,7 +35,7 @@ from dashpot.text_output import results as text_of
 from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
-# What the user said to ``dashpot fit``: the records, what each was taken for, and the options.
+# Input of ``dashpot fit``: the records, their kinds, and the options.
 
 
 @dataclass(frozen=True)
@@ -94,19 +94,19 @@ class FitRequest:
 
     @property
     def reading(self) -> ReadOptions:
-        """What was said of the files."""
+        """Reading options of the files."""
         options: ReadOptions = self.said["options"]
         return options
 
     @property
     def hammer(self) -> HammerChoices:
-        """How hits are averaged."""
+        """Options of the averaging of hits."""
         choices: HammerChoices = self.said["hammer"]
         return choices
 
     @property
     def output(self) -> str | None:
-        """Where the result goes."""
+        """Path of the result."""
         path: str | None = self.said["output"]
         return path
 
@@ -192,7 +192,7 @@ class FitRequest:
         return typed_again(but=("picture", "output", *but))
 
 
-# Tests of one part on a bench: the solid behind them.
+# Bench tests of one part.
 
 
 def run_bench_tests(request: FitRequest) -> CommandResult:
@@ -275,7 +275,7 @@ def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     return dp.plot.bench(fit, records, alternatives=others)
 
 
-# A kind whose fit takes what its row of the register says, and no more.
+# Kinds fitted by their registry row alone.
 
 
 def run_generic_kind(request: FitRequest) -> CommandResult:
@@ -291,7 +291,7 @@ def run_generic_kind(request: FitRequest) -> CommandResult:
     )
 
 
-# Hits, or a base that is shaken: an FRF that one can trust, and its modes.
+# Hits, or base excitation: an FRF and its modes.
 
 
 FRF_SUFFIXES = (".csv", ".uff", ".unv")
@@ -336,7 +336,7 @@ def write_frf(result: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
         write(path, (find_handler("write frf", ending) or write_frf)(frf))
 
 
-# Vibration under a known mass, alone or with tests on a bench: one solid for all.
+# Identification from vibration under a known mass, alone or with bench tests.
 
 
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")

@@ -19,7 +19,7 @@ from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.datamodel.frf import Kind
 from dashpot.solids.maxwell import Solid
 
-# Between which limits the stiffness of a solid is known.
+# Limits of the stiffness of a solid.
 
 
 # naming the machine is worth a sentence if it leaves less than this part of the width
@@ -29,7 +29,7 @@ STANDS = 5.0
 
 
 def naming(time: float, now: float, then: float) -> str:
-    """Say what naming the machine gives; nothing where it is not worth a sentence.
+    """Return the gain by naming the machine, as a sentence; empty where it is small.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class EndOfHold(Serialisable):
     ended: Ended = "hold"
 
     def of(self, solid: Solid, times: float = 1.0) -> float:
-        """What the limits are of, of a solid, `times` as late as T."""
+        """Return the stiffness of a solid that the limits bound, at `times` T."""
         t = times * self.time
         if self.in_frequency:
             return float(solid.complex_stiffness(omega=1 / t).real)
@@ -153,7 +153,7 @@ class EndOfHold(Serialisable):
         return self.k_10end[0] / max(self.k_end[1], 1e-300)
 
     def says(self, unit: str) -> str:
-        """What is known at the end, what is not, and what would tell more; `unit` of stiffness."""
+        """Return the known and unknown at the end, and a remedy, as text; `unit` of stiffness."""
         subject = self._subject(unit)
         after = {
             "hold": "after the hold", "sweep": "below the sweep", "frf": "below the band",
@@ -161,7 +161,7 @@ class EndOfHold(Serialisable):
         return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
 
     def told(self, unit: str) -> str:
-        """What is known at the end, in two sentences."""
+        """Return what is known at the end, in two sentences."""
         return self._limits(unit, self._subject(unit))
 
     def _limits(self, unit: str, subject: str) -> str:
@@ -197,12 +197,12 @@ class EndOfHold(Serialisable):
 
     @property
     def remedy(self) -> str:
-        """What would tell more of it, and how much."""
+        """Remedy that would narrow the limits, and by how much."""
         return self.naming or _MORE[self.ended]
 
     @property
     def naming(self) -> str:
-        """What naming the machine would give, in a sentence; nothing where that is little."""
+        """Gain by naming the machine, as a sentence; empty where it is small."""
         low, high = self.k_end
         if not low + high > 0:
             return ""
@@ -210,7 +210,7 @@ class EndOfHold(Serialisable):
         return naming(self.time, half, self.named * half)
 
     def fact(self, solid: Solid, unit: str) -> ReportedValue:
-        """The stiffness of a solid at the end of the test, between these limits."""
+        """Return the stiffness of a solid at the end of the test, between these limits."""
         at = self._format_end(1) if self.in_frequency else duration(self.time)
         what = "K'" if self.in_frequency else {"creep": "1/J"}.get(self.ended, "k")
         return ReportedValue("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
@@ -232,7 +232,7 @@ class EndOfHold(Serialisable):
 
 
 def _holding(reach: tuple[float, float], value: float) -> tuple[float, float]:
-    """Limits that hold a value, where there are any."""
+    """Return limits that hold a value, where there are any."""
     low, high = reach
     return reach if math.isnan(low) else (min(low, value), max(high, value))
 
@@ -318,7 +318,7 @@ class FRFBounds(FrozenArrays):
 
     @property
     def peak_says(self) -> str:
-        """Where and how high the test allows the peak to be, in words."""
+        """Limits of frequency and height of the peak, as text."""
         if self.peak_frequency is None:
             return "No model that the relaxation test allows has a resonance."
         low, high = self.peak_frequency
@@ -335,7 +335,7 @@ class FRFBounds(FrozenArrays):
         return f"{where}, and the peak to {round_to_error(low)}{most}."
 
 
-# How well stiffness and loss factor are known at some frequencies, over all that a test allows.
+# Errors of stiffness and loss factor at some frequencies.
 
 
 #: a loss factor that is known no better than this part of itself is not known

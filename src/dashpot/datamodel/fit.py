@@ -112,7 +112,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def digested(self) -> bool:
-        """Its document shows whether it was edited."""
+        """Whether the document ends with a digest, which shows an edit."""
         return True
 
     @property
@@ -147,17 +147,17 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def family(self) -> Family:
-        """Of the solid: ``"maxwell"`` or ``"fractional"``."""
+        """Family of the solid: ``"maxwell"`` or ``"fractional"``."""
         return family_of(self.solid)
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the fit, by the gravest check that failed."""
+        """Verdict on the fit, by the gravest check that failed."""
         return verdict(self.checks, headline=self.sound)
 
     @property
     def sound(self) -> str:
-        """How well stiffness and loss factor are known, and where; empty without a band."""
+        """Errors of stiffness and loss factor in the band, as text; empty without a band."""
         if not self.band[1] > 0:
             return ""
         within = format_band(self.band)
@@ -205,7 +205,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return stiffness, loss_factor
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
-        """The solid that small vibration about a compression, m, feels: its tangent.
+        """Return the solid that small vibration about a compression, m, feels: its tangent.
 
         Parameters
         ----------
@@ -237,12 +237,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def shifts(self) -> tuple[Shift, ...]:
-        """Where each tested temperature lies against the reference."""
+        """Shift factors of each tested temperature against the reference."""
         return () if self.temperatures is None else self.temperatures.shifts
 
     @property
     def error_beside(self) -> str:
-        """What errors of shifts and of their law are called.
+        """Label of the errors of shifts and of their law.
 
         Rigs may have done more than they hold.
         """
@@ -276,7 +276,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         )
 
     def at_temperature(self, temperature: Quantity) -> Fit:
-        """The fit as it is at another temperature, K: solid, errors, band, elastic law.
+        """Return the fit as it is at another temperature, K: solid, errors, band, elastic law.
 
         Raises
         ------
@@ -325,7 +325,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         )
 
     def _end_at(self, kelvin: float, end: EndOfHold | None, a_t: float) -> EndOfHold | None:
-        """Limits at the end of the test as they are at another temperature, K.
+        """Return limits at the end of the test as they are at another temperature, K.
 
         They are of a time that is a_T as long. What shifts and their law add to the errors of the
         stiffness there widens them.
@@ -586,7 +586,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def certificate(self) -> Certificate | None:
-        """How far the optimum can be from the best positive model with any number of arms."""
+        """Certificate: distance to the best positive model with any number of arms."""
         return self.evidence.certificate
 
     @property
@@ -601,12 +601,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def moved(self) -> tuple[ParameterChange, ...]:
-        """What a further test changed."""
+        """Changes of the parameters by a further test."""
         return self.evidence.moved
 
     @property
     def explanations(self) -> tuple[Explanation, ...]:
-        """What would explain two tests that disagree, the best first."""
+        """Explanations of two tests that disagree, the best first."""
         return self.evidence.explanations
 
     @property
@@ -616,7 +616,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def end_of_hold(self) -> EndOfHold | None:
-        """What tests know of the stiffness when they end; None without one that does."""
+        """Stiffness at the end of the tests; None without a hold."""
         return self.evidence.end_of_hold
 
     @property
@@ -645,7 +645,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def method(self) -> str:
-        """What was fitted: ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``..."""
+        """Method of the fit: ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``..."""
         return self.provenance.method
 
     @property
@@ -660,7 +660,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def specimen(self) -> Specimen:
-        """What was tested."""
+        """Specimen of the test."""
         return self.provenance.specimen
 
     def weighed_by(self, judged: Verdict) -> Fit:
@@ -787,7 +787,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def with_elastic_law(
         self, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
     ) -> Fit:
-        """The fit with a law measured otherwise, of which the shape alone is taken.
+        """Return the fit with a law measured otherwise, of which the shape alone is taken.
 
         Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
         one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,

@@ -17,7 +17,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# Families of solids, and what another one than the fit's own makes of the same data.
+# Alternative families of solids.
 
 
 def family_of(solid: Solid) -> Family:
@@ -53,11 +53,11 @@ class Alternative(Serialisable):
 
     @property
     def family(self) -> Family:
-        """Of its solid."""
+        """Family of the solid."""
         return family_of(self.solid)
 
 
-# What stands behind a fit: orders, certificate, what moved, what would explain it, and whence.
+# Evidence and provenance of a fit.
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class ParameterChange:
 
     @property
     def was(self) -> ReportedValue | None:
-        """What it was, as a table has it; None for a new arm."""
+        """Value before, as a table shows it; None for a new arm."""
         if self.before is None:
             return None
         high = np.nan if self.before_most is None else self.before_most
@@ -145,13 +145,13 @@ class ParameterChange:
 
     @property
     def now(self) -> ReportedValue:
-        """What it is, as a table has it."""
+        """Value after, as a table shows it."""
         high = np.nan if self.after_most is None else self.after_most
         return ReportedValue(self.name, self.after, high=high, unit=self.unit, error=self.after_se)
 
     @property
     def shift(self) -> float | None:
-        """By how many of its standard errors before; None where there is none."""
+        """Change in units of the former standard error; None where there is none."""
         if self.before is None or not self.before_se or not np.isfinite(self.before_se):
             return None
         return (self.after - self.before) / self.before_se

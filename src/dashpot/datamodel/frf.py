@@ -232,7 +232,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         kind: Kind | str = Kind.ACCELERANCE,
         shift: float = 0.0,
     ) -> FRF:
-        """The FRF, of any kind per force, whose receptance at `frequency`, Hz, is this."""
+        """Return the FRF, of any kind per force, whose receptance at `frequency`, Hz, is this."""
         kind, s = Kind(kind), np.asarray(2j * np.pi * frequency + shift)
         if kind.over_base:
             raise DataError(
@@ -248,7 +248,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """What it relates, where, and its highest line."""
+        """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
         top = int(size.argmax())
         made = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
@@ -269,7 +269,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     @property
     def s(self) -> ComplexArray:
-        r"""Where on the Laplace plane the values were taken: :math:`j\omega + a`, 1/s."""
+        r"""Points of the Laplace plane at which the values were taken: :math:`j\omega + a`, 1/s."""
         return np.asarray(1j * self.omega + self.shift, dtype=complex)
 
     @property
@@ -288,7 +288,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return "1/kg" if self.quantity is Kind.ACCELERANCE else self.unit
 
     def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
-        r"""The same FRF as receptance, mobility, accelerance or dynamic stiffness.
+        r"""Return the same FRF as receptance, mobility, accelerance or dynamic stiffness.
 
         Motion is differentiated by a factor s, so a windowed FRF stays exact. The line at
         frequency 0 is dropped where it would divide by zero.
@@ -332,7 +332,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return replace(old, value=value, quantity=kind, sd=sd)
 
     def _over_base(self, kind: Kind, mass: float | None) -> FRF:
-        """The same to or from the motion of a mass over a base; see :meth:`to`."""
+        """Return the same to or from the motion of a mass over a base; see :meth:`to`."""
         if mass is None or not (np.isfinite(mass) and mass > 0):
             text = "no mass is given" if mass is None else f"mass = {mass!r} kg"
             raise DataError(
@@ -364,7 +364,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     @property
     def scatter_of_one(self) -> FloatArray | None:
-        r"""What the coherence says of a single average, :math:`|H|\sqrt{(1-\gamma^2)/2\gamma^2}`.
+        r"""Scatter of a single average by the coherence, :math:`|H|\sqrt{(1-\gamma^2)/2\gamma^2}`.
 
         Shape (n,); None without coherence. Of an FRF whose number of averages is not known it
         tells which lines are better than others.
@@ -376,7 +376,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     @property
     def line_scatter(self) -> FloatArray | None:
-        """Which lines are better known than others, by `random_sd` or what there is of it."""
+        """Relative scatter of the lines, by `random_sd` or its substitute."""
         return self.scatter_of_one if self.random_sd is None else self.random_sd
 
     @property
@@ -390,7 +390,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return np.asarray(keep)
 
     def only(self, keep: BoolArray) -> FRF:
-        """The chosen lines, `keep` of shape (n,)."""
+        """Return the chosen lines, `keep` of shape (n,)."""
         return replace(
             self,
             frequency=self.frequency[keep],
@@ -400,7 +400,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         )
 
     def band(self, low: float, high: float) -> FRF:
-        """The lines from `low` to `high`, Hz, both included."""
+        """Return the lines from `low` to `high`, Hz, both included."""
         keep = (self.frequency >= low) & (self.frequency <= high)
         if not keep.any():
             raise DataError(
@@ -521,7 +521,7 @@ class Mode(Serialisable):
 
     @property
     def decay(self) -> float:
-        """How fast it dies: sigma = -Re p, 1/s."""
+        """Decay rate: sigma = -Re p, 1/s."""
         return -self.pole.real
 
     @property

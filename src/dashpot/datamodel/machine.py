@@ -193,7 +193,7 @@ class Machine:
                 )
 
     def delay_sd(self, sample: float) -> float:
-        """Standard deviation of the delay of the force, s, for samples so far apart, s."""
+        """Return standard deviation of the delay of the force, s, for samples so far apart, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         if self.sync is None:
             return max(sample, USUAL["delay"].size, filtered)
@@ -206,7 +206,7 @@ class Machine:
         return USUAL["give, named"].size * self.compliance * peak
 
     def creep_sd(self, depth: float) -> float:
-        """Standard deviation of what its crosshead settles by in a factor e of time, m."""
+        """Return standard deviation of what its crosshead settles by in a factor e of time, m."""
         return USUAL["crosshead"].size * depth if self.creep is None else self.creep
 
     @property
@@ -238,7 +238,7 @@ class Machine:
         duration: float,
         noise: float | None = None,
     ) -> tuple[float, float, bool]:
-        r"""What a baseline and the cell say of the drift together: N/s.
+        r"""Return what a baseline and the cell say of the drift together: N/s.
 
         Mean and standard deviation, and whether the baseline determined it.
 

@@ -120,7 +120,7 @@ class Profile(FrozenArrays):
 
     @property
     def best(self) -> float:
-        """Where the deviance is least."""
+        """Parameter value of least deviance."""
         return float(self.value[int(np.argmin(self.deviance))])
 
 
@@ -139,7 +139,7 @@ class Nuisance:
 
     @property
     def fact(self) -> ReportedValue:
-        """As every table of it has it."""
+        """Reported value, as every table shows it."""
         of, read = self.unit, get_display_unit(self.unit, fine=True)
         return ReportedValue.known(self.name, self.value, self.standard_error, unit=of, read=read)
 
@@ -276,7 +276,7 @@ class ParameterEstimate(EqualByValue):
         return float(size.max()), float(np.nanmax(ratio)) if np.isfinite(ratio).any() else inf
 
     def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[ReportedValue, ...]:
-        """Every parameter of a solid, its stiffnesses in `unit`, with error and interval.
+        """Return every parameter of a solid, its stiffnesses in `unit`, with error and interval.
 
         ``k_inf``, then ``k_1``, ``tau_1`` and ``b_1`` = k tau of each arm, and ``b`` of a dashpot
         beside them; ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid.
@@ -304,7 +304,7 @@ class ParameterEstimate(EqualByValue):
         return tuple(facts)
 
     def standard_errors(self, solid: Solid) -> StandardErrors:
-        """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
+        """Return standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
         return cast("StandardErrors", _split_by_kind(self.errors(solid).items()))
 
     def intervals(self, solid: Solid, level: float) -> Intervals:
@@ -318,7 +318,7 @@ class ParameterEstimate(EqualByValue):
         return cast("Intervals", _split_by_kind(self.ends(solid, level).items()))
 
     def errors(self, solid: Solid) -> dict[str, float]:
-        """Standard errors of the parameters of `solid` by their names, SI units."""
+        """Return standard errors of the parameters of `solid` by their names, SI units."""
         return {row.name: row.standard_error for row in self._rows(solid)}
 
     def _rows(self, solid: Solid) -> Iterator[_SolidParameter]:
@@ -364,7 +364,7 @@ class ParameterEstimate(EqualByValue):
         return entries
 
     def quantile(self, level: float) -> float:
-        """Standard errors to either end of an interval at `level`."""
+        """Return standard errors to either end of an interval at `level`."""
         # Student's distribution costs an import that a fit alone does not pay
         from dashpot.base.student_t import t_quantile
 
@@ -373,7 +373,7 @@ class ParameterEstimate(EqualByValue):
         return t_quantile(level, self.dof)
 
     def _error(self, name: str) -> float:
-        """Standard error of one row; 0 for a parameter that was held fixed.
+        """Return standard error of one row; 0 for a parameter that was held fixed.
 
         Where no parameter has a row, nothing was held: nothing is known of any.
         """
@@ -428,7 +428,7 @@ class CreepEstimate(FrozenArrays):
         return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
 
     def facts(self, unit: str) -> tuple[ReportedValue, ...]:
-        """The compliances, in `unit`, and times of a solid, and its flow where it flows."""
+        """Return the compliances, in `unit`, and times of a solid, and its flow where it flows."""
         of, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
         rows = [("glass", of.glass, unit)]
         for j, d, lam in zip(numbers, of.d, of.lam, strict=True):

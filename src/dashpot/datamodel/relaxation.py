@@ -30,7 +30,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.data_compression import uniform_step
 
-# Relaxation tests, raw and prepared.
+# Relaxation tests.
 
 
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
@@ -109,7 +109,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Which record it is, and how far it reaches."""
+        """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.time)),
             (
@@ -145,7 +145,7 @@ class Hum:
         return float(np.hypot(self.cosine, self.sine))
 
     def force(self, time: FloatArray) -> FloatArray:
-        """The line at times, s."""
+        """Return the line at times, s."""
         omega, step = 2 * np.pi * self.frequency, uniform_step(time)
         size = complex(self.cosine, -self.sine)
         if step is not None:
@@ -255,7 +255,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Which record it is, its ramp and hold, and what preparation noticed."""
+        """Summary: the record, its ramp and hold, and notes of the preparation."""
         failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
         return (
             describe_record_source(self.source, len(self.time)),
@@ -288,7 +288,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def step(self) -> float:
-        """From one sample to the next, s: the median."""
+        """Median sampling interval, s."""
         return median(np.diff(self.time))
 
     @property
@@ -376,7 +376,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def readings_moved(self) -> int:
-        """How many readings of the later half of the hold differ from the one before."""
+        """Number of readings in the later half of the hold that differ from the one before."""
         x = self.travel[self.hold]
         return int(np.count_nonzero(np.diff(x[len(x) // 2 :])))
 
@@ -430,7 +430,7 @@ COARSE = 0.003
 
 
 def quantum(values: FloatArray) -> float:
-    """The step of which all differences are whole multiples; 0 if there is none to be seen.
+    """Return the step of which all differences are whole multiples; 0 if there is none to be seen.
 
     Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
     """
@@ -481,7 +481,7 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
     return not slips.any()
 
 
-# A motion of the plate: recorded, or planned for a controller.
+# Motion of the plate, recorded or planned.
 
 
 @dataclass(frozen=True, eq=False)

@@ -203,7 +203,7 @@ class SealSection:
         return np.where(x < 0, 0.0, tangent)
 
     def ways(self, stations: Stations) -> tuple[LineDirection, ...]:
-        """What the stations answer, each way: normal to the line, then across and along it.
+        """Return what the stations answer, each way: normal to the line, then across and along it.
 
         Raises
         ------
@@ -232,7 +232,7 @@ class SealSection:
         return tuple(directions)
 
     def _slip(self, stations: Stations) -> FloatArray:
-        """Force at which each station slips sideways, N, shape (n,)."""
+        """Return force at which each station slips sideways, N, shape (n,)."""
         if self.friction is None or stations.compression is None:
             raise DataError(
                 "friction of a seal line follows from the force by which it is pressed, and its "

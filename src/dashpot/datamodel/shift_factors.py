@@ -165,7 +165,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return replace(whole, tau=tuple(change.tolist()))
 
     def error(self, temperature: float) -> tuple[float, float]:
-        """Standard errors of ln a_T and of ln b_T at T, K."""
+        """Return standard errors of ln a_T and of ln b_T at T, K."""
         gradient = self._gradient(temperature)
         part = self.covariance[: len(self.shifts), : len(self.shifts)]
         if self.law_parameters:
@@ -221,7 +221,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return propagate_covariance(by, self._with_shifts(temperature, covariance))
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
-        """Covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
+        """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
         size, count = len(covariance), len(self.shifts)
         of_a, of_b = self.error(temperature)
         whole = np.zeros((size + 3, size + 3))
@@ -299,7 +299,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         )
 
     def _log10_at(self, temperature: float) -> float:
-        """The shift found at a tested temperature, K, or the law's at another."""
+        """Return the shift found at a tested temperature, K, or the law's at another."""
         near = self.nearest(temperature)
         if near.temperature == temperature:
             return near.log10_a_t
@@ -308,7 +308,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def _law_from(
         self, temperature: float, shifts: tuple[Shift, ...], scale: float
     ) -> tuple[TemperatureLaw, FloatArray]:
-        """The same law from another temperature, and the derivatives of its constants."""
+        """Return the same law from another temperature, and the derivatives of its constants."""
         law = self.law
         if isinstance(law, WLF):
             there = law.referred(temperature)
@@ -327,11 +327,11 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return FreeShifts(every, values, temperature), np.zeros((0, 0))
 
     def nearest(self, temperature: float) -> Shift:
-        """The tested temperature nearest to T, K."""
+        """Return the tested temperature nearest to T, K."""
         return min(self.shifts, key=lambda shift: abs(shift.temperature - temperature))
 
     def times(self, scale: FloatArray) -> TemperatureShifts:
-        """The shifts of a solid whose parameters are so many times those of this one."""
+        """Return the shifts of a solid whose parameters are so many times those of this one."""
         if not len(self.cross):
             return self
         return replace(self, cross=self.cross * np.append(scale, 1.0)[:, None])
@@ -354,7 +354,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return (evaluate_shift(1 + _STEP) - evaluate_shift(1 - _STEP)) / (2 * _STEP * value)
 
     def b_t(self, temperature: float) -> float:
-        """Factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
+        """Return factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
         if self.vertical == "1":
             return 1.0
         if self.vertical == "T/T_r":

@@ -64,7 +64,7 @@ class Specimen:
     rested: float | None = None
 
     def over(self, other: Specimen) -> Specimen:
-        """What is said here, and what the other says wherever nothing is said here."""
+        """Return this specimen, completed by the fields of another."""
         stated = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(other, **{name: value for name, value in stated.items() if value})
 

@@ -13,7 +13,7 @@ from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import load_function
 from dashpot.datamodel.frf import FRF, Kind, Mode
 
-# FRFs of one structure at several points, and the shapes of its modes.
+# FRFs and mode shapes.
 
 
 SAME_LINES = 1e-6
@@ -102,7 +102,7 @@ class FRFSet(EqualByValue):
 
     @property
     def sd(self) -> FloatArray | None:
-        """Of the accelerance, 1/kg, shape (points, n); None where one point does not know it."""
+        """Standard deviation of the accelerance, 1/kg, shape (points, n); None if one has none."""
         columns = [frf.to(Kind.ACCELERANCE).random_sd for frf in self.frfs]
         arrays = [column for column in columns if column is not None]
         return np.array(arrays) if len(arrays) == len(columns) else None
@@ -157,7 +157,7 @@ class ModeShape(EqualByValue):
         return np.asarray(self.residues / self.residues[np.argmax(np.abs(self.residues))])
 
 
-# Modes of a structure that nothing holds, as a finite element code or a modal test gives them.
+# Free modes, from a finite element code or a modal test.
 
 
 RIGID = 1e-3
@@ -251,7 +251,7 @@ class FreeModes(EqualByValue):
 
     @property
     def rigid(self) -> BoolArray:
-        """Which of the modes are rigid motions of their points, shape (r,)."""
+        """Whether each mode is a rigid motion of its points, shape (r,)."""
         motions, _ = self._as_rigid()
         shapes = self.shapes.reshape(len(self), -1)
         residual = shapes - motions
@@ -285,7 +285,7 @@ class FreeModes(EqualByValue):
         return np.asarray(inverse.T @ inverse)
 
     def _as_rigid(self) -> tuple[FloatArray, FloatArray]:
-        """The rigid motion next to each shape, (r, 3p), and its six numbers, (r, 6)."""
+        """Return the rigid motion next to each shape, (r, 3p), and its six numbers, (r, 6)."""
         x, y, z = self.place.T
         nil, item = np.zeros_like(x), np.ones_like(x)
         R = np.stack(
@@ -301,7 +301,7 @@ class FreeModes(EqualByValue):
 
 
 def _expand_damping_ratios(damping_ratio: npt.ArrayLike, count: int) -> FloatArray:
-    """The damping ratio of each of so many modes."""
+    """Return the damping ratio of each of so many modes."""
     zeta = np.array(damping_ratio, dtype=float)
     zeta = np.full(count, zeta) if zeta.shape == () else zeta
     if zeta.shape != (count,) or not ((zeta >= 0) & (zeta < 1)).all():

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from dashpot.datamodel.frf import FRF
 
 
-# A base that is shaken and the mass on it, as recorded.
+# Base excitation.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,7 +78,7 @@ class ShakenTest(EqualByValue, HasSummary):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Which record it is, and how hard the base was shaken."""
+        """Summary: the record, and the amplitude of the base."""
         source = self.source[0] if len(self.source) == 1 else None
         return (
             describe_record_source(source, len(self.base)),
@@ -86,11 +86,11 @@ class ShakenTest(EqualByValue, HasSummary):
         )
 
     def records(self) -> tuple[slice, ...]:
-        """The continuous records, as slices of the samples."""
+        """Return the continuous records, as slices of the samples."""
         return slices(self.starts, len(self.base))
 
 
-# Impact tests as recorded.
+# Impact tests.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -188,7 +188,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Which records they are, and what was measured."""
+        """Summary: the records and their channels."""
         single_source = self.source[0] if len(self.source) == 1 else None
         files = ", ".join(source.file for source in self.source)
         return (
@@ -210,7 +210,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         return frf
 
     def records(self) -> tuple[slice, ...]:
-        """The continuous records, as slices of the samples."""
+        """Return the continuous records, as slices of the samples."""
         return slices(self.starts, len(self.time))
 
     @property

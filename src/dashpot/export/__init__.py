@@ -52,7 +52,7 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
 
 
 def _format_unsupported_option(name: str, *, alternative: bool) -> str:
-    """The option of an argument that a target lacks, and which other targets have it."""
+    """Return the option of an argument that a target lacks, and which other targets have it."""
     those = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
     more = f". Those of {', '.join(those)} do" if those and alternative else ""
     return option_of(name) + more
@@ -164,7 +164,7 @@ def export_fit(
 
 
 def find_writer(target: str) -> Callable[..., DeckText]:
-    """Return what writes the decks of a solver, of the built-in ones or of a plug-in.
+    """Return the writer of a solver's decks, built in or of a plug-in.
 
     Raises
     ------

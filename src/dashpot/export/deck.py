@@ -29,7 +29,7 @@ from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import RateIndependent
 from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
 
-# What stands beside the arms: sliders and a cubic spring, in the units of a deck.
+# Sliders and cubic springs in deck units.
 
 
 CARRIERS = MappingProxyType(
@@ -84,7 +84,7 @@ class NonlinearElements:
 
     @property
     def k3(self) -> float:
-        """Of the cubic springs, deck units."""
+        """Stiffness of the cubic springs, deck units."""
         whole = sum(part.k3 for part in self.parts if isinstance(part, Cubic))
         return whole * self.units.length**3 / self.units.force
 
@@ -103,7 +103,7 @@ class NonlinearElements:
         ]
 
     def curve(self, points: int = _POINTS, *, k: float = 0.0) -> list[tuple[float, float]]:
-        r"""Displacement and force of the cubic spring, and of one of `k` with it, from 0 on.
+        r"""Return displacement and force of the cubic spring, and of one of `k` with it, from 0 on.
 
         At :math:`x_i \propto (i/n)^{2/3}`, where straight lines are everywhere as far, in force,
         from the cubic.
@@ -161,7 +161,7 @@ class NonlinearElements:
         )
 
 
-# How temperature moves a solid, in the words and the cards of solvers.
+# Temperature dependence.
 
 
 _SAME_STIFFNESS = 1e-3
@@ -169,7 +169,7 @@ _SAME_STIFFNESS = 1e-3
 
 
 def format_law_lines(shifts: TemperatureShifts) -> list[str]:
-    """What a deck's header says of the fitted law, its formula and constants in it."""
+    """Return the lines of a deck's header on the fitted law: its formula and constants."""
     law, (low, high) = shifts.law, shifts.tested
     reference = f"T_r = {text(law.reference)} K"
     if isinstance(law, WLF):
@@ -196,7 +196,7 @@ def format_law_lines(shifts: TemperatureShifts) -> list[str]:
 
 
 def format_stiffness_left_out(shifts: TemperatureShifts) -> list[str]:
-    """What a shift of times leaves out: the change of stiffness, if there is one."""
+    """Return the change of stiffness that a shift of times leaves out, if there is one."""
     if not _format_stiffness_shift(shifts):
         return []
     return [
@@ -206,7 +206,7 @@ def format_stiffness_left_out(shifts: TemperatureShifts) -> list[str]:
 
 
 def _format_stiffness_shift(shifts: TemperatureShifts) -> str:
-    """How every stiffness follows the temperature; nothing if it does not."""
+    """Return how every stiffness follows the temperature; nothing if it does not."""
     low, high = (shifts.b_t(value) for value in shifts.tested)
     if max(abs(low - 1), abs(high - 1)) < _SAME_STIFFNESS:
         return ""
@@ -298,7 +298,7 @@ class Deck:
     overrides: tuple[str, ...] = ()
 
     def of(self, solid: Solid) -> Deck:
-        """The same deck of another solid: a part of it, or one that stands beside it."""
+        """Return the same deck of another solid: a part of it, or one that stands beside it."""
         return replace(self, solid=solid)
 
     # -- the solid in deck units ----------------------------------------------------------------
@@ -396,12 +396,12 @@ class Deck:
 
     @property
     def temperatures(self) -> TemperatureShifts | None:
-        """What the fit knows of other temperatures."""
+        """Shift factors of the fit."""
         return self.linear_fit.temperatures if self.linear_fit else None
 
     @property
     def elastic_law(self) -> ElasticLaw | None:
-        """What the fit knows of other compressions."""
+        """Elastic law of the fit."""
         return self.linear_fit.elastic_law if self.linear_fit else None
 
     @property
@@ -411,7 +411,7 @@ class Deck:
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Of the fit behind it; none of a bare solid."""
+        """Checks of the fit behind the deck; none of a bare solid."""
         return self.fit.checks if self.fit else ()
 
     def extrapolated(self, frequency: float) -> bool:
@@ -430,7 +430,7 @@ class Deck:
         nominal: float | None = None,
         function: Callable[[str], str] = convert_to_printable_ascii,
     ) -> DeckText:
-        """The text of the deck: its header behind the target's comment sign, then its cards.
+        """Return the text of the deck: its header behind the target's comment sign, then its cards.
 
         What a `table` is follows the remarks, and which of its rows the test says nothing of; so
         with a `nominal` frequency, Hz, whose stiffness the deck holds.
@@ -522,7 +522,7 @@ class Deck:
         ]
 
     def _limits(self, unit: str) -> list[str]:
-        """What k_inf is at most, as the fit states it."""
+        """Return what k_inf is at most, as the fit states it."""
         fit = self.linear_fit
         if fit is None or fit.model.k_inf != self.model.k_inf:
             return []
@@ -533,7 +533,7 @@ class Deck:
         return [f"  k_inf is at most {most}; no test bounds it from below"]
 
     def _elastic_law(self) -> list[str]:
-        """What the stiffnesses are where the elastic law is not straight."""
+        """Return what the stiffnesses are where the elastic law is not straight."""
         law = self.elastic_law
         if law is None or law.kind == "linear":
             return []
@@ -550,7 +550,7 @@ class Deck:
         return [f"elastic law: not straight; its tangent k_inf is {listed}", meaning]
 
     def _pedigree(self) -> list[str]:
-        """The fit and its files."""
+        """Return the fit and its files."""
         steps = () if self.fit is None else self.fit.steps
         scaled = [step.says for step in steps if step.name in _MOVES]
         lines = []

@@ -19,7 +19,7 @@ from dashpot.export.deck import Deck, DeckText, Exportable, NonlinearFit
 from dashpot.export.unit_systems import NO_UNITS, unit_system
 from dashpot.solids.maxwell import Solid
 
-# Whether a solid or a fit may be written as a deck: what must be known, and what is refused.
+# Validation of a solid or fit: what must be known, and what is refused.
 
 
 PROBLEMS = MappingProxyType(
@@ -41,7 +41,7 @@ _REMEDIES = {
 
 
 class Target(Protocol):
-    """What writes the decks of one solver: of a solid, by :func:`open_deck`."""
+    """Solver target: writes the deck of a solid by :func:`open_deck`."""
 
     def __call__(
         self,
@@ -68,8 +68,8 @@ def target(
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
     The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
-    first form is what it writes if not told; of a seal line, the first of those that hold a
-    `line`. `only` has the forms that read an argument which others would leave unread.
+    first form is the default; of a seal line, the first of those that hold a `line`. `only` has the
+    forms that read an argument which others would leave unread.
     """
 
     def enter(cards: Callable[..., DeckText]) -> Target:
@@ -177,7 +177,7 @@ def open_deck(
 
 
 def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
-    """The fit at the temperature asked for; one that nobody noted is only said now."""
+    """Return the fit at the temperature asked for; one that nobody noted is only said now."""
     temperature = None if specimen is None else specimen.temperature
     if temperature is None or (fit.temperatures is None and fit.specimen.temperature is None):
         return fit
@@ -204,7 +204,7 @@ def list_allowed_problems(
     units: str | None,
     missing: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Return what is wrong and allowed; each problem comes with its remedy.
+    """Return the problems that were allowed, each with its remedy.
 
     Raises
     ------
@@ -295,7 +295,7 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
         return fit.verdict.says if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
-    # what a rig adds to all arms alike is no reason to fit fewer: that is told in errors and limits
+    # what a rig adds to all arms alike is no reason to fit fewer: errors and limits hold it
     model, error = fit.model, replace(fit, estimate=fit.estimate.noise_alone).standard_error
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
@@ -311,5 +311,5 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
 
 
 def _dense(fit: Fit) -> bool:
-    """Whether its arms are a table of a spectrum, of which none has an error of its own."""
+    """Return whether its arms are a table of a spectrum, of which none has an error of its own."""
     return any(check.name == "few_arms_suffice" and check.failed for check in fit.checks)

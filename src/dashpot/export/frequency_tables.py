@@ -121,7 +121,7 @@ class _Chords:
     rounded: Callable[[float], float]
 
     def values(self, f: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Storage stiffness and damping at `f`, Hz, as printed."""
+        """Return storage stiffness and damping at `f`, Hz, as printed."""
         omega = 2 * np.pi * f
         K = self.solid.complex_stiffness(omega=omega)
         damped = K.imag / (K.real if self.damping == "loss_factor" else omega)
@@ -131,7 +131,7 @@ class _Chords:
         )
 
     def error(self, f: FloatArray) -> float:
-        """Largest relative error of any FRF, of lines with points at `f`."""
+        """Return largest relative error of any FRF, of lines with points at `f`."""
         storage, damped = self.values(f)
         inner = f[:-1, None] + np.diff(f)[:, None] * _WITHIN
         between = np.concatenate((f, inner.ravel()))
@@ -147,7 +147,7 @@ class _Chords:
     def furthest(
         self, start: float, stop: float, reach: float, tolerance: float
     ) -> tuple[float, float]:
-        """The next point and how far away it is in ln f: the error grows with its square."""
+        """Return the next point and how far away it is in ln f: the error grows with its square."""
         for trial in range(60):
             following = min(stop, self.rounded(start * float(np.exp(reach))))
             if not following > start:

@@ -79,7 +79,7 @@ class SpringRow:
         return first_id + 2 * station, first_id + 2 * station + 1
 
     def format_node_numbering(self, first_id: int) -> str:
-        """How a header says which nodes are whose."""
+        """Return how a header says which nodes are whose."""
         last = self.nodes(len(self.stations) - 1, first_id)[1]
         return (
             f"nodes {first_id} to {last}, two at each place: the first is the ground side, the "
@@ -87,7 +87,7 @@ class SpringRow:
         )
 
     def springs(self, shares: tuple[float, ...]) -> list[tuple[int, Solid]]:
-        """The springs of a station, each by its way, 0 to 2, and what it is, SI."""
+        """Return the springs of a station, each by its way, 0 to 2, and what it is, SI."""
         rows = zip(self.solids, shares, strict=True)
         return [(way, solid * share) for way, (solid, share) in enumerate(rows) if share > 0]
 

@@ -134,7 +134,7 @@ def text(value: float) -> str:
 
 
 def format_fixed_width(value: float, width: int) -> str:
-    """A number in at most `width` columns, with as many digits as they hold, always a point.
+    """Return a number in at most `width` columns, with as many digits as they hold, always a point.
 
     >>> format_fixed_width(0.50212766, 10), format_fixed_width(3.68393e-05, 10), format_fixed_width(
     ...     -120.0, 8)

@@ -30,16 +30,14 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # .. math:: |A s - y|^2 \le \min_{s \ge 0} |A s - y|^2 + c
 #
 # stand. A quantity linear in s, such as K'(omega), K''(omega) or k(t), reaches over them from its
-# smallest to its largest value: the strict bounds of Rust and Burrus (*Mathematical Programming
-# and
+# smallest to its largest value: the strict bounds of Rust and Burrus (*Mathematical Programming and
 # the Numerical Solution of Linear Equations*, 1972) and of Stark (*J. Geophys. Res.* 97, 1992). At
 # the quantile of chi-square with one degree of freedom their coverage was long conjectured to be
 # that of one quantity without the bounds at zero; it is not (P. Batlle et al., arXiv:2310.02461,
 # 2023). On simulated seals that cut is up to six points short of 95 %, and 5.0 for 3.84 mends it.
 #
 # The grid is refined where the best spectrum has weight, since what an active arm cannot reach
-# between two grid points is paid in chi-square: an error of a limit, in standard errors, that
-# grows
+# between two grid points is paid in chi-square: an error of a limit, in standard errors, that grows
 # with the square of the gap over the noise.
 
 
@@ -218,14 +216,14 @@ class AdmissibleSpectra:
             )
 
     def compute_misfit(self, s: FloatArray) -> float:
-        """Sum of squares that a spectrum, in unit columns, leaves."""
+        """Return sum of squares that a spectrum, in unit columns, leaves."""
         misfit = self.columns @ s[self.shown] - self.target
         return float(misfit @ misfit)
 
     # -- quantities -------------------------------------------------------------------------------
 
     def stiffness_at(self, omega: float) -> tuple[FloatArray, FloatArray]:
-        """Storage and loss of unit columns at omega, rad/s: shapes (m,)."""
+        """Return storage and loss of unit columns at omega, rad/s: shapes (m,)."""
         x = omega * self.tau
         storage = np.concatenate(([1.0, 0.0], x * x / (1 + x * x)))
         loss = np.concatenate(([0.0, omega], x / (1 + x * x)))
@@ -243,7 +241,7 @@ class AdmissibleSpectra:
         return np.concatenate(([1.0, 0.0], np.exp(-time / self.tau)))
 
     def falling_at(self, time: float) -> FloatArray:
-        r"""Its slope :math:`-dk/d\ln t` of unit columns, shape (m,)."""
+        r"""Return its slope :math:`-dk/d\ln t` of unit columns, shape (m,)."""
         x = time / self.tau
         return np.concatenate(([0.0, 0.0], x * np.exp(-x)))
 
@@ -252,7 +250,7 @@ class AdmissibleSpectra:
         return np.concatenate(([1.0, time], -np.expm1(-time / self.tau)))
 
     def creeping_at(self, time: float) -> FloatArray:
-        r"""Its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
+        r"""Return its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
         slope = self.falling_at(time)
         slope[1] = time
         return slope
@@ -264,7 +262,7 @@ class AdmissibleSpectra:
     # -- reaches ----------------------------------------------------------------------------------
 
     def find_extreme_spectrum(self, v: FloatArray) -> FloatArray:
-        """The spectrum of the largest v . k, N/m, shape (m,)."""
+        """Return the spectrum of the largest v . k, N/m, shape (m,)."""
         aim, on = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ aim).argmax())]
         values = np.zeros(len(aim))
@@ -274,7 +272,7 @@ class AdmissibleSpectra:
         return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)
 
     def reach(self, v: FloatArray) -> tuple[float, float]:
-        """Smallest and largest v . k that the tests do not reject."""
+        """Return smallest and largest v . k that the tests do not reject."""
         return _project_spectrum(v, self.find_extreme_spectrum(-v)), _project_spectrum(
             v, self.find_extreme_spectrum(v)
         )
@@ -310,7 +308,7 @@ def _project_spectrum(v: FloatArray, spectrum: FloatArray) -> float:
 
 
 def _spread(count: int) -> IndexArray:
-    """Indices in an order that halves the largest gap again and again.
+    """Return indices in an order that halves the largest gap again and again.
 
     Columns of a triangular factor in this order leave all that they have in common in its first
     rows, and rounding in the others.
@@ -323,13 +321,13 @@ def _spread(count: int) -> IndexArray:
 
 
 def _merge_grids(first: FloatArray, second: FloatArray) -> FloatArray:
-    """The points of both grids; `numpy.union1d` says the same and imports masked arrays."""
+    """Return the points of both grids; `numpy.union1d` says the same and imports masked arrays."""
     both = np.sort(np.concatenate((first, second)))
     return np.asarray(both[np.append(True, np.diff(both) > 0)])
 
 
 def _refine_grid(log_tau: FloatArray, active: BoolArray) -> FloatArray:
-    """The grid with points put into the gaps on both sides of every active arm."""
+    """Return the grid with points put into the gaps on both sides of every active arm."""
     gaps = np.diff(log_tau)
     parallel = (active[1:] | active[:-1]) & (gaps > FINEST)
     steps = np.arange(1, POINTS + 1) / (POINTS + 1)
@@ -431,7 +429,7 @@ def _compute_named_rig_share(
 
 
 def compute_nonnegative_limits(spectra: AdmissibleSpectra, v: FloatArray) -> Interval:
-    """Limits of a sum that cannot be negative, freed of rounding."""
+    """Return limits of a sum that cannot be negative, freed of rounding."""
     low, high = spectra.reach(v)
     return max(low, 0.0), max(high, 0.0)
 
@@ -508,7 +506,7 @@ def compute_transmissibility_range(
 
 
 class StiffnessSet:
-    """Set of admissible stiffnesses by its supports, with the resonance of a mass.
+    """Admissible stiffnesses at one frequency by supports in some directions, with a mass.
 
     Stiffnesses and directions are complex numbers, in the order of the directions from -pi to pi:
     so are the points then, of which each is a corner of their hull.
@@ -581,7 +579,7 @@ def _dot(first: complex, second: complex) -> float:
 
 
 def _find_nearest_point(start: complex, end: complex) -> complex:
-    """The point nearest to the origin of the way from one to another."""
+    """Return the point nearest to the origin of the way from one to another."""
     along = end - start
     length = _dot(along, along)
     part = -_dot(start, along) / length if length > 0 else 0.0
@@ -591,7 +589,7 @@ def _find_nearest_point(start: complex, end: complex) -> complex:
 def _find_extreme_ratio(
     corners: list[complex], offset: float, sign: int
 ) -> tuple[float, FloatArray]:
-    """The highest (sign 1) or lowest ratio |d + offset| / |d| over a polygon, and where."""
+    """Return the highest (sign 1) or lowest ratio |d + offset| / |d| over a polygon, and where."""
     start = np.array(corners).view(float).reshape(-1, 2)
     along = np.roll(start, -1, axis=0) - start
     base = start + np.array([offset, 0.0])
@@ -617,12 +615,12 @@ def _find_extreme_ratio(
 
 
 def _contains_origin(start: FloatArray, along: FloatArray) -> bool:
-    """Whether the origin lies within a convex polygon, its corners turning to the left."""
+    """Return whether the origin lies within a convex polygon, its corners turning to the left."""
     residual = along[:, 1] * start[:, 0] - along[:, 0] * start[:, 1]
     return bool((residual >= 0).all() and (residual > 0).any())
 
 
 def _find_steepest_direction(at: FloatArray, offset: float) -> FloatArray:
-    """The direction in which ln (|d + offset| / |d|) grows most."""
+    """Return the direction in which ln (|d + offset| / |d|) grows most."""
     base = at + np.array([offset, 0.0])
     return np.asarray(base / max(float(base @ base), _TINY) - at / max(float(at @ at), _TINY))

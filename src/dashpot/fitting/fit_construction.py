@@ -53,7 +53,7 @@ from dashpot.preprocessing.checks import check_records
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# From an optimum, what supports it and where it comes from to a fit: alike on every way to one.
+# Construction of a fit, common to all methods.
 
 
 #: what supports an optimum of which nothing more was asked
@@ -198,7 +198,7 @@ def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Prove
     return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest.specimen)
 
 
-# The questions that every fit of relaxation tests is asked, whatever its elastic law.
+# Checks of every fit of relaxation tests.
 
 
 class Residuals(NamedTuple):

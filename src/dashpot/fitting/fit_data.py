@@ -25,7 +25,7 @@ from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# From prepared tests to the blocks that the engine fits.
+# Blocks of prepared tests.
 
 
 NUISANCE = ("offset", "drift", "delay")
@@ -179,7 +179,7 @@ def bound(
 
 
 def _late(test: RampHold, block: DataBlock, rough: Solution) -> DelayedForce:
-    """The force of the first solution as one that comes late, N/s."""
+    """Return the force of the first solution as one that comes late, N/s."""
     time, x, _ = motion(test)
     k = rough.arms[rough.groups.index(block.arm_group)]
     k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
@@ -265,7 +265,7 @@ def solid_of(solution: Solution) -> GeneralizedMaxwell:
     )
 
 
-# What a solid is fitted to, and how its noise weighs what was known before.
+# Data of a fit, and the weight of priors by its noise.
 
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
@@ -316,7 +316,7 @@ class FitData:
         return tuple(float(np.sqrt(block.variance or 0.0)) for block in self.priors)
 
     def bound(self, spreads: Sequence[float] | None = None) -> FitData:
-        """The data with priors whose weight is that of residuals with these spreads, N."""
+        """Return the data with priors whose weight is that of residuals with these spreads, N."""
         return self if self.bind is None else replace(self, priors=self.bind(spreads))
 
     @cached_property
@@ -369,7 +369,7 @@ class InitialFit(NamedTuple):
         return tuple(series.values for series in self.series)
 
     def get_residual_series(self, solution: Solution) -> tuple[ResidualSeries, ...]:
-        """What a solution leaves of each record, where that is at hand; else nothing."""
+        """Return what a solution leaves of each record, where that is at hand; else nothing."""
         return self.series if solution is self.showed else ()
 
 

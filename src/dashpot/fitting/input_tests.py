@@ -19,7 +19,7 @@ from dashpot.fitting.nuisance_priors import priors
 from dashpot.preprocessing.checks import history_forgotten
 from dashpot.preprocessing.prepare import prepare
 
-# Whatever tests a fit is given, as ramps and holds.
+# Ramps and holds of the given tests.
 
 
 Tests: TypeAlias = RampHold | RelaxationTest | Sequence[RampHold | RelaxationTest]
@@ -73,7 +73,7 @@ def depths_of(test: RelaxationTest, **how: Any) -> tuple[RampHold, ...]:
 
 
 def _isolate_loading(record: RampHold) -> RampHold:
-    """A loading without its history, and the check of what that leaves out.
+    """Return a loading without its history, and the check of what that leaves out.
 
     Of a seal that has not recovered the way from where it was met is taken for that from first
     contact: as long, in proportion.
@@ -103,7 +103,7 @@ def _prepare_test(test: object) -> RampHold:
     return replace(made, steps=(BY_DEFAULT, *made.steps))
 
 
-# The temperatures of some tests, and which of them the solid is given at.
+# Temperatures of tests, and the reference temperature.
 
 
 # the standard temperature of rubber laboratories, K: the solid is that of the test nearest to it
@@ -177,7 +177,7 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
     return int(np.argmin(magnitude))
 
 
-# Whether several tests are different records, and of one seal.
+# Distinct records of one seal.
 #
 # A record given twice makes every standard error smaller by :math:`\sqrt 2` and tells nothing; two
 # lots fitted as one seal give a seal that does not exist.
@@ -265,7 +265,7 @@ def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
 
 
 def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray:
-    """Means of the force between edges, s after the onset, less their running mean."""
+    """Return means of the force between edges, s after the onset, less their running mean."""
     sums = np.concatenate(([0.0], np.cumsum(record.force)))
     at = np.searchsorted(record.time - record.onset, edges)
     means = np.diff(sums[at]) / np.maximum(np.diff(at), 1)

@@ -54,7 +54,7 @@ class Prior(NamedTuple):
     sd: float = 0.0
 
     def off(self, value: float, slope: FloatArray) -> tuple[float, FloatArray]:
-        """How far `value` is from it, in standard deviations; an equality has a narrow one.
+        """Return how far `value` is from it, in standard deviations; an equality has a narrow one.
 
         With the derivative, `slope` being that of `value`.
         """
@@ -62,7 +62,7 @@ class Prior(NamedTuple):
         return (value - self.mean) / sd, slope / sd
 
     def beyond(self, held: Prior) -> Prior:
-        """What it leaves open that a fit which holds the other does not, about 0."""
+        """Return what it leaves open that a fit which holds the other does not, about 0."""
         more = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
         return Prior(0.0, float(np.sqrt(max(more, 0.0))))
 
@@ -87,11 +87,11 @@ class NuisanceTerms:
     least: float = 0.0
 
     def add_terms(self, **more: Prior) -> NuisanceTerms:
-        """The terms and further ones."""
+        """Return the terms and further ones."""
         return replace(self, known={**self.known, **more})
 
     def rows(self, block: DataBlock, spread: float) -> DataBlock:
-        """Rows beside those of a block, of which one independent one has this `spread`."""
+        """Return rows beside those of a block, of which one independent one has this `spread`."""
         names = tuple(name for name in block.fixed_names if kind_of(name) in self.known)
         kinds = [kind_of(name) for name in names]
         rows = np.eye(len(names))
@@ -236,7 +236,7 @@ def spread_before(record: RampHold) -> float:
 
 
 def _compute_hold_noise(since: FloatArray, values: FloatArray) -> Noise:
-    """What a plateau, a drift and a dozen arms leave of a hold, as noise."""
+    """Return what a plateau, a drift and a dozen arms leave of a hold, as noise."""
     end, rows = float(since[-1]), len(since)
     arms = np.exp(-since[:, None] / np.geomspace(end / (2 * rows), 3 * end, _ARMS))
     basis = np.linalg.qr(np.column_stack((np.ones(rows), since, arms)))[0]
@@ -347,7 +347,7 @@ def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
 
 
 def _first_reading(record: RampHold, noise: float) -> Prior:
-    """The force at the first sample, and what the compression there may have given."""
+    """Return the force at the first sample, and what the compression there may have given."""
     x, force = record.displacement, record.force
     noise = _compute_reading_error(record, noise)
     if x[0] <= 0:

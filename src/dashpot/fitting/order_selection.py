@@ -54,7 +54,7 @@ from dashpot.numerics.inference.model_order import (
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# The rules for the number of arms in the metric of a noise that is as slow as the arms.
+# Rules for the number of arms under noise as slow as the arms.
 
 
 def score_in_noise_metric(
@@ -114,7 +114,7 @@ def _parameters(solution: Solution) -> int:
     return len(solution.fixed) + solution.order * (1 + len(solution.groups))
 
 
-# From data to an optimum: every number of arms tried, one chosen, and what is known of it.
+# Fit of every number of arms, and selection.
 
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
@@ -297,7 +297,7 @@ class SelectedModel:
         *,
         unseen: FloatArray | None = None,
     ) -> SolidEstimate:
-        """The solid and what is known of it, as every fit is made of.
+        """Return the solid and what is known of it, as every fit is made of.
 
         `unseen`, shape (p, d), is what each doubt of a rig adds to the parameters: it is in every
         interval, and in nothing that a check judges by the noise.

@@ -39,10 +39,9 @@ if TYPE_CHECKING:
     from dashpot.numerics.inference.correlated_noise import NoiseGain
 
 
-# What the steps of an encoder leave unknown of a fit to recorded motion.
+# Effect of encoder resolution.
 #
-# While a reading stands, its error :math:`e`, uniform within one step q, stands too. To first
-# order
+# While a reading stands, its error :math:`e`, uniform within one step q, stands too. To first order
 # it moves the parameters by :math:`(J^T J)^{-1} J^T \delta`, with the force that the solid would
 # have given to the pulse of motion that was not there,
 #
@@ -120,7 +119,7 @@ def encoder_rows(columns: FloatArray, encoder: Encoder, kernel: Kernel) -> Float
 
 
 def _contact_row(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
-    """What an error of the contact moves, a step of motion when the plate touches."""
+    """Return what an error of the contact moves, a step of motion when the plate touches."""
     if encoder.contact_error == 0.0:
         return np.zeros((0, columns.shape[1]))
     first = max(int(np.searchsorted(encoder.time, encoder.onset)), before)
@@ -160,7 +159,7 @@ def _pulse(
     return values
 
 
-# How well a solution of the engine is known, from the residuals in their own order.
+# Uncertainty of a solution, from residuals in order of time.
 
 
 # a fit that leaves less than this of the largest force has met the rounding of the data
@@ -223,7 +222,7 @@ class ParameterCovariance:
         return Residual(self.samples, self.sse, self.rms, self.kappa, mean)
 
     def standard_error(self, name: str) -> float:
-        """Standard error of a row."""
+        """Return standard error of a row."""
         row = self.names.index(name)
         return float(np.sqrt(self.covariance[row, row]))
 
@@ -428,7 +427,7 @@ def _significant(solution: Solution, covariance: FloatArray) -> bool:
     return significant(k, se_k, error[first + arms :])
 
 
-# Profile likelihoods where a standard error is no good guide to an interval.
+# Profile likelihoods where standard errors are inadequate.
 
 
 # below this SE(ln tau) the likelihood is Gaussian for all that intervals need
@@ -563,15 +562,14 @@ class _ProfileScaling:
         return lambda beta, log_tau: noise_gain.at(beta, log_tau) / at_optimum
 
 
-# By how much the parameters of a fit follow what its rig may have added unseen.
+# Sensitivity of the parameters to unmeasured effects of the rig.
 #
 # A fit is of the quiet rig, what is claimed of it of the doubtful one. A force c that no column of
 # the fit has, such as that of a crosshead that settles, moves its parameters by
 #
 # .. math:: \delta\theta = (J'J)^{-1} J' c
 #
-# with J the rows of the records and of what was known of offset, drift and delay. With c the
-# column
+# with J the rows of the records and of what was known of offset, drift and delay. With c the column
 # of one doubt times its standard deviation, :math:`\delta\theta\,\delta\theta'` is what it adds to
 # their covariance.
 

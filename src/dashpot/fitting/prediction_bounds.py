@@ -31,7 +31,7 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.systems.frf_prediction import MassOnSeals
 
-# The parameters of a fit as a vector, and the solid of another vector.
+# Parameters of a fit as a vector, and the solid of a vector.
 
 
 _LEAST_PART = 0.02
@@ -148,7 +148,7 @@ ABOUT = 1.5
 
 
 def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -> StiffnessBounds:
-    """Limits of the stiffness that the standard errors of a fit allow, by seeded draws.
+    """Return limits of the stiffness that the standard errors of a fit allow, by seeded draws.
 
     This is the formal band: it knows nothing of arms that the fit does not have.
 
@@ -232,7 +232,7 @@ def frf_band(
     kind: Kind | str = Kind.ACCELERANCE,
     coupled: float = 0.0,
 ) -> FRFBounds:
-    r"""Limits of the response of a mass on `seals` seals, by both kinds of ignorance.
+    r"""Return limits of the response of a mass on `seals` seals, by both kinds of ignorance.
 
     With :math:`|A| = \omega^2 / |n K^* - m\omega^2|`, the limits follow from the nearest and the
     farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`; those of
@@ -301,7 +301,7 @@ def frf_band(
 def formal_frf_band(
     fit: Fit, on: MassOnSeals, *, frequency: npt.ArrayLike, kind: Kind
 ) -> FloatArray:
-    """Lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
+    """Return lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
 
     Parameters are those of :func:`frf_band`, but for the tests: arms that the fit does not have
     are not in it.
@@ -338,7 +338,7 @@ class PredictedFRF:
             return np.asarray(self._excited_mass * omega**2 / away)
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
-        """Lowest and highest magnitude over all spectra that the tests do not reject."""
+        """Return lowest and highest magnitude over all spectra that the tests do not reject."""
         ratio = omega**2 / self.on.seals
         if self.kind is Kind.TRANSMISSIBILITY:
             return compute_transmissibility_range(
@@ -353,7 +353,7 @@ class PredictedFRF:
 def _formal(
     fit: Fit, omega: FloatArray, predicted: PredictedFRF, *, level: float
 ) -> tuple[FloatArray, FloatArray]:
-    """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
+    """Return the fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
     values = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
     return values, _quantiles(
         predicted.magnitude(_draw_stiffnesses(fit, omega), omega), values, level
@@ -364,7 +364,7 @@ def _formal(
 
 
 def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
-    """Complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
+    """Return complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
     solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
     if isinstance(solid, FractionalZener):
         sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
@@ -394,7 +394,7 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
 
 
 def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
-    """Limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
+    """Return limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
     low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2], axis=0)
     return np.array([np.minimum(low, base), np.maximum(high, base)])
 

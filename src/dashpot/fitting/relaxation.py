@@ -109,11 +109,11 @@ if TYPE_CHECKING:
     from dashpot.fitting.nonlinear_ramp.elastic_law import RampLaw
 
 
-# What a filter did to the parameters of a relaxation test.
+# Effect of a filter on the parameters.
 
 
 def check_filter_bias(test: RampHold) -> Check:
-    """What its filter did to each parameter, predicted on the noise-free answer of the seal.
+    """Return what its filter did to each parameter, predicted on the noise-free answer of the seal.
 
     The solid is fitted to the unfiltered record; its exact answer to the recorded motion is
     fitted again, before and behind the filter, by eq. 5 and by the full history.
@@ -152,7 +152,7 @@ def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
 def _compute_filter_changes(
     clean: RampHold, by: Filter, arms: int, method: Method
 ) -> dict[str, float]:
-    """Relative change of each parameter that the filter makes; -1 where an arm is lost."""
+    """Return relative change of each parameter that the filter makes; -1 where an arm is lost."""
     behind = filter_record(clean, by)
     if method == "hold":
         # eq. 5 takes the ramp from its corners, which were found before the filter
@@ -525,7 +525,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
 
 
 def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
-    """Whether the holds of a bent ramp support no more arms than were asked for."""
+    """Return whether the holds of a bent ramp support no more arms than were asked for."""
     from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
 
     return arms_enough(supported_by_holds(records, law.hold), law.model.arms, unit="N")
@@ -534,7 +534,7 @@ def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
 def _weight_records(
     records: Sequence[RampHold], selection: SelectedModel, design: FitSetup
 ) -> list[RelaxationData]:
-    """The records as what is claimed of their fit weighs them."""
+    """Return the records as what is claimed of their fit weighs them."""
     model, residuals = selection.model, selection.estimate.residuals
     if design.method == "hold":
         tests = zip(records, residuals, strict=True)
@@ -549,12 +549,12 @@ def _end_of_hold(
     selection: SelectedModel,
     spectra: AdmissibleSpectra,
 ) -> EndOfHold:
-    """What the records leave open of the stiffness at the end of the hold and beyond."""
+    """Return what the records leave open of the stiffness at the end of the hold and beyond."""
     return compute_end_limits(data, **_hold_of(records, selection), spectra=spectra)
 
 
 def _hold_of(records: Sequence[RampHold], result: SelectedModel | RampLaw) -> _HoldArguments:
-    """What their limits ask of the records and of the fit."""
+    """Return what their limits ask of the records and of the fit."""
     return {
         "time": max(record.hold_time for record in records),
         "own": result.model,

@@ -101,7 +101,7 @@ class UnmeasuredEffects(NamedTuple):
     arms: FloatArray
 
     def but(self, *names: str) -> UnmeasuredEffects:
-        """The terms without these."""
+        """Return the terms without these."""
         retained = [name not in names for name in self.names]
         remaining = tuple(name for name in self.names if name not in names)
         return UnmeasuredEffects(
@@ -292,7 +292,7 @@ class RelaxationData:
 def _build_delay_columns(
     answer: GeneralizedMaxwell, spring: FloatArray, dashpot: FloatArray, arms: FloatArray
 ) -> FloatArray:
-    """Columns of a late force, -dF/dt, and of the force itself, shape (n, 2)."""
+    """Return columns of a late force, -dF/dt, and of the force itself, shape (n, 2)."""
     k, tau = np.asarray(answer.k), np.asarray(answer.tau)
     late = arms @ (k / tau) - (answer.k_inf + k.sum()) * dashpot
     return np.column_stack((late, answer.k_inf * spring + arms @ k))

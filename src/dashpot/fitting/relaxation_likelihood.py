@@ -171,7 +171,7 @@ def relaxation_data(
 def _build_delay_columns(
     test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, late: float
 ) -> dict[str, tuple[FloatArray, float]]:
-    """The columns of a force that is so late, s, with their standard deviations.
+    """Return the columns of a force that is so late, s, with their standard deviations.
 
     They are of the size that was found: the chord is exact there, where the tangent is not.
     """
@@ -194,7 +194,7 @@ def _lateness(fit: Fit) -> float:
 
 
 def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
-    """The arms of a solid that are no faster than this, s."""
+    """Return the arms of a solid that are no faster than this, s."""
     slow = [j for j, value in enumerate(solid.tau) if value >= tau]
     return GeneralizedMaxwell(
         solid.k_inf, tuple(solid.k[j] for j in slow), tuple(solid.tau[j] for j in slow)
@@ -202,7 +202,7 @@ def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
 
 
 def _compute_law_deviation(law: ElasticLaw | None) -> float:
-    """What the size of a vibration's force is not known to, where a gentle law bends.
+    """Return what the size of a vibration's force is not known to, where a gentle law bends.
 
     About the depth it is the tangent's, about the middle of the way the secant's.
     """
@@ -212,7 +212,7 @@ def _compute_law_deviation(law: ElasticLaw | None) -> float:
 def _shift_to_reference(
     test: RampHold, fit: Fit, single_fit: Fit | None, *, claimed: bool
 ) -> RelaxationData:
-    """A test of several temperatures: what it says of the solid at their reference.
+    """Return a test of several temperatures: what it says of the solid at their reference.
 
     Its shifts are as free as other spectra may want them, within what the line through the fit
     bears; its stiffnesses may differ by a gain.
@@ -383,7 +383,7 @@ def _weight_block(
 
 
 def _compute_arm_residual(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
-    """What the arms of a solid leave of a record, their stiffnesses free."""
+    """Return what the arms of a solid leave of a record, their stiffnesses free."""
     rows = block.exact.evaluate(np.log(model.tau), derivative=False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
     return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
@@ -483,7 +483,7 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
 
 
 def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
-    """The first and the last reading that stand, and the longest of those between them."""
+    """Return the first and the last reading that stand, and the longest of those between them."""
     results = rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(results) > 1:

@@ -15,7 +15,7 @@ from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.solids.maxwell import Solid
 
-# The part of a band in which the loss factor is known, and how well.
+# Part of a band in which the loss factor is known, with its error.
 
 
 #: lines that are sought between one that is known and one that is not, at most
@@ -98,15 +98,13 @@ def _band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
 # Where stiffness and loss factor are known, over every spectrum that a test does not reject.
 #
 # At a line :math:`\omega` the limits of the loss factor :math:`\eta = K''/K'` follow by
-# Dinkelbach's
-# iteration (*Management Science* 13, 1967), which starts from that of the fit. Those of
-# :math:`|K^*|` are of its part along that of the fit,
+# Dinkelbach's iteration (*Management Science* 13, 1967), which starts from that of the fit. Those
+# of :math:`|K^*|` are of its part along that of the fit,
 #
 # .. math:: |K^*| \cos(\phi - \phi_0) = K'\cos\phi_0 + K''\sin\phi_0,
 #
 # which is linear in the spectrum, over the cosine of the widest angle that the loss factor allows.
-# Of
-# creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
+# Of creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
 #
 # The valid band ends where the loss factor is not known to 30 %, above or below a gap of the data,
 # too: there an arm may stand that nothing shows.
@@ -245,11 +243,11 @@ def band_of_hold(
 
 
 def has_loss_band(solid: Solid, band: tuple[float, float]) -> bool:
-    """Whether there is a band, and a solid that has a loss."""
+    """Return whether there is a band, and a solid that has a loss."""
     return 0 < band[0] < band[1] < np.inf and sum(solid.maxwell.k) > 0
 
 
-# The frequencies that a relaxation test can inform.
+# Frequencies that a relaxation test informs.
 #
 # Ask the test about any seal, not about the one arm model it happened to choose: arms at half
 # decades of tau, none of them known beyond a plausible size (a tenth of the stiffness found, one

@@ -30,7 +30,7 @@ from dashpot.numerics.log_tau_descent import (
     single,
 )
 
-# The best optimum for 0, 1, 2, ... arms, each started from the one before.
+# Optima for 0, 1, 2, ... arms, each started from the previous one.
 
 
 #: where descents that are yet to be compared end: steps, and falls of the SSE
@@ -49,7 +49,7 @@ FAR = 20.0
 
 
 class ArmInsertion:
-    """What a stack's orders have in common: grid, spectrum, and the optima found so far.
+    """Insertion of arms into a stack: grid, spectrum, and the optima of all orders so far.
 
     `best[n]` is the optimum with n arms, except after a `leap`, when the only one is its own.
     """
@@ -96,7 +96,7 @@ class ArmInsertion:
         return bool(self.best)
 
     def _find_certain_optimum(self, arms: int) -> LocalOptimum[StackTrial] | None:
-        """The optimum next to the best of the whole grid, if nothing about it is in doubt.
+        """Return the optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
         window, or a coefficient that is not positive; with more arms than three, whose start is
@@ -141,7 +141,7 @@ class ArmInsertion:
         return self._attempts[arms]
 
     def _has_separated_start(self, arms: int) -> bool:
-        """True if the best set of grid points has no two that are neighbours."""
+        """Return whether the best set of grid points has no two that are neighbours."""
         start, (low, high) = self._first_start(arms), self.stack.bounds
         if start is None or arms not in LOOK:
             return start is not None
@@ -188,7 +188,7 @@ class ArmInsertion:
                 return
 
     def _leaves_less_than(self, negligible: float) -> bool:
-        """True if no positive spectrum gains so many noise variances on the last order."""
+        """Return whether no positive spectrum gains so many noise variances on the last order."""
         if self.signed or self.thorough or negligible <= 0:
             return False
         last = self.best[-1].point
@@ -197,7 +197,7 @@ class ArmInsertion:
         return bool(last.sse - self.grid.residual_sse < least and last.sse - self._any() < least)
 
     def _any(self) -> float:
-        """The SSE of the best positive spectrum on the grid and beside the last arms."""
+        """Return the SSE of the best positive spectrum on the grid and beside the last arms."""
         point = self.best[-1].point
         together = np.concatenate((point.log_tau, self.grid.log_tau))
         near = np.arange(len(together)) < len(point.log_tau)
@@ -230,7 +230,7 @@ class ArmInsertion:
         return polished
 
     def _get_nonnegative_mask(self, arms: int) -> BoolArray:
-        """The coefficients that must not be negative."""
+        """Return the coefficients that must not be negative."""
         return self.stack.get_nonnegative_mask(arms, signed=self.signed)
 
     def _starts(self, arms: int) -> list[FloatArray]:
@@ -252,7 +252,7 @@ class ArmInsertion:
         first: LocalOptimum[StackTrial] | None,
         restricted: BoolArray,
     ) -> list[LocalOptimum[StackTrial]]:
-        """The optima without a coefficient below zero that the starts lead to."""
+        """Return the optima without a coefficient below zero that the starts lead to."""
         optima = [] if first is None else [first]
         for start in starts:
             rivals = [np.sort(rival.point.log_tau) for rival in optima]
@@ -273,7 +273,7 @@ class ArmInsertion:
     def _descend_restricted(
         self, starts: Sequence[FloatArray], restricted: BoolArray
     ) -> list[LocalOptimum[StackTrial]]:
-        """The optima next to the starts with no restricted coefficient below zero."""
+        """Return the optima next to the starts with no restricted coefficient below zero."""
         optima = [self._descend(start, (), restricted=restricted) for start in starts]
         return [
             optimum
@@ -302,7 +302,7 @@ class ArmInsertion:
 
 
 def _carries(point: StackTrial, stack: Stack) -> bool:
-    """True if every arm carries something in some group."""
+    """Return whether every arm carries something in some group."""
     arms = len(point.log_tau)
     k = point.beta[len(stack.names) :].reshape(len(stack.groups), arms)
     return bool((k != 0).any(axis=0).all())
@@ -324,7 +324,7 @@ def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
     return point
 
 
-# The best sum of exponentials in a stack of blocks, without a guess.
+# Exponential sum of a stack of blocks, without starting values.
 
 
 RESOLVED = 1e-9
@@ -332,7 +332,7 @@ RESOLVED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Solution(FrozenArrays):
-    """The optimum of a stack for one number of arms.
+    """Optimum of a stack for one number of arms.
 
     Attributes
     ----------
@@ -396,13 +396,13 @@ class Solution(FrozenArrays):
         return np.asarray(np.exp(self.log_tau))
 
     def coefficient(self, name: str) -> float:
-        """The coefficient of a fixed column by its name."""
+        """Return the coefficient of a fixed column by its name."""
         return float(self.fixed[self.fixed_names.index(name)])
 
 
 @dataclass(frozen=True, eq=False)
 class Jacobian(EqualByValue):
-    """The residual of a solution and its derivative by every parameter, in the blocks' rows.
+    """Residual of a solution and its derivative by every parameter, in the blocks' rows.
 
     Attributes
     ----------
@@ -606,7 +606,7 @@ def _solution(
     )
 
 
-# How far an optimum can be from the best positive spectrum with any number of arms.
+# Optimality certificate: distance to the best positive spectrum.
 
 
 CERTIFICATE_GRID = 96
@@ -617,7 +617,7 @@ CERTAIN = 1e-6
 
 @dataclass(frozen=True)
 class OptimalityCertificate:
-    r"""What one more arm, or any number of arms, could still gain.
+    r"""Bounds of the gain by one more arm, or by any number of arms.
 
     Attributes
     ----------
@@ -684,7 +684,7 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
 
 
 def _make_refined_grid(support: FloatArray, round_: int, bounds: tuple[float, float]) -> FloatArray:
-    """The support of a spectrum, and a finer grid around each of its points."""
+    """Return the support of a spectrum, and a finer grid around each of its points."""
     step = (bounds[1] - bounds[0]) / CERTIFICATE_GRID / 8.0**round_
     near = support[:, None] + step * np.arange(-8, 9) / 8
     return np.array(sorted({*np.clip(near, *bounds).flat, *bounds}))

@@ -13,12 +13,11 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.nonnegative_least_squares import solve_linear
 
-# From one start to the nearest optimum, by the steps of Levenberg and Marquardt.
+# Descent of Levenberg and Marquardt.
 #
-# Whatever is minimised is a function of parameters of order one, such as logarithms, inside
-# bounds.
-# Everything linear is solved at every trial (:mod:`dashpot.numerics.least_squares`), so that
-# a trial is known by its sum of squares, its gradient J'r and its curvature J'J.
+# Whatever is minimised is a function of parameters of order one, such as logarithms, inside bounds.
+# Everything linear is solved at every trial (:mod:`dashpot.numerics.least_squares`), so that a
+# trial is known by its sum of squares, its gradient J'r and its curvature J'J.
 
 
 LONGEST_STEP = 1.5
@@ -53,7 +52,7 @@ T = TypeVar("T", bound="Trial")
 
 
 class Trial(Protocol):
-    """Parameters with everything linear solved.
+    """Trial parameters with all linear ones solved.
 
     `theta` (p,) and `beta` (q,); the sum of squares `sse`, infinite where the model says nothing;
     `gradient` J'r (p,) and `curvature` J'J (p, p) of the reduced residual.
@@ -73,7 +72,7 @@ class Trial(Protocol):
 
 
 class Objective(NamedTuple, Generic[T]):
-    """What is minimised.
+    """Interface of an objective to be minimised.
 
     Attributes
     ----------
@@ -94,7 +93,7 @@ class Objective(NamedTuple, Generic[T]):
 
 
 class LocalOptimum(NamedTuple, Generic[T]):
-    """Where a descent ended."""
+    """Local optimum of a descent."""
 
     point: T
     evaluations: int
@@ -249,7 +248,7 @@ def _trial(
 def _is_within_bounds(
     at: FloatArray, bounds: tuple[list[float], list[float]], *, least: bool
 ) -> bool:
-    """True if no parameter sits at an end of its range or, at `least`, beyond one."""
+    """Return whether no parameter sits at an end of its range or, at `least`, beyond one."""
     pairs = zip(bounds[0], at.tolist(), bounds[1], strict=True)
     if least:
         return all(low <= value <= high for low, value, high in pairs)
@@ -269,7 +268,7 @@ _unit = lru_cache(maxsize=64)(np.eye)
 
 
 def triangle(columns: FloatArray) -> FloatArray:
-    """The upper triangular factor of a matrix given by its columns, shape (c, n)."""
+    """Return the upper triangular factor of a matrix given by its columns, shape (c, n)."""
     raw: FloatArray = np.linalg.qr(columns.T, mode="raw")[0]
     c = len(columns)
     return np.asarray(raw.T[:c] * _upper(c)[: raw.shape[1]])
@@ -280,7 +279,7 @@ def _upper(size: int) -> FloatArray:
     return np.triu(np.ones((size, size)))
 
 
-# Least squares of models that are linear in some parameters: the one problem of every fit.
+# Separable problems.
 #
 # .. math:: y(\theta) = A(\theta)\,\beta + \text{noise}, \qquad
 #           l \le \theta \le h, \quad \beta_j \ge 0 \text{ where it must be}
@@ -300,7 +299,7 @@ _SMALL = 1e-5
 
 
 class Rows(NamedTuple):
-    """A model at one theta.
+    """Model at one theta.
 
     Attributes
     ----------
@@ -323,7 +322,7 @@ Model: TypeAlias = Callable[[FloatArray], Rows]
 
 
 class Parameter(NamedTuple):
-    """One component of theta: its range, the size of a sensible step, that of a difference."""
+    """Component of theta: its range, the size of a step, and that of a difference."""
 
     low: float = -np.inf
     high: float = np.inf
@@ -333,7 +332,7 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A model, the range of theta, and which of beta must not be negative.
+    """Separable problem: a model, the range of theta, and which beta must not be negative.
 
     Attributes
     ----------
@@ -425,7 +424,7 @@ class Problem:
         return optima
 
     def held(self, index: int, value: float) -> Problem:
-        """The problem with one theta held."""
+        """Return the problem with one theta held."""
         rest = [parameter for i, parameter in enumerate(self.parameters) if i != index]
 
         def model(theta: FloatArray) -> Rows:
@@ -494,14 +493,14 @@ class _AtTheta:
         return self.optimum.curvature * np.outer(self.scale, self.scale)
 
     def ahead(self, step: FloatArray) -> _AtTheta:
-        """The trial a short step away."""
+        """Return the trial a short step away."""
         theta = self.optimum.problem._evaluate_trial(self.theta + step, self)
         return theta if theta.sse <= self.sse * (1 + 1e-8) + self.rounding else self
 
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """A theta with its best beta.
+    """Optimum: a theta with its best beta.
 
     Attributes
     ----------
@@ -565,7 +564,7 @@ class Optimum:
         return np.concatenate((self.theta, self.beta))
 
     def evaluate_model(self, values: FloatArray) -> FloatArray:
-        """A beta less y at other values of theta and beta: what moves with them."""
+        """Return a beta less y at other values of theta and beta: what moves with them."""
         rows = self.problem.model(values[: len(self.theta)])
         return np.asarray(rows.A @ values[len(self.theta) :] - rows.y)
 
@@ -655,5 +654,5 @@ def solve_ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> O
 
 
 def stack_real_rows(values: FloatArray | ComplexArray) -> FloatArray:
-    """Complex rows as real ones: real parts, then imaginary."""
+    """Return complex rows as real ones: real parts, then imaginary."""
     return np.concatenate((values.real, values.imag))

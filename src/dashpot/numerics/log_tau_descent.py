@@ -16,11 +16,11 @@ from dashpot.numerics.least_squares import FINISHED, LocalOptimum, Objective, tr
 from dashpot.numerics.least_squares import descend as downhill
 from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
 
-# From one start to the nearest optimum in ln tau, linear parameters solved exactly on the way.
+# Descent in ln tau, linear parameters solved exactly.
 
 
 class StackRows(NamedTuple):
-    """A whole stack at one ln tau.
+    """Rows of a whole stack at one ln tau.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class StackRows(NamedTuple):
 
 
 class Stack:
-    """Blocks on top of each other, their columns matched by name and group.
+    """Stacked blocks, their columns matched by name and group.
 
     The linear parameters stand as all fixed names, then the arms of the first group, of the
     second, and so on: p = q + G N.
@@ -93,7 +93,7 @@ class Stack:
         return max(self.rounding_floor, FINISHED**2 * self.energy)
 
     def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
-        """Which linear parameters must not be negative, shape (p,)."""
+        """Return which linear parameters must not be negative, shape (p,)."""
         every = np.ones(len(self.names) + arms * len(self.groups), dtype=bool)
         every[: len(self.names)] = stiffnesses(self.names)
         return every & (not signed)
@@ -127,7 +127,7 @@ class Stack:
 
 
 class StackTrial(NamedTuple):
-    r"""One trial of ln tau with everything linear solved; of each record, if axes lead.
+    r"""Trial ln tau with all linear parameters solved; of each record, if axes lead.
 
     `gradient` is J'r and `curvature` J'J of the reduced residual, both per ln tau, `turn`
     (p, N) the derivative of beta by ln tau; `sse` is without the floor, infinite where the columns
@@ -195,7 +195,7 @@ class StackTrial(NamedTuple):
         return cls(log_tau, beta, sse, gradient, curvature, towards @ turned - along)
 
     def ahead(self, step: FloatArray) -> StackTrial:
-        """The point a short step away, where beta is linear and the SSE is flat."""
+        """Return the point a short step away, where beta is linear and the SSE is flat."""
         turned = (self.turn @ step[..., None])[..., 0]
         return self._replace(log_tau=self.log_tau + step, beta=self.beta + turned)
 
@@ -227,7 +227,7 @@ def point_at(
 
 
 def _point(log_tau: FloatArray, rows: StackRows, active: BoolArray | None = None) -> StackTrial:
-    """The point of some columns, all by default; an infinite SSE if they are dependent."""
+    """Return the point of some columns, all by default; an infinite SSE if they are dependent."""
     columns, p = rows
     fixed = 2 * p + 1 - len(columns)
     if active is not None:
@@ -247,7 +247,7 @@ def _nowhere(log_tau: FloatArray, p: int) -> StackTrial:
 
 
 def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
-    """Values of the active columns in their places among all, zero elsewhere."""
+    """Return values of the active columns in their places among all, zero elsewhere."""
     out = np.zeros((len(active), *values.shape[1:]))
     out[active] = values
     return out
@@ -287,7 +287,7 @@ def descend(
 
 
 def is_inside_window(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
-    """True if no relaxation time sits at an end of the window."""
+    """Return whether no relaxation time sits at an end of the window."""
     low, high = bounds
     return all(low < value < high for value in log_tau.tolist())
 
@@ -297,7 +297,7 @@ def _is_near_rival(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
 
 
 def relative_offset(point: StackTrial, sse: float) -> float:
-    r"""The length of the residual that a Gauss-Newton step would still remove, over |r|.
+    r"""Return the length of the residual that a Gauss-Newton step would still remove, over |r|.
 
     The criterion of D. M. Bates and D. G. Watts, *Technometrics* 23 (1981).
     """
@@ -310,7 +310,7 @@ def relative_offset(point: StackTrial, sse: float) -> float:
     return float(np.sqrt(abs(point.gradient @ step) / sse))
 
 
-# Where to start: peaks of the best positive spectrum, and of the dual gradient.
+# Starting points: peaks of the best positive spectrum, and of the dual gradient.
 
 
 GRID = 72
@@ -322,7 +322,7 @@ KEPT = 8
 
 
 class ColumnGrid(NamedTuple):
-    """A stack's columns on a grid of ln tau, free of the fixed columns, of unit length.
+    """Columns of a stack on a grid of ln tau, free of the fixed columns, of unit length.
 
     Attributes
     ----------
@@ -346,7 +346,7 @@ class ColumnGrid(NamedTuple):
     def from_stack(
         cls, stack: Stack, log_tau: FloatArray, loose: BoolArray | None = None
     ) -> tuple[ColumnGrid, FloatArray]:
-        """The lattice, and the target in its coordinates.
+        """Return the lattice, and the target in its coordinates.
 
         `loose` says which fixed columns have a coefficient that is not held at zero; all, by
         default.
@@ -385,7 +385,7 @@ _KEPT_LATTICES = _GridCache()
 
 
 class Grid:
-    """A stack on a grid of ln tau: its columns, and what they have in common with its data.
+    """Stack on a grid of ln tau: its columns, and their products with the data.
 
     Attributes
     ----------
@@ -479,7 +479,7 @@ class Grid:
 
 
 def single(grid: Grid) -> FloatArray | None:
-    """The grid point whose column, with a positive coefficient, fits best; for one group."""
+    """Return the grid point whose column, with a positive coefficient, fits best; for one group."""
     best = int(np.argmax(grid.moment))
     return grid.log_tau[best : best + 1] if grid.moment[best] > 0 else None
 
@@ -525,7 +525,7 @@ def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
 
 
 def find_best_triple(grid: Grid) -> FloatArray | None:
-    """The three grid points whose columns, with positive coefficients, fit best.
+    """Return the three grid points whose columns, with positive coefficients, fit best.
 
     Of every third point, all triples; then around the best of them, the points between.
     """
@@ -541,7 +541,7 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
 
 
 def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
-    """What triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
+    """Return what triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
 
     Zero where a coefficient would not be positive, or two points are one.
     """
@@ -561,7 +561,7 @@ def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
 
 @lru_cache(maxsize=2)
 def _triples(size: int) -> IndexArray:
-    """All i < j < k below size, three rows, every COARSE-th point of a grid."""
+    """Return all i < j < k below size, three rows, every COARSE-th point of a grid."""
     i = np.arange(size)
     return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 

@@ -13,17 +13,15 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 
-# Least squares with coefficients that must not be negative.
+# Non-negative least squares.
 #
 # At the optimum of :math:`x'Gx/2 - m'x`, x >= 0, every coefficient is either free with zero slope
 # or zero with slope :math:`m - Gx \le 0`. A few rounds exchange all that violate this together
-# (block
-# principal pivoting: L. F. Portugal, J. J. Judice, L. N. Vicente, *Math. Comp.* 63, 1994), which
-# finds most of the support of a spectrum of a hundred columns in three solves; from there the
+# (block principal pivoting: L. F. Portugal, J. J. Judice, L. N. Vicente, *Math. Comp.* 63, 1994),
+# which finds most of the support of a spectrum of a hundred columns in three solves; from there the
 # active-set method of Lawson and Hanson (*Solving Least Squares Problems*, ch. 23), which cannot
 # cycle, needs some ten or twenty more. `scipy.optimize.nnls` saves half a millisecond of the one
-# that
-# this takes, and its import costs a hundred fits.
+# that this takes, and its import costs a hundred fits.
 
 
 ROUNDS = 3
@@ -83,7 +81,7 @@ def solve_linear(
 def _solve_mixed_sign(
     unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None
 ) -> FloatArray:
-    """The beta of many columns that must not be negative, the free ones taken off."""
+    """Return the beta of many columns that must not be negative, the free ones taken off."""
     if must.all():
         return nonnegative(unit.T @ unit, unit.T @ y, near)
     Q, factor = np.linalg.qr(unit[:, ~must])
@@ -127,7 +125,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
     nothing = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
 
     def solve_free_coefficients(free: BoolArray) -> FloatArray:
-        """The minimum over the free coefficients, of either sign, the others zero."""
+        """Return the minimum over the free coefficients, of either sign, the others zero."""
         index = np.flatnonzero(free)
         x = np.zeros(count)
         x[index] = np.linalg.solve(ridged[index[:, None], index], moment[index])
@@ -190,7 +188,7 @@ def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -
     return active
 
 
-# The farthest non-negative coefficients that data do not reject.
+# Confidence region: extreme non-negative coefficients that data do not reject.
 #
 # All :math:`s \ge 0` with :math:`|As - y|^2 \le \rho^2` are a convex set; a linear :math:`c's` is
 # largest at its edge. With P the columns that carry weight, :math:`A_P = QR`,
@@ -199,12 +197,10 @@ def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -
 # .. math:: s_P = a + \lambda R^{-1} h, \qquad \lambda^2 = (\rho^2 - |y - A_P a|^2) / h'h
 #
 # A primal active set walks towards it: a coefficient that would become negative leaves P, and the
-# column of the largest :math:`w = A'(y - As) + \lambda c` enters, until no w is positive, which
-# are
+# column of the largest :math:`w = A'(y - As) + \lambda c` enters, until no w is positive, which are
 # the conditions of the optimum. Every point on the way is feasible and none is worse than the one
 # before, so any earlier answer of the same set is a start. With c = 0 and no ball it is the method
-# of
-# Lawson and Hanson (*Solving Least Squares Problems*, ch. 23).
+# of Lawson and Hanson (*Solving Least Squares Problems*, ch. 23).
 #
 # The factor is that of the columns, never of their Gram matrix: neighbours on a fine grid of
 # relaxation times are parallel to six digits. A face does not hang on what is asked, and questions
@@ -227,7 +223,7 @@ REMEMBERED = 512
 
 
 class ActiveSet(NamedTuple):
-    """Columns that carry weight, A_P = QR.
+    """Columns with positive coefficients, A_P = QR.
 
     Attributes
     ----------
@@ -272,7 +268,7 @@ class ActiveSet(NamedTuple):
 
 
 class NonnegativeConfidenceRegion:
-    """Columns A of unit length and data y, of which non-negative s are asked.
+    """Confidence region of non-negative coefficients s of columns A of unit length and data y.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ NEAR = 3.0
 
 @dataclass(frozen=True)
 class SupposedSeal:
-    """A guess at one seal, with the arm that a test may not see.
+    """Assumed seal, with an arm that the test may not show.
 
     Attributes
     ----------

@@ -46,7 +46,7 @@ PLACES = 21
 
 @dataclass(frozen=True)
 class ExpectedError:
-    """What one relaxation test would leave unknown at one frequency.
+    """Expected error of one relaxation test at one frequency.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def expected_error(
     *,
     repeats: Sequence[Elsewhere] = (),
 ) -> ExpectedError:
-    """What the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
+    """Return what the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
 
     `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
     with them both tests are fitted together. `repeats` are the same test at other temperatures.
@@ -142,7 +142,7 @@ def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, Floa
 
 @dataclass(frozen=True)
 class ExpectedArm:
-    """How well a fit of the test would know one arm: half widths of 95 % intervals over the value.
+    """Expected relative half widths of the 95 % intervals of one arm.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ class ExpectedArm:
 
 
 def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
-    """What a fit of the solid's own arms would print of each."""
+    """Return what a fit of the solid's own arms would print of each."""
     planned, named = (
         _compute_arm_half_widths(model, planned_test)
         for planned_test in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
@@ -206,7 +206,7 @@ def _on_a_named_rig(bench: Bench, *names: str) -> Bench:
 
 @dataclass(frozen=True)
 class ExpectedEnd:
-    """How well a test would know the stiffness when it ends, to first order.
+    """Expected error of the stiffness at the end of a test, to first order.
 
     Attributes
     ----------
@@ -236,7 +236,7 @@ class ExpectedEnd:
 
 
 def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
-    r"""What a test leaves unknown of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
+    r"""Return what a test leaves unknown of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
 
     What machine and climate may add unseen stands in J besides, each with a row of 1.
     """
@@ -274,7 +274,7 @@ def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
 
 @dataclass(frozen=True)
 class RecordNeed:
-    """How long the impact record must be for the mass on this solid.
+    """Required length of the impact record for the mass on this solid.
 
     Attributes
     ----------
@@ -305,7 +305,7 @@ class RecordNeed:
 
 @dataclass(frozen=True)
 class Pulse:
-    """What a half-sine hammer pulse excites.
+    """Half-sine hammer pulse, and the frequencies that it excites.
 
     Attributes
     ----------
@@ -327,7 +327,7 @@ class Pulse:
 
 
 def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) -> RecordNeed:
-    """How long a record the ringing of this mass on this solid asks for."""
+    """Return how long a record the ringing of this mass on this solid asks for."""
     pole = ringing_pole(model, mass)
     sigma = -float(pole.real)
     width = sigma / np.pi
@@ -378,7 +378,7 @@ def _peak_error(model: GeneralizedMaxwell, mass: float, pole: complex, record: f
 
 
 def half_sine(duration: float, at: float) -> Pulse:
-    r"""The spectrum of a half-sine pulse of `duration` s.
+    r"""Return the spectrum of a half-sine pulse of `duration` s.
 
     .. math:: \frac{|F(f)|}{|F(0)|} = \left|\frac{\cos \pi f T}{1 - (2 f T)^2}\right|
     """

@@ -38,7 +38,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
 from dashpot.vibration.systems.frf_prediction import mass_for_peak
 
-# What to change of a planned test, in words.
+# Advice on a planned test, as text.
 
 
 WORTH = 0.9
@@ -86,14 +86,14 @@ def list_advice(
 
 
 def compute_record_length(need: RecordNeed) -> float:
-    """The record that a hit needs, s."""
+    """Return the record that a hit needs, s."""
     return max(need.for_decay, need.for_lines)
 
 
 def _cold_advice(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, margin: float
 ) -> list[str]:
-    """What the repeats at other temperatures bring, and which one is still missing."""
+    """Return what the repeats at other temperatures bring, and which one is still missing."""
     if not expected.repeated:
         return []
     error = next(e for e in alternatives if e.method == expected.method and not e.repeated)
@@ -169,7 +169,7 @@ Way: TypeAlias = tuple[str, ExpectedError | None]
 def _find_faster_ramp(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
 ) -> Way:
-    """The slowest ramp that will do, or the other method."""
+    """Return the slowest ramp that will do, or the other method."""
     good = [
         e
         for e in alternatives
@@ -186,7 +186,7 @@ def _find_faster_ramp(
 def _find_colder_repeat(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
 ) -> Way:
-    """The test repeated in the cold, if it is not yet and that will do."""
+    """Return the test repeated in the cold, if it is not yet and that will do."""
     good = [e for e in alternatives if e.repeated and e.loss_factor_sd <= wanted]
     if expected.repeated or not good:
         return "", None
@@ -220,7 +220,7 @@ COLDER = 10.0
 
 @dataclass(frozen=True)
 class Plan(HasChecks, Serialisable):
-    """What a test can and cannot tell at a frequency, and what to change.
+    """Plan of a test: expected errors at a frequency, and advice on changes.
 
     Attributes
     ----------
@@ -396,7 +396,7 @@ def plan(
 def _build_alternatives(
     bench: Bench, repeats: Sequence[Elsewhere], margin: float, law: TemperatureLaw
 ) -> list[tuple[Bench, Sequence[Elsewhere]]]:
-    """The tests beside the one that was asked for, each with its repeats."""
+    """Return the tests beside the one that was asked for, each with its repeats."""
     other = replace(bench, method="hold" if bench.method == "full" else "full")
     faster = [
         replace(bench, method="full", ramp_time=bench.ramp_time * part)
@@ -411,7 +411,7 @@ def _build_alternatives(
 
 
 def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
-    """A refrigerator, if it is colder than the room and the law reaches so far."""
+    """Return a refrigerator, if it is colder than the room and the law reaches so far."""
     if margin < USUAL_COLD + COLDER:
         return []
     try:
@@ -421,20 +421,20 @@ def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
 
 
 def _band(bench: Bench, repeats: Sequence[Elsewhere]) -> tuple[float, float]:
-    """What ramp and hold inform, Hz; a repeat informs a_T times that of the solid."""
+    """Return what ramp and hold inform, Hz; a repeat informs a_T times that of the solid."""
     slower = [1.0, *(repeat.a_t for repeat in repeats)]
     low, high = 1 / (2 * np.pi * bench.hold_time), 1 / (np.pi * bench.ramp_time)
     return min(slower) * low, max(slower) * high
 
 
 def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
-    """The record that the seal needs if the arm that was supposed is not there."""
+    """Return the record that the seal needs if the arm that was supposed is not there."""
     need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
     return f" ({compute_record_length(need):.3g} s if no arm of the seal damps there)"
 
 
 def _lines(at: float, record: float | None) -> FloatArray:
-    """The lines that a hammer test would give about the peak, Hz."""
+    """Return the lines that a hammer test would give about the peak, Hz."""
     step = LINE_STEP if record is None else 1 / record
     first, last = at / AROUND, at * AROUND
     count = max(sample_count(last - first, 1 / step), 8)

@@ -15,8 +15,8 @@ IN_SI = "a number > 0 in SI units"
 
 @dataclass(frozen=True)
 class PlannedRamp:
-    """A ramp and hold to be, as :class:`~dashpot.planning.planned_ramp_hold.Bench` has it; SI
-    inside.
+    """Planned ramp and hold: the fields of :class:`~dashpot.planning.planned_ramp_hold.Bench`, in
+    SI.
     """
 
     depth: float = option("8mm", "Compression.", unit="length")
@@ -44,7 +44,7 @@ class PlannedRamp:
 
 @dataclass(frozen=True)
 class HammerPlan:
-    """A hammer test to be, of a block on seals.
+    """Planned hammer test of a block on seals.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ from dashpot.signals.noise import earlier_press, machine_terms, warming
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
-# A ramp-and-hold test to be: what each of its samples says of the solid.
+# Planned ramp-and-hold test: the information of its samples.
 
 
 # a doubt is smooth: instants of ramp and hold, each, at which it is laid out
@@ -29,7 +29,7 @@ _IN_A_CHAMBER = USUAL["warming in a chamber"].size / USUAL["warming"].size
 
 
 class PlannedRows(NamedTuple):
-    """A test to be in units of its noise: what its fit knows, and what moves it unseen.
+    """Planned test in units of its noise: its information, and unmeasured effects.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class PlannedRows(NamedTuple):
 
 @dataclass(frozen=True)
 class Bench(PlannedRamp):
-    """A ramp-and-hold test to be; quantities as in ``"8mm"``, or in SI units.
+    """Planned ramp-and-hold test; quantities as in ``"8mm"``, or in SI units.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Bench(PlannedRamp):
     machine: Machine | None = field(default=Machine())
 
     def time(self) -> FloatArray:
-        """The samples that the method fits, s from the start of the ramp, shape (n,)."""
+        """Return the samples that the method fits, s from the start of the ramp, shape (n,)."""
         count = sample_count(self.ramp_time + self.hold_time, self.rate)
         t = np.arange(1, count + 1) / self.rate
         return t if self.method == "full" else t[t >= self.ramp_time * (1 - 1e-12)]
@@ -102,11 +102,11 @@ class Bench(PlannedRamp):
         return np.hstack(columns)
 
     def _since_rest(self, t: FloatArray) -> FloatArray:
-        """Time since the middle of the baseline, s, shape (n, 1)."""
+        """Return time since the middle of the baseline, s, shape (n, 1)."""
         return (t + 0.5 * self.baseline)[:, None]
 
     def _late(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
-        """Force that a late clock takes, N/s, shape (n, 1), from the columns of arms.
+        """Return force that a late clock takes, N/s, shape (n, 1), from the columns of arms.
 
         The force of an arm rises at k times the speed of the plate, less itself over tau.
         """
@@ -116,7 +116,7 @@ class Bench(PlannedRamp):
         return np.asarray(falls - speed * model.k_0 * moves)[:, None]
 
     def prior_sd(self, model: GeneralizedMaxwell) -> FloatArray:
-        """What the fit knows of offset, drift and delay beforehand: N, N/s and s.
+        """Return what the fit knows of offset, drift and delay beforehand: N, N/s and s.
 
         Eq. 5 has no delay, and a drift as free as it may be.
         """
@@ -127,7 +127,7 @@ class Bench(PlannedRamp):
         return np.array([offset, held, machine.delay_sd(1 / self.rate)])
 
     def _zero(self, model: GeneralizedMaxwell) -> tuple[float, float, float]:
-        """What is known of the offset, N, and of the drift in a fit and in a limit, N/s."""
+        """Return what is known of the offset, N, and of the drift in a fit and in a limit, N/s."""
         machine = self.machine or Machine()
         length = self.ramp_time + self.hold_time
         final = float(
@@ -141,7 +141,7 @@ class Bench(PlannedRamp):
         return offset, held, free
 
     def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
-        """What the test tells its fit, and what its rig may add to that unseen.
+        """Return what the test tells its fit, and what its rig may add to that unseen.
 
         A fit of `several` temperatures looks for a seal that warms, and finds it; it is a point,
         and bears nothing of earlier presses.
@@ -200,11 +200,10 @@ class Bench(PlannedRamp):
         return np.hstack(columns)
 
 
-# The same test at other temperatures, where the arms are slower or faster.
+# Repeats at other temperatures, where the arms are slower or faster.
 #
 # Every test shares the solid :math:`\theta = (k_\infty, k_j, \ln\tau_j)`; at :math:`T_i` its arms
-# are
-# :math:`a_i \tau_j`, its stiffnesses :math:`b_i k_j`, and the fit finds
+# are :math:`a_i \tau_j`, its stiffnesses :math:`b_i k_j`, and the fit finds
 #
 # .. math:: \ln a_i, \quad \ln b_i, \quad o_i, \dot o_i, d_i, \quad
 #     \ln a_i \to \ln a_i \, \bigl[1 + g \log_{10}(\tau_j / \tau_0)\bigr]
@@ -222,7 +221,7 @@ _MIDDLE = 0.5
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """Where a test is repeated.
+    """Temperature at which a test is repeated, with the shift of the solid.
 
     Attributes
     ----------
@@ -238,7 +237,7 @@ class Elsewhere:
 
 
 def plan_repeat(temperature: float, margin: float, law: TemperatureLaw) -> Elsewhere:
-    """What the law, and stiffness in proportion to T, suppose at a temperature, K.
+    """Return what the law, and stiffness in proportion to T, suppose at a temperature, K.
 
     The solid is that of the `margin`, K.
 
@@ -283,7 +282,7 @@ def rows_with(
     repeats: Sequence[Elsewhere],
     slope_sd: float = SLOPE_SD,
 ) -> PlannedRows:
-    """What the test and its repeats tell a fit of all, and what each rig may add to that.
+    """Return what the test and its repeats tell a fit of all, and what each rig may add to that.
 
     The first columns are those of the solid, as in
     :class:`~dashpot.planning.planned_ramp_hold.Bench`; a `slope_sd` of 0 supposes that one factor
@@ -311,7 +310,7 @@ def rows_with(
 
 
 def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:
-    """Rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
+    """Return rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
     solid = model.shifted(there.a_t, there.b_t)
     values, unmeasured = bench.rows(solid, several=True)
     n = model.arms

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Pictures for paper: the same places, drawn by matplotlib as PNG or PDF.
+# PNG and PDF by matplotlib, in the same layout.
 
 
 INCH = 96.0
@@ -35,7 +35,7 @@ FONTS = ["Arial", "Liberation Sans", "Helvetica", "DejaVu Sans"]
 
 
 def to_figure(picture: Picture) -> Figure:
-    """The picture as a matplotlib figure of its own: no global state knows of it."""
+    """Return the picture as a matplotlib figure of its own: no global state knows of it."""
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
 
@@ -155,7 +155,7 @@ class _Canvas:
             self.fill(np.array(corners), mark.colour, mark.tint, None, hatched=mark.hatched)
 
 
-# A picture to a file.
+# Writing of a picture.
 
 
 def save(

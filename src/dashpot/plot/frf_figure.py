@@ -39,7 +39,7 @@ from dashpot.plot.style import sequential
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
 
-# Lines of an FRF as they are drawn: their phase, and what lies between them.
+# FRF lines to be drawn: phase and interpolation.
 
 
 def wrap_phase(value: ComplexArray, lowest: float) -> FloatArray:
@@ -57,7 +57,7 @@ def break_wrapped_phase(
 
 
 def phase_axis(values: ComplexArray) -> tuple[float, tuple[float, ...]]:
-    """Where the turn begins for all `values`, degrees, and the quarters that they use.
+    """Return where the turn begins for all `values`, degrees, and the quarters that they use.
 
     From -180 as usual. Where that would cut through the data, from -90, as for the noise of an
     accelerance below its resonance, or from -270, as for a transmissibility above its own.
@@ -79,7 +79,7 @@ _NEAR = 1e-4
 
 
 def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
-    """A predicted FRF on denser lines, densest near its peak; a measured one as it is.
+    """Return a predicted FRF on denser lines, densest near its peak; a measured one as it is.
 
     A sharp resonance between two lines is drawn round: not the FRF but its inverse is joined by
     straight lines, which is smooth where the FRF peaks (it is the dynamic mass m + K/s^2). Both
@@ -101,7 +101,7 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
 
 
 def half_power(value: ComplexArray) -> list[int]:
-    """The lines nearest to the half-power points on either side of the largest magnitude."""
+    """Return the lines nearest to the half-power points on either side of the largest magnitude."""
     size = np.abs(value)
     peak = int(np.argmax(size))
     target = size[peak] / np.sqrt(2)
@@ -139,7 +139,7 @@ VIEW = (0.48, 2.3)
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """An FRF as it is drawn, and the frequency and height of its peak where that is named."""
+    """FRF to be drawn, with frequency and height of its peak where that is labelled."""
 
     frf: FRF
     label: str
@@ -149,7 +149,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class PredictionBand:
-    """Between which limits a magnitude is predicted, shape (2, n): accelerance, 1/kg, or T."""
+    """Limits of a predicted magnitude, shape (2, n): accelerance, 1/kg, or T."""
 
     frequency: FloatArray
     limits: FloatArray
@@ -169,7 +169,7 @@ class PredictionBand:
 
 
 def make_prediction_bands(bounds: FRFBounds | None) -> tuple[PredictionBand, ...]:
-    """What a prediction leaves open, the wider first."""
+    """Return what a prediction leaves open, the wider first."""
     if bounds is None:
         return ()
     return (
@@ -240,7 +240,7 @@ def frf(
 
 
 def _peak_inside(frf: FRF) -> tuple[float, float] | None:
-    """Frequency and height of the peak of an accelerance; None where an end is as high."""
+    """Return frequency and height of the peak of an accelerance; None where an end is as high."""
     if frf.quantity is not Kind.ACCELERANCE:
         return None
     top = int(np.argmax(np.abs(frf.value)))
@@ -304,7 +304,7 @@ def resonance(
     height: float = 292.0,
     stamp: str = "",
 ) -> Picture:
-    """The peak alone: measured, predicted with its bound, joint; every peak in sight.
+    """Return the peak alone: measured, predicted with its bound, joint; every peak in sight.
 
     Parameters
     ----------
@@ -391,7 +391,7 @@ def resonance_curves(
     failed: bool = False,
     rival: FRF | None = None,
 ) -> list[Curve]:
-    """The curves of :func:`resonance`, each with its peak."""
+    """Return the curves of :func:`resonance`, each with its peak."""
     if comparison is None:
         curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
     else:
@@ -416,7 +416,7 @@ def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
 def curves_of(
     comparison: Comparison, joint: Comparison | None, *, failed: bool = False
 ) -> list[Curve]:
-    """The curves of a comparison with their peaks, measured first."""
+    """Return the curves of a comparison with their peaks, measured first."""
     c = comparison
     curves = [
         Curve(c.measured, "measured", MEASURED, (c.measured_hz, c.measured_peak)),
@@ -510,7 +510,7 @@ def _bode(curves: Sequence[Curve], spread: Sequence[PredictionBand]) -> tuple[Pa
 
 
 def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
-    """The coherence of a measured FRF over the same axis; none of what has none."""
+    """Return the coherence of a measured FRF over the same axis; none of what has none."""
     if measured.coherence is None:
         return ()
     axes = (frequency, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
@@ -574,7 +574,7 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
 
 
 def _half_power(curve: Curve) -> list[Mark]:
-    """The width of a measured peak at -3 dB, drawn where it is."""
+    """Return the width of a measured peak at -3 dB, drawn where it is."""
     if (
         curve.pen is not MEASURED
         or curve.peak is None

@@ -55,7 +55,7 @@ SWATCH = 34.0
 
 
 class Box(NamedTuple):
-    """A rectangle, px."""
+    """Rectangle, px."""
 
     x: float
     y: float
@@ -64,7 +64,7 @@ class Box(NamedTuple):
 
 
 class Word(NamedTuple):
-    """Letters at a place; `halo` keeps a curve behind them off."""
+    """Text at a point; `halo` separates it from a curve behind it."""
 
     x: float
     y: float
@@ -77,7 +77,7 @@ class Word(NamedTuple):
 
 
 class AxisLine(NamedTuple):
-    """A straight line of the axes."""
+    """Straight line of the axes."""
 
     x0: float
     y0: float
@@ -88,7 +88,7 @@ class AxisLine(NamedTuple):
 
 
 class Polyline(NamedTuple):
-    """Curves inside the axes, from their upper left corner, px; one array for each unbroken part.
+    """Curves inside the axes, from their upper left corner, px; one array per unbroken part.
 
     `name` and `edge` say what is read off them.
     """
@@ -100,7 +100,7 @@ class Polyline(NamedTuple):
 
 
 class Fill(NamedTuple):
-    """An area inside the axes."""
+    """Filled area inside the axes."""
 
     parts: tuple[FloatArray, ...]
     colour: str
@@ -109,7 +109,7 @@ class Fill(NamedTuple):
 
 
 class Markers(NamedTuple):
-    """Dots inside the axes."""
+    """Markers inside the axes."""
 
     centres: FloatArray
     size: float
@@ -119,7 +119,7 @@ class Markers(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """A panel with its places: axes, what is drawn inside them, and words."""
+    """Panel in px: axes, contents and labels."""
 
     panel: Panel
     box: Box
@@ -130,7 +130,7 @@ class Frame(NamedTuple):
 
 
 class StripLayout(NamedTuple):
-    """A strip laid out."""
+    """Layout of a strip."""
 
     width: float
     height: float
@@ -138,7 +138,7 @@ class StripLayout(NamedTuple):
 
 
 class PlacedStrip(NamedTuple):
-    """A strip on a sheet: its upper left corner, px."""
+    """Strip on a sheet, with its upper left corner, px."""
 
     x: float
     y: float
@@ -146,7 +146,7 @@ class PlacedStrip(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """A picture as a file has it: its strips, the samples of its key, and words."""
+    """Picture as a file: its strips, the samples of its key, and labels."""
 
     height: float
     strips: tuple[PlacedStrip, ...]
@@ -184,13 +184,13 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
 
 
 def _beneath(panel: Panel) -> float:
-    """What numbers and words below a panel take, px."""
+    """Return what numbers and words below a panel take, px."""
     lines = panel.below.count("\n") + 1 if panel.below else 0
     return 10 + ROW * lines if panel.drawing else 2 * ROW + 6
 
 
 def _upright(panel: Panel) -> list[tuple[float, str]]:
-    """The numbers of the upright axis, and how they are written."""
+    """Return the numbers of the upright axis, and how they are written."""
     if panel.y.unnumbered:
         return []
     at = numbers(panel.y, panel.height, 22 if panel.y.log or panel.height < 110 else 30)
@@ -224,7 +224,7 @@ def arrange_sheet(picture: Picture) -> Sheet:
 
 
 def _equalise_scales(panel: Panel, width: float) -> Panel:
-    """The panel with the limits of one axis widened until both have one scale."""
+    """Return the panel with the limits of one axis widened until both have one scale."""
     (x0, x1), (y0, y1) = panel.x.limits, panel.y.limits
     unit = max((x1 - x0) / width, (y1 - y0) / panel.height)
 
@@ -266,7 +266,7 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
 def _axes(
     panel: Panel, box: Box, upright: list[tuple[float, str]], numbered: list[Word]
 ) -> tuple[list[AxisLine], list[Word]]:
-    """The lines of both axes, and the numbers of the upright one."""
+    """Return the lines of both axes, and the numbers of the upright one."""
     bottom, right = box.y + box.height, box.x + box.width
     heights = [bottom - box.height * float(place(panel.y, value)) for value, _ in upright]
     hairs = [AxisLine(box.x, y, right, y, "line") for y in heights]
@@ -282,7 +282,7 @@ def _axes(
 
 
 def _wrap_note(panel: Panel, width: float) -> list[str]:
-    """The note in lines, each no wider than the axes."""
+    """Return the note in lines, each no wider than the axes."""
     return _broken(panel.note, width) if panel.note else []
 
 
@@ -307,7 +307,7 @@ def _broken(text: str, width: float) -> list[str]:
 
 
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
-    """What stands above the axes: what they show upright, the title, a note."""
+    """Return what stands above the axes: what they show upright, the title, a note."""
     words = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
     for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
@@ -327,7 +327,7 @@ def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
 
 
 def _make_horizontal_numbers(scale: Scale, box: Box) -> list[Word]:
-    """The numbers below the horizontal axis."""
+    """Return the numbers below the horizontal axis."""
     at = numbers(scale, box.width, 46)
     places = box.x + box.width * place(scale, at)
     return [
@@ -345,7 +345,7 @@ def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[FloatArray, ...]:
-    """The part of a curve that runs between the limits of its axis, and one point beyond."""
+    """Return the part of a curve that runs between the limits of its axis, and one point beyond."""
     low, high = panel.x.limits
     if len(x) < 2 or not np.all(np.diff(x) > 0):
         return (x, *rows)
@@ -355,7 +355,7 @@ def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[Float
 
 
 def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
-    """The unbroken parts of a curve, each of two points or more."""
+    """Return the unbroken parts of a curve, each of two points or more."""
     values = np.isfinite(points).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], values, [False])).astype(np.int8)))
     pairs = zip(edges[::2], edges[1::2], strict=True)
@@ -520,7 +520,7 @@ def _place_tag_lines(
     far: list[_Spot],
     surroundings: _Surroundings,
 ) -> tuple[list[Word], tuple[float, int]]:
-    """The words of a tag in lines at the best of its places, and how bad that is."""
+    """Return the words of a tag in lines at the best of its places, and how bad that is."""
 
     def words(spot: _Spot) -> list[Word]:
         # what stands above its point ends there
@@ -576,20 +576,20 @@ def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArr
 
 
 def _get_hatched_rings(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> list[FloatArray]:
-    """The rings within which something is hatched."""
+    """Return the rings within which something is hatched."""
     hatches = (mark for mark in inner if isinstance(mark, Fill) and mark.hatched)
     return [part + np.array((box.x, box.y)) for hatch in hatches for part in hatch.parts]
 
 
 def _count_crossed_points(box: Box, drawn: FloatArray) -> int:
-    """How much of what is drawn runs through some words."""
+    """Return how much of what is drawn runs through some words."""
     x, y = drawn.T
     across = (x > box.x) & (x < box.x + box.width)
     return int(np.count_nonzero(across & (y > box.y + 2) & (y < box.y + box.height - 2)))
 
 
 def _count_points_inside(box: Box, rings: list[FloatArray]) -> int:
-    """How many places along the middle of some words lie inside rings, every few px."""
+    """Return how many places along the middle of some words lie inside rings, every few px."""
     x = np.arange(box.x, box.x + box.width + 1e-9, 5.0)[:, None]
     y, count = box.y + box.height / 2, 0
     for ring in rings:
@@ -602,7 +602,7 @@ def _count_points_inside(box: Box, rings: list[FloatArray]) -> int:
 
 
 def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
-    """The names at the ends of curves from the top down, none upon another.
+    """Return the names at the ends of curves from the top down, none upon another.
 
     Those that are too near to stand where their curves end keep their order, about their middle.
     """
@@ -628,7 +628,7 @@ def _place_end_names(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Ta
 
 
 def _is_free_box(available_box: Box, box: Box, taken: list[Box]) -> bool:
-    """Whether some words stand inside the axes, and on nothing."""
+    """Return whether some words stand inside the axes, and on nothing."""
     parallel = (
         box.x - 2 <= available_box.x
         and available_box.x + available_box.width <= box.x + box.width + RIGHT
@@ -644,7 +644,7 @@ def _get_word_box(word: Word) -> Box:
 
 
 def _compute_overhang(available_box: Box, box: Box) -> float:
-    """How far some words reach out of the axes on either side, px."""
+    """Return how far some words reach out of the axes on either side, px."""
     right = available_box.x + available_box.width - box.x - box.width - RIGHT
     return max(box.x - available_box.x, 0.0) + max(right, 0.0)
 
@@ -660,5 +660,5 @@ def _meet(first: Box, second: Box) -> bool:
 
 
 def limits(scale: Scale) -> str:
-    """An axis as a page's script reads it: its kind and its limits."""
+    """Return an axis as a page's script reads it: its kind and its limits."""
     return f"{'log' if scale.log else 'lin'} {scale.limits[0]:.8g} {scale.limits[1]:.8g}"

@@ -17,7 +17,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 
 
 class Story(Protocol):
-    """What the picture needs of a study."""
+    """Data of a study for the overview figure."""
 
     @property
     def prepared(self) -> RampHold:

@@ -25,7 +25,7 @@ SLIDE, LEAST_STRIP = 640.0, 300.0
 
 @dataclass(frozen=True)
 class Pen:
-    """How one kind of curve is drawn, in every figure alike.
+    """Style of one kind of curve, the same in every figure.
 
     Attributes
     ----------
@@ -56,13 +56,13 @@ REJECTED = Pen("bad", 1.4, (5, 3))
 
 
 def joint_pen(*, failed: bool) -> tuple[Pen, str]:
-    """How a solid of both tests is drawn and what it is called: one that failed looks so."""
+    """Return how a solid of both tests is drawn and what it is called: one that failed looks so."""
     return (REJECTED, "joint fit, failed") if failed else (JOINT, "joint solid")
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve; nan breaks it."""
+    """Curve; nan interrupts it."""
 
     x: FloatArray
     y: FloatArray
@@ -72,7 +72,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Dots:
-    """Points, with an error to either side where there is one."""
+    """Points, with error bars where there are errors."""
 
     x: FloatArray
     y: FloatArray
@@ -85,7 +85,7 @@ class Dots:
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """Between two curves: a plain tint for an interval, hatched for a bound."""
+    """Area between two curves: a plain tint for an interval, hatched for a bound."""
 
     x: FloatArray
     low: FloatArray
@@ -98,7 +98,7 @@ class Area:
 
 @dataclass(frozen=True, eq=False)
 class Ring:
-    """A closed outline, filled."""
+    """Closed outline, filled."""
 
     x: FloatArray
     y: FloatArray
@@ -110,7 +110,7 @@ class Ring:
 
 @dataclass(frozen=True)
 class Span:
-    """A range of the horizontal axis; hatched where it is out of reach."""
+    """Range of the horizontal axis; hatched where it is out of reach."""
 
     low: float
     high: float
@@ -122,7 +122,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Rule:
-    """A straight line through the whole panel, upright unless `across`."""
+    """Straight line through the whole panel, vertical unless `across`."""
 
     at: float
     pen: Pen
@@ -132,7 +132,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class Tag:
-    """Words at a point of the data, with a dot there: filled, hollow or none.
+    """Label at a point of the data, with a dot there: filled, hollow or none.
 
     Those of the `end` of a curve stand to its right, as its name.
     """
@@ -152,7 +152,7 @@ Mark: TypeAlias = Keyed | Tag
 
 @dataclass(frozen=True)
 class Scale:
-    """The scale of an axis: a quantity with its unit, and from where to where it is shown.
+    """Scale of an axis: a quantity with its unit, and the range shown.
 
     An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` one is
     of what is counted, and has none between two of it.
@@ -168,7 +168,7 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes with its marks, drawn in their order.
+    """Pair of axes with its marks, in drawing order.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ def _count_strips_across(row: tuple[tuple[Panel, ...], ...], columns: int) -> in
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Picture:
-    """A figure.
+    """Figure as a value.
 
     Attributes
     ----------
@@ -256,7 +256,7 @@ class Picture:
         return tuple(panel for strip in self.strips for panel in strip)
 
     def sized(self, size: FigureSize) -> Picture:
-        """The same for a column of a journal, strips below each other, or for a slide.
+        """Return the same for a column of a journal, strips below each other, or for a slide.
 
         Letters keep their size, so that those of a column have 8 points on paper, and those of a
         slide can be read from the last row.

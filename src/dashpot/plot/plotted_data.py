@@ -18,13 +18,13 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.plot.picture import FIT, PREDICTED, Line
 
-# Fewer points for the eye, with none of the noise hidden.
+# Thinning that keeps the visible noise.
 
 
 def downsample_to_extremes(
     x: FloatArray, y: FloatArray, *, bins: int = 500, log: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """The lowest and the highest sample of every bin of x, in the order they were recorded.
+    """Return the lowest and the highest sample of every bin of x, in the order they were recorded.
 
     A line through them covers the same paper as a line through every sample, once a bin is
     narrower than the line is wide. Bins are even in x, or in ln x (then only x > 0 is kept).
@@ -43,7 +43,7 @@ def downsample_to_extremes(
 def downsample_to_means(
     x: FloatArray, y: FloatArray, *, bins: int = 120, log: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """The mean of x and of y over every bin that holds a sample."""
+    """Return the mean of x and of y over every bin that holds a sample."""
     x, y = _positive(x, y) if log else (x, y)
     if len(x) == 0:
         return x, y
@@ -72,7 +72,7 @@ def _first_equal(y: FloatArray, extreme: FloatArray, label: IndexArray) -> Index
     return hits[first]
 
 
-# What every figure says of its origin: file, specimen, lot, date, mass, and SIMULATED.
+# Stamp of origin: file, specimen, lot, date, mass, and SIMULATED.
 
 
 # that many file names are listed; of more, the number
@@ -110,7 +110,7 @@ def stamp(
 
 
 def _is_simulated(specimen: Specimen | None) -> bool:
-    """A record in memory says so in its notes."""
+    """Return a record in memory says so in its notes."""
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 
@@ -130,7 +130,7 @@ def format_frf_stamp(frf: FRF) -> str:
 
 
 def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
-    """The word and the factor in which values, SI, read best: N, mN..., mm, µm...
+    """Return the word and the factor in which values, SI, read best: N, mN..., mm, µm...
 
     A seal stays in N and mm; the cantilever of a microscope is in nN and nm.
     """
@@ -145,13 +145,13 @@ def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
 
 
 def read_as(unit: str) -> tuple[str, float]:
-    """The word and the factor in which people read what is in a unit of SI."""
+    """Return the word and the factor in which people read what is in a unit of SI."""
     word = get_display_unit(unit)
     return word, convert_to_unit(1.0, word)
 
 
 def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
-    """Limits that hold every finite value with a margin; 0 and 1 if there is none."""
+    """Return limits that hold every finite value with a margin; 0 and 1 if there is none."""
     values = np.concatenate([np.asarray(a, dtype=float).ravel() for a in arrays])
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
@@ -160,7 +160,7 @@ def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[fl
 
 
 def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
-    """Limits of a logarithmic axis that hold every array, less what is not above zero."""
+    """Return limits of a logarithmic axis that hold every array, less what is not above zero."""
     above = np.concatenate([np.asarray(a).ravel() for a in arrays])
     above = above[np.isfinite(above) & (above > 0)]
     return float(above.min()) / margin, float(above.max()) * margin
@@ -169,7 +169,7 @@ def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tupl
 def split_at_band(
     values: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, text: str
 ) -> tuple[Line, Line]:
-    """A curve, solid inside the `values` band and dashed outside it."""
+    """Return a curve, solid inside the `values` band and dashed outside it."""
     within = (x >= values[0]) & (x <= values[1])
     # the dashes reach the solid part: less its first and last line
     deep = within & np.roll(within, 1) & np.roll(within, -1)
@@ -179,7 +179,7 @@ def split_at_band(
     )
 
 
-# The figure of a stiffness straight from an FRF, line by line, with its errors.
+# Stiffness from an FRF with its errors.
 
 
 FREQUENCY = "frequency, Hz"

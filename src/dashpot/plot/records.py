@@ -33,7 +33,7 @@ from dashpot.plot.plotted_data import (
 from dashpot.plot.plotted_data import compute_padded_limits as about
 from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
-# The figure of the hits: what the hammer did, and what the accelerometers answered.
+# Hits: force and accelerations.
 
 
 ACCEPTED = Pen("fit", 1.1)
@@ -42,7 +42,7 @@ USABLE = 20.0
 
 
 class PlottedHit(NamedTuple):
-    """A hit as it is drawn: with its clock, s after the hit, and the verdict on it."""
+    """Hit to be drawn, with its clock, s after the hit, and its verdict."""
 
     block: HitBlock
     time: FloatArray
@@ -64,7 +64,7 @@ class PlottedHit(NamedTuple):
 
 
 def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
-    """Every hit laid over the others: force pulses, their spectra, and the accelerations.
+    """Return every hit laid over the others: force pulses, their spectra, and the accelerations.
 
     Accepted hits are blue, rejected ones vermillion and dashed. The shaded part of the spectra
     is the band in which every accepted hit is within 20 dB of its force at 0 Hz.
@@ -183,7 +183,7 @@ def _answers(impact: ImpactTest, plotted_hits: Sequence[PlottedHit]) -> list[Pan
     return panels
 
 
-# The columns of a file as they stand, before anything is made of them.
+# Columns of a file as read.
 
 
 MOST_COLUMNS = 6
@@ -200,7 +200,7 @@ def columns(
     *,
     stamp: str = "",
 ) -> Picture:
-    """Each column of numbers against time, frequency or, if the file has neither, the row.
+    """Return each column of numbers against time, frequency or, if the file has neither, the row.
 
     Parameters
     ----------

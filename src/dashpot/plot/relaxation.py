@@ -46,7 +46,7 @@ SINCE, SINCE_RAMP = "time since first contact, s", "time since ramp end, s"
 
 
 def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
-    """The prepared test with its baseline, ramp and hold (paper Fig. 2).
+    """Return the prepared test with its baseline, ramp and hold (paper Fig. 2).
 
     Left the ramp on linear time, right the hold on log time from first contact, so that neither
     is a sliver of the other; displacement above, force below.
@@ -83,7 +83,7 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
 def fit(
     fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = (), stamp: str = ""
 ) -> Picture:
-    """The force and one or more fits to it, with the residuals of each (paper Fig. 4).
+    """Return the force and one or more fits to it, with the residuals of each (paper Fig. 4).
 
     Log time from first contact. A residual is drawn as the range of its samples and their mean.
 
@@ -111,7 +111,7 @@ def fit(
 
 
 class PlottedFit(NamedTuple):
-    """A fit as it is drawn: its pen, time from first contact, s, and the force it says there, N."""
+    """Fit to be drawn: its pen, time from first contact, s, and its force, N."""
 
     fit: Fit
     pen: Pen
@@ -137,7 +137,7 @@ class PlottedFit(NamedTuple):
 def make_plotted_fits(
     chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold
 ) -> list[PlottedFit]:
-    """The curves of all fits that are shown."""
+    """Return the curves of all fits that are shown."""
     return [
         PlottedFit(fit, FIT if fit is chosen else SIMPLER[fit.model.arms % 2],
                *fitted_force(fit, prepared))
@@ -146,7 +146,7 @@ def make_plotted_fits(
 
 
 def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
-    """The alternatives and the chosen fit, one per number of arms, fewest arms first."""
+    """Return the alternatives and the chosen fit, one per number of arms, fewest arms first."""
     by_arms = {alternative.model.arms: alternative for alternative in (*alternatives, fit)}
     return [by_arms[arms] for arms in sorted(by_arms)]
 
@@ -154,7 +154,7 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
 def force_panel(
     shown: Sequence[PlottedFit], prepared: RampHold, *, title: str = "", height: float = 210.0
 ) -> Panel:
-    """Force with the fitted curves over it, on log time."""
+    """Return force with the fitted curves over it, on log time."""
     start, end = _log_start(prepared), _end(prepared)
     unit, scale = unit_of(prepared.force, "N")
 
@@ -207,14 +207,14 @@ def residual_panel(
 
 
 def _ranges(when: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The lowest and the highest value nearest to each of some times."""
+    """Return the lowest and the highest value nearest to each of some times."""
     edges = np.searchsorted(when, np.sqrt(at[1:] * at[:-1]))
     starts = np.concatenate(([int(np.searchsorted(when, 0.0, "right"))], edges))
     return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
 
 def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """Time from first contact and the force that the fit says at it, N.
+    """Return time from first contact and the force that the fit says at it, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
     drift begins there. Every other answers to the motion behind the recorded displacement, bent by
@@ -258,7 +258,7 @@ def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
 
 
 def _shift_to_temperature(fit: Fit, prepared: RampHold) -> Fit:
-    """The fit at the temperature of a test, where several were fitted."""
+    """Return the fit at the temperature of a test, where several were fitted."""
     shifts, kelvin = fit.temperatures, prepared.specimen.temperature
     if shifts is None or kelvin is None:
         return fit
@@ -266,7 +266,7 @@ def _shift_to_temperature(fit: Fit, prepared: RampHold) -> Fit:
 
 
 def _select_depth_solid(fit: Fit, depth: float) -> Solid:
-    """The solid at this depth, where every test of the fit has stiffnesses of its own."""
+    """Return the solid at this depth, where every test of the fit has stiffnesses of its own."""
     if not fit.by_depth:
         return fit.solid
     near = min(fit.by_depth, key=lambda at: abs(at.depth - depth))
@@ -287,7 +287,7 @@ def _segments(prepared: RampHold, limits: tuple[float, float]) -> list[Span]:
 
 
 def _log_start(prepared: RampHold) -> float:
-    """Where log time begins: a tenth of the ramp, but not between two samples."""
+    """Return where log time begins: a tenth of the ramp, but not between two samples."""
     start = max(0.1 * prepared.ramp_time, 2 * compute_time_step(prepared))
     digit = 10.0 ** np.floor(np.log10(start))
     return float(digit * np.floor(start / digit + 1e-9))
@@ -299,7 +299,7 @@ def compute_time_step(prepared: RampHold) -> float:
     return float(np.median(np.diff(prepared.time[near] if near.sum() > 1 else prepared.time)))
 
 
-# The figure of a fit by what it was fitted to.
+# Choice of the figure by the data of the fit.
 
 
 def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = ()) -> Picture:

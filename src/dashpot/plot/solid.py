@@ -39,7 +39,7 @@ from dashpot.plot.plotted_data import (
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
-# The figure of a stiffness straight from an FRF, line by line, with its errors.
+# Stiffness from an FRF with its errors.
 
 
 QUANTITY_LABELS = {
@@ -51,7 +51,7 @@ QUANTITY_LABELS = {
 
 @dataclass(frozen=True, eq=False)
 class PlottedQuantity:
-    """A quantity as it is drawn: in the unit that is read, and the three errors of it."""
+    """Quantity to be drawn, in its display unit, with its three errors."""
 
     name: str
     value: FloatArray
@@ -67,7 +67,7 @@ class PlottedQuantity:
         return np.hypot(inner, self.mass), inner, self.random
 
     def evaluate_for_solid(self, solid: Solid, f: FloatArray) -> FloatArray:
-        """The same quantity as a solid has it, at `f`, Hz."""
+        """Return the same quantity as a solid has it, at `f`, Hz."""
         omega = 2 * np.pi * f
         if self.name == "storage":
             return convert_to_unit(solid.storage(omega=omega), "N/mm")
@@ -147,7 +147,7 @@ def dynamic_stiffness(
 def build_plotted_quantities(
     measured: DynamicStiffness,
 ) -> tuple[PlottedQuantity, PlottedQuantity, PlottedQuantity]:
-    """Storage stiffness, damping and loss factor with their errors."""
+    """Return storage stiffness, damping and loss factor with their errors."""
     m, omega = measured, 2 * np.pi * measured.frequency
     none = np.zeros(len(omega))
 
@@ -177,7 +177,7 @@ def build_plotted_quantities(
 def average_octave_bands(
     f: FloatArray, line: PlottedQuantity, *, per_octave: int = 12
 ) -> tuple[FloatArray, PlottedQuantity]:
-    """The mean over every part of an octave, lines weighted by their scatter.
+    """Return the mean over every part of an octave, lines weighted by their scatter.
 
     Scatter shrinks with the number of lines; the errors of phase and mass, alike in all, stay.
     """
@@ -195,19 +195,19 @@ def average_octave_bands(
 
 
 def compute_octave_extent(f: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The lowest and the highest line in every twelfth of an octave."""
+    """Return the lowest and the highest line in every twelfth of an octave."""
     starts = _bins(f, 12)
     return np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
 
 
 def _bins(f: FloatArray, per_octave: int) -> IndexArray:
-    """Where every part of an octave begins, empty ones left out."""
+    """Return where every part of an octave begins, empty ones left out."""
     number = np.floor(per_octave * np.log2(f / f[0]))
     return np.flatnonzero(np.concatenate(([True], np.diff(number) > 0)))
 
 
 def _span(measured: DynamicStiffness) -> tuple[float, float]:
-    """The usable band and a little more; all lines if none is usable."""
+    """Return the usable band and a little more; all lines if none is usable."""
     f = measured.frequency
     low, high = measured.storage_band
     if not np.isfinite(low):
@@ -216,7 +216,7 @@ def _span(measured: DynamicStiffness) -> tuple[float, float]:
 
 
 def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
-    """Limits that show the usable part with its errors, not the excesses beside it."""
+    """Return limits that show the usable part with its errors, not the excesses beside it."""
     usable = (f >= plotted.good[0]) & (f <= plotted.good[1])
     near = usable if usable.any() else np.ones(len(f), dtype=bool)
     error = plotted.nested_errors[0]
@@ -230,7 +230,7 @@ def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-# Figures of the solid: its relaxation spectrum, its stiffness fitted and straight from an FRF.
+# Relaxation spectrum, and stiffness fitted and from an FRF.
 
 
 SECANT = Pen("ref", 1.4, (6, 3))
@@ -238,7 +238,7 @@ RESONANCE = Pen("ref", 1.4, (2, 3))
 
 
 class StiffnessSweep(Protocol):
-    """Storage and loss that were measured over frequency."""
+    """Measured storage and loss over frequency."""
 
     @property
     def frequency(self) -> FloatArray: ...  # noqa: D102
@@ -396,7 +396,7 @@ def stiffness(
 
 
 def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale:
-    """The upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
+    """Return the upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
     points = [m.y for m in marks if isinstance(m, (Line, Dots))]
     tops = [m.high for m in marks if isinstance(m, Area)]
     # a bound that no test sets runs out at the top of the axis
@@ -476,7 +476,7 @@ def _frequencies(
 
 
 def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:
-    """What was measured of it."""
+    """Return what was measured of it."""
     values = data.loss / data.storage if name == "loss_factor" else factor * getattr(data, name)
     return Dots(data.frequency, np.asarray(values), "measured", "measured")
 

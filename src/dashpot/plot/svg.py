@@ -45,7 +45,7 @@ def strip(panels: tuple[Panel, ...], *, name: str, width: float, kind: str = "wi
 
 
 def swatch(mark: Keyed, *, name: str) -> str:
-    """A sample of a mark as an ``svg`` element of a page's key."""
+    """Return a sample of a mark as an ``svg`` element of a page's key."""
     return (
         f'<svg viewBox="0 0 28 12" width="28" height="12" aria-hidden="true">'
         f"{_sample(mark, name)}</svg>"
@@ -53,7 +53,7 @@ def swatch(mark: Keyed, *, name: str) -> str:
 
 
 def to_svg(picture: Picture) -> str:
-    """The picture as an SVG file: every strip, the key, the stamp."""
+    """Return the picture as an SVG file: every strip, the key, the stamp."""
     name, sheet = validate_svg_id(picture.name), arrange_sheet(picture)
     body = [_patterns([f for placed_strip in sheet.strips for f in placed_strip.laid.frames], name)]
     for x, y, item in sheet.strips:
@@ -74,7 +74,7 @@ def to_svg(picture: Picture) -> str:
 
 
 def validate_svg_id(name: str) -> str:
-    """The name, if an id can begin with it."""
+    """Return the name, if an id can begin with it."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9-]*", name):
         raise ExportError(f"'{name}' cannot begin an SVG id; use letters, digits and hyphens")
     return name
@@ -125,7 +125,7 @@ def _frame(frame: Frame, name: str) -> str:
 
 
 def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
-    """The data of a path: whole units, each point from the last one."""
+    """Return the data of a path: whole units, each point from the last one."""
     sentences = []
     for part in parts:
         units = np.rint(FINE * part).astype(np.int64)
@@ -174,7 +174,7 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
 
 
 def _hatch(key: str, colour: str, *, fine: int) -> str:
-    """Lines at 45 degrees; those out of reach lean the other way."""
+    """Return lines at 45 degrees; those out of reach lean the other way."""
     lean = -45 if colour == "away" else 45
     ink = "ref" if colour == "away" else colour
     step = 7 * fine

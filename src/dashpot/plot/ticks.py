@@ -22,7 +22,7 @@ PLAIN = (1e-4, 1e5)
 
 
 def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatArray:
-    """Where values lie between the limits of an axis, 0 to 1."""
+    """Return where values lie between the limits of an axis, 0 to 1."""
     low, high = scale.limits
     v = np.asarray(values, dtype=float)
     if scale.log:
@@ -32,7 +32,7 @@ def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatAr
 
 
 def numbers(scale: Scale, length: float, difference: float) -> tuple[float, ...]:
-    """Values that bear a number: as many round ones as stand `difference` px on `length` px.
+    """Return values that bear a number: as many round ones as stand `difference` px on `length` px.
 
     Of an axis that has fewer than three so, a logarithmic one fewer than five, closer ones if they
     are short: two numbers say little of it.
@@ -98,7 +98,7 @@ def _decades(limits: tuple[float, float]) -> list[tuple[float, ...]]:
 
 
 def compute_minor_ticks(scale: Scale) -> tuple[float, ...]:
-    """Values of a logarithmic axis with a small tick: the whole numbers of every decade."""
+    """Return values of a logarithmic axis with a small tick: the whole numbers of every decade."""
     low, high = scale.limits
     if not scale.log or not 3 < high / low < 1e6:
         return ()

@@ -62,7 +62,7 @@ JUMPED = "The clock jumped, or the record was interrupted. Later times and slow 
 
 
 class ClockedTest(Protocol):
-    """The clock of a test with an onset and a hold, of a motion or of a load."""
+    """Interface of a test with onset and hold, of a motion or of a load: its clock."""
 
     @property
     def time(self) -> FloatArray:

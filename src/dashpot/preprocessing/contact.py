@@ -14,7 +14,7 @@ from dashpot.numerics.inference.correlated_noise import white
 from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.maxwell import arm_response
 
-# The load cell before contact, its zero, noise and drift; and where the force first rises.
+# Load-cell baseline: zero, noise and drift; onset of force.
 
 
 # samples: fewer have no scatter to speak of
@@ -24,7 +24,7 @@ AT_ONCE = 1 << 12
 
 
 class Baseline(NamedTuple):
-    """What the load cell showed before the plate met the seal.
+    """Baseline of the load cell before contact.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def subtract_tare(
 
 
 class Contact(NamedTuple):
-    """Where the plate met the seal.
+    """First contact of the plate with the seal.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Contact(NamedTuple):
 
 
 def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -> Contact | None:
-    r"""The displacement at which the force begins to rise.
+    r"""Return the displacement at which the force begins to rise.
 
     The force must leave the baseline by 5 sigma and stay; then
 
@@ -184,7 +184,7 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
 
 
 def _columns(x: FloatArray, contact: FloatArray) -> FloatArray:
-    """What is fitted to the force, shape (trials, n, 3)."""
+    """Return what is fitted to the force, shape (trials, n, 3)."""
     pressed = np.maximum(x - contact[:, None], 0.0)
     part = pressed / np.maximum(pressed.max(axis=1, keepdims=True), 1e-300)
     return np.stack((np.ones_like(part), part, part**2), axis=2)
@@ -206,7 +206,7 @@ def _misfits(
 
 
 def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
-    """Standard error of the contact: in the Jacobian its column is the slope of the rise.
+    """Return standard error of the contact: in the Jacobian its column is the slope of the rise.
 
     Where the force starts as a square, a straight part and a shift are one: the straight
     part is then left out.
@@ -224,7 +224,7 @@ def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
 
 
 class Touch(NamedTuple):
-    """What is taken for first contact.
+    """Candidate for the first contact.
 
     Attributes
     ----------
@@ -276,12 +276,10 @@ def find_first_contact(
     return Touch(contact.displacement, gap, contact.standard_error)
 
 
-# How late a force comes, where it begins late: behind air, or by its clock.
+# Delay of the force: by an air gap or by its clock.
 #
-# A force that lags its displacement by :math:`\delta` begins to rise when the plate has moved on
-# by
-# :math:`v\delta`, as behind so much air. But it also lags at the end of the ramp, where air is
-# long
+# A force that lags its displacement by :math:`\delta` begins to rise when the plate has moved on by
+# :math:`v\delta`, as behind so much air. But it also lags at the end of the ramp, where air is long
 # crossed. So ramp and first relaxation are fitted with each delay that the clocks may have, from
 # where the plate rested and from where the force begins.
 
@@ -301,7 +299,7 @@ WATCHED_AFTER_RAMP = 0.5
 
 
 class Lateness(NamedTuple):
-    """The delay with which a force follows best from some contact, s, and how well: a deviance."""
+    """Delay of the force, s, from a first contact that fits best, with its deviance."""
 
     delay: float
     deviance: float

@@ -133,7 +133,7 @@ def but_corners(missed: FloatArray) -> float:
 def _remove_counts(
     test: RampHold, time: FloatArray, x: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """A reading freed of counts and noise, and the sd of what may be left of them."""
+    """Return a reading freed of counts and noise, and the sd of what may be left of them."""
     step, noise = test.encoder_step, test.displacement_noise
     if step > LEAST_COUNT * test.depth:
         read, _ = denoise_values(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
@@ -209,7 +209,7 @@ def rests(
 
 
 def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
-    r"""What reading between counts leaves, as white noise, shape (n,).
+    r"""Return what reading between counts leaves, as white noise, shape (n,).
 
     While a reading stays for t, a straight line misses a motion whose velocity changes by
     :math:`\Delta v` from the reading before to the one after by up to :math:`t\,\Delta v/16`. A

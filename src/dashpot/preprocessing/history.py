@@ -42,7 +42,7 @@ BACK = 0.1
 
 
 class EarlierLoadings(NamedTuple):
-    """What was followed of the loadings before the one that is fitted.
+    """Earlier loadings whose memory is computed.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class EarlierLoadings(NamedTuple):
 def is_bonded(
     force: FloatArray, compression: FloatArray, *, noise: float, peak: float, depth: float
 ) -> bool:
-    """Whether a plate that goes back is pulled at: the seal is bonded to it.
+    """Return whether a plate that goes back is pulled at: the seal is bonded to it.
 
     Force and compression of the loadings before the last, N and m; the force is 0 in air.
     """

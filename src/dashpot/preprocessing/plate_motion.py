@@ -36,7 +36,7 @@ _BEGINS_LATE = (
 
 
 class IdealRamp(NamedTuple):
-    """A straight ramp: ``x = level + speed * (t - at)``.
+    """Straight ramp: ``x = level + speed * (t - at)``.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class IdealRamp(NamedTuple):
 def ideal_ramp(
     time: FloatArray, displacement: FloatArray, ramp: MotionSegment, *, origin: float, level: float
 ) -> IdealRamp:
-    """The straight line through the middle of a ramp, from `origin` to `level`, m.
+    """Return the straight line through the middle of a ramp, from `origin` to `level`, m.
 
     A real axis starts late and rounds both corners; between 20 % and 80 % of the rise it runs
     straight, and there a line is fitted. Extended to `origin` and to `level` it gives the
@@ -88,14 +88,14 @@ def ideal_ramp(
 
 
 def _last_below(x: FloatArray, level: float) -> int:
-    """The last sample below `level` before the record first stands at its highest."""
+    """Return the last sample below `level` before the record first stands at its highest."""
     top = int(np.argmax(x))
     below = np.flatnonzero(x[:top] < level)
     return int(below[-1]) if below.size else 0
 
 
 def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
-    """Where the straight line from sample `i` to the next passes `level`."""
+    """Return where the straight line from sample `i` to the next passes `level`."""
     rise = x[i + 1] - x[i]
     part = (level - x[i]) / rise if rise > 0 else 0.0
     return float(t[i] + min(max(part, 0.0), 1.0) * (t[i + 1] - t[i]))
@@ -103,7 +103,7 @@ def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
 
 @dataclass(frozen=True)
 class PlateMotion:
-    """The motion of the plate, rising with compression.
+    """Motion of the plate, compression positive.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ def _resolution(test: RelaxationTest) -> float:
 def build_motion_from_times(
     test: RelaxationTest, *, onset: float, ramp_end: float, hold_end: float, sign: int | None
 ) -> PlateMotion:
-    """The motion between times that the user gave, s.
+    """Return the motion between times that the user gave, s.
 
     Raises
     ------
@@ -243,7 +243,7 @@ def build_motion_from_times(
 def from_contact(
     test: RelaxationTest, motion: PlateMotion, contact: float, *, doubt: float
 ) -> PlateMotion:
-    """The motion without the ramps that end in air, before `contact` less `doubt`, m."""
+    """Return the motion without the ramps that end in air, before `contact` less `doubt`, m."""
     segments = motion.cycle.segments
     flown = [
         i
@@ -295,7 +295,7 @@ def presses_before(motion: PlateMotion) -> tuple[MotionSegment, ...]:
 
 
 def begins_with_release(motion: PlateMotion) -> bool:
-    """Whether the record begins with a plate that goes back: the seal was pressed before."""
+    """Return whether the record begins with a plate that goes back: the seal was pressed before."""
     moves = [part for part in motion.segments if part.kind != "hold"]
     first = moves[0] if moves else None
     return first is not None and first.kind == "unload" and first.last <= motion.start
@@ -325,7 +325,7 @@ def _select_cycle(
 
 
 def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
-    """What may be wrong with a displacement that is never held."""
+    """Return what may be wrong with a displacement that is never held."""
     moves = any(part.kind != "hold" for part in find_segments(time, x))
     if cycles_of(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"
@@ -356,7 +356,7 @@ def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
 
 
 def _last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
-    """The last sample before the plate leaves the hold."""
+    """Return the last sample before the plate leaves the hold."""
     if hold.last == len(x) - 1:
         return hold.last
     late = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]

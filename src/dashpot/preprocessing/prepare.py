@@ -238,7 +238,7 @@ def _check_history(
     earlier: _Earlier | None,
     past: EarlierLoadings | None,
 ) -> list[Check]:
-    """The checks of what came before the loading that is fitted, if anything did."""
+    """Return the checks of what came before the loading that is fitted, if anything did."""
     pressed = begins_with_release(motion)
     if past is not None and earlier is not None:
         return checks.history_checks(record, past, earlier.met_again, pressed=pressed)
@@ -280,7 +280,7 @@ def _earlier(
     provided: float | None,
     late: float,
 ) -> _Earlier | None:
-    """What came before the loading that is fitted; None if nothing that pressed the seal."""
+    """Return what came before the loading that is fitted; None if nothing that pressed the seal."""
     before, touch = last
     if not presses_before(motion):
         return None
@@ -455,7 +455,7 @@ def _but_late(
 
 
 def _least_gap(count: float, motion: PlateMotion) -> float:
-    """The smallest air gap worth telling from none, m."""
+    """Return the smallest air gap worth telling from none, m."""
     return max(2 * count, 0.005 * (motion.cycle.hold.level - motion.rest))
 
 
@@ -478,7 +478,7 @@ def _times(
 
 
 def _snap_to_sample(moment: float, time: FloatArray, step: float) -> float:
-    """A moment that only rounding parts from a sample is that sample."""
+    """Return a moment that only rounding parts from a sample is that sample."""
     i = int(np.argmin(np.abs(time - moment)))
     return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
 
@@ -539,7 +539,7 @@ def _record(
 
 
 def _set_broadband_noise(record: RampHold) -> RampHold:
-    """The record whose noise is what is left beside lines that force and plate have both.
+    """Return the record whose noise is what is left beside lines that force and plate have both.
 
     From sample to sample they scatter, but they are motion and its response: no mean takes them
     off, and no residual may be as large.
@@ -579,13 +579,13 @@ def _without_hum(record: RampHold) -> RampHold:
 
 
 def _mean(time: FloatArray, values: FloatArray) -> float:
-    """Mean over time, whatever the sampling."""
+    """Return mean over time, whatever the sampling."""
     steps = np.diff(time)
     return float(steps @ (values[1:] + values[:-1]) / (2 * steps.sum()))
 
 
 def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = False) -> float:
-    """The peak of the force over its baseline, N, on one side of zero."""
+    """Return the peak of the force over its baseline, N, on one side of zero."""
     loaded = record.force[np.searchsorted(record.time, record.onset) :]
     start = 0.0 if before.long_enough else float(record.force[0])
     loaded = median_of_three(loaded) if len(loaded) > 50 else loaded
@@ -608,7 +608,7 @@ def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = Fal
 
 
 def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> float:
-    """What the load cell carries at the start in contact; an air gap carries nothing."""
+    """Return what the load cell carries at the start in contact; an air gap carries nothing."""
     if touch.gap > 0:
         return 0.0
     if before.long_enough:
@@ -618,7 +618,7 @@ def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> f
 
 
 def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampHold:
-    """The record of that machine: its give, C F, is off displacement and depth."""
+    """Return the record of that machine: its give, C F, is off displacement and depth."""
     if not machine.compliance:
         return replace(record, preload=preload, machine=machine)
     # the noise of the force moved no plate: answered as motion, it would rule out fast arms
@@ -659,7 +659,7 @@ def _followed_step(record: RampHold, past: EarlierLoadings, many: int) -> Step:
 
 
 def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
-    """What was said of the machine, and what is done with it."""
+    """Return what was said of the machine, and what is done with it."""
     done = (
         ("sync_s", machine.sync, "clocks known to {:.4g} s"),
         ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),

@@ -21,7 +21,7 @@ from dashpot.base.units import format_quantity, parse_quantity
 from dashpot.datamodel.relaxation import Hum, RampHold
 from dashpot.signals.noise import evenly_sampled, scatter
 
-# Filters that a user may ask for.
+# Filters.
 
 
 FILTER_STEP = "filter"
@@ -33,7 +33,7 @@ _EXPECTED_FILTER = (
 
 @dataclass(frozen=True)
 class Filter:
-    """A filter for both channels of a record.
+    """Filter of both channels of a record.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ def parse_filter(text: str) -> Filter:
 
 
 def filter_record(test: RampHold, by: Filter) -> RampHold:
-    """The record with both channels behind a filter, and the record before it beside."""
+    """Return the record with both channels behind a filter, and the record before it beside."""
     step = Step(FILTER_STEP, (("filter", str(by)),), f"both channels are filtered by {by}")
     return replace(
         test,
@@ -167,7 +167,7 @@ def _even_rate(time: FloatArray, by: Filter) -> float:
     return float(rate)
 
 
-# Long records: neighbouring samples averaged, in both channels alike.
+# Averaging of neighbouring samples in long records.
 
 
 # samples that no fit needs more of
@@ -234,8 +234,7 @@ def _count_neighbours(record: RampHold) -> int:
 # follows from the windowed transform at its frequency; the frequency from the turn of its phase
 # between the two halves.
 #
-# A line that the plate has, too, is the answer of the seal to a servo that hunts: it stays, where
-# a
+# A line that the plate has, too, is the answer of the seal to a servo that hunts: it stays, where a
 # stiffness explains its size. The mains that both channels pick up are larger than that.
 
 
@@ -337,7 +336,7 @@ def white_noise(time: FloatArray, values: FloatArray) -> float:
 
 
 def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
-    """A channel less the straight line between its ends, which leaks most."""
+    """Return a channel less the straight line between its ends, which leaks most."""
     ends = [values[:20].mean(), values[-20:].mean()]
     return np.asarray(values - np.interp(time, time[[0, -1]], ends))
 
@@ -345,7 +344,7 @@ def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
 def _plate_amplitude(
     change: FloatArray, window: FloatArray, step: float, frequency: float
 ) -> float:
-    """The amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
+    """Return the amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
     windowed = window * change
     bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
@@ -372,7 +371,7 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
 
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
-    """The bin that stands out of its neighbourhood most, if any does."""
+    """Return the bin that stands out of its neighbourhood most, if any does."""
     if len(power) <= first + 2 * _NEIGHBOURS:
         return None
     blocks = len(power) // _NEIGHBOURS
@@ -390,7 +389,7 @@ def _find_strongest_line(power: FloatArray, first: int) -> int | None:
 
 
 def _refine_frequency(rest: FloatArray, step: float, frequency: float) -> float:
-    """The frequency at which both halves have the same phase."""
+    """Return the frequency at which both halves have the same phase."""
     half = len(rest) // 2
     taper = _hann(half)
     for _ in range(3):

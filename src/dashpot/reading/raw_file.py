@@ -21,7 +21,7 @@ from typing import Any, BinaryIO
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
 
-# What reading a file may take of time, in this process or in a child.
+# Time limit of reading a file.
 
 
 _LEAST_SECONDS = 30.0
@@ -38,7 +38,7 @@ def compute_time_allowed(size: int) -> float:
 
 
 class TimeBudget:
-    """What this process spends on a file that is parsed in it: no more than a child would get.
+    """Time limit of parsing a file in this process, as in a child process.
 
     All that reads a file shares it, however often its rows are read.
 
@@ -79,7 +79,7 @@ class TimeBudget:
             )
 
 
-# The bytes of a file, or of stdin, and their hash.
+# Bytes and hash.
 
 
 _BLOCK = 1 << 18
@@ -96,18 +96,18 @@ SILENCE = 30
 
 @dataclass(frozen=True)
 class RawFile:
-    """The bytes of a file: held in memory, or (`path` alone) too many for that."""
+    """Bytes of a file: in memory, or (`path` alone) on disk if too many."""
 
     name: str
     path: Path | None
     held: bytes = b""
 
     def open(self) -> BinaryIO:
-        """The bytes from the start."""
+        """Return the bytes from the start."""
         return BytesIO(self.held) if self.held or self.path is None else self.path.open("rb")
 
     def head(self, size: int) -> bytes:
-        """The first `size` bytes, or fewer."""
+        """Return the first `size` bytes, or fewer."""
         with self.open() as stream:
             return stream.read(size)
 
@@ -136,7 +136,7 @@ class RawFile:
         return digest.hexdigest()
 
     def on_disk(self) -> Path:
-        """The path, for readers that need one."""
+        """Return the path, for readers that need one."""
         if self.path is None:
             raise ReadError(
                 "this format is read from a file, not through a pipe; save it and give its path"
@@ -156,7 +156,7 @@ def add_name_to_errors(name: str) -> Iterator[None]:
 
 
 def like_json(head: bytes) -> bool:
-    """Whether the first bytes of a file open a JSON object."""
+    """Return whether the first bytes of a file open a JSON object."""
     return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
 
 
@@ -248,7 +248,7 @@ def _fifo(path: Path, _one: tuple[int, int]) -> bytes:
 
 
 def _read_pipe(stream: BinaryIO, name: str) -> bytes:
-    """All that a pipe brings, if it ends."""
+    """Return all that a pipe brings, if it ends."""
     parts, size = [], 0
     while block := _next_block(stream, name):
         parts.append(block)

@@ -61,7 +61,7 @@ def _column(says: str, **how: Any) -> Any:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Answers to what a file leaves open; everything None is found in the file.
+    """Reading options; what is None is found in the file.
 
     Every field is an option of the command line and a line of a profile.
 
@@ -209,7 +209,7 @@ class ReadOptions:
         object.__setattr__(self, "decimal", _decimal(self.decimal))
 
     def unit_of(self, role: str, column: str) -> str | None:
-        """The unit given for a column, by its name or by its role, or None."""
+        """Return the unit given for a column, by its name or by its role, or None."""
         options, name = self.by_name(), column.strip().casefold()
         by_role = options.get(role, options.get(_ALSO.get(role, "")))
         # "force=N" speaks of the force, whichever column is it and whatever another is called
@@ -237,7 +237,7 @@ class ReadOptions:
         return OF_BENCH if self.base_acceleration is None else ("cycle",)
 
     def by_name(self) -> dict[str, str]:
-        """The units given, by role or column name in lower case."""
+        """Return the units given, by role or column name in lower case."""
         return {name.strip().casefold(): unit for name, unit in dict(self.units).items()}
 
     def over(self, profile: ReadOptions) -> ReadOptions:
@@ -258,7 +258,7 @@ class ReadOptions:
         return ReadOptions(**retained, own=self.own)
 
     def without(self, names: Sequence[str]) -> ReadOptions:
-        """All but these fields."""
+        """Return all but these fields."""
         return self.only([field.name for field in fields(self) if field.name not in names])
 
 
@@ -362,7 +362,7 @@ def dump_profile(options: ReadOptions) -> str:
 
 
 def _lines(name: str, value: Any) -> list[str]:
-    """The lines of a profile that state one field."""
+    """Return the lines of a profile that state one field."""
     if name == "units":
         return [f"{_toml(word)} = {_toml(unit)}" for word, unit in dict(value).items()]
     return [

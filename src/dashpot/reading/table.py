@@ -17,7 +17,7 @@ SEGMENT = "--part segment=NUMBER"
 
 @dataclass(frozen=True)
 class Question:
-    """What a file leaves open.
+    """Question that a file leaves open.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its name as found ("" if none), its unit as found (None if none).
+    """Column: its name as found ("" if none), its unit as found (None if none).
 
     `factor` is what the file states of it besides, such as "gain = 10": whether its numbers are
     multiplied by it already nobody can know.
@@ -51,13 +51,13 @@ class Column:
     factor: str = ""
 
     def label(self, number: int) -> str:
-        """How to speak of it to a user: its name, else its number counted from 1."""
+        """Return how to speak of it to a user: its name, else its number counted from 1."""
         return self.name or str(number)
 
 
 @dataclass(frozen=True, eq=False)
 class LoadedColumns:
-    """The numbers of chosen columns.
+    """Numbers of the chosen columns.
 
     Attributes
     ----------
@@ -86,18 +86,18 @@ class LoadedColumns:
     above: tuple[tuple[str, ...], ...] = ()
 
     def format_row_position(self, row: int) -> str:
-        """Where a row is: "line 12" of a text file, "row 3" of another."""
+        """Return where a row is: "line 12" of a text file, "row 3" of another."""
         return f"line {self.line(row)}" if self.lines else f"row {row + 1}"
 
     def line(self, row: int) -> int:
-        """The line of a row in its text file, counted from 1."""
+        """Return the line of a row in its text file, counted from 1."""
         first, line = self.lines[bisect_right(self.lines, row, key=lambda run: run[0]) - 1]
         return line + row - first
 
 
 @dataclass(frozen=True, eq=False)
 class FileTable:
-    """A table found in a file; `load` reads the numbers of the columns asked for, by index."""
+    """Table found in a file; `load` reads the numbers of the requested columns, by index."""
 
     format: str
     columns: tuple[Column, ...]

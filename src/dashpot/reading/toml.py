@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.reading.raw_file import RawFile, open_raw
 
-# A TOML document as its tables, whoever wrote it.
+# TOML documents.
 
 
 _DEEP = re.compile(r"""(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
@@ -40,7 +40,7 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
         raise ReadError("not TOML that a person wrote: it is nested too deeply") from None
 
 
-# Tables of a TOML file: quantities with their units, and no key that nobody knows.
+# Validated tables.
 
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -66,7 +66,7 @@ def tables_of(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Section:
-    """One table of a file.
+    """Table of a TOML file.
 
     Attributes
     ----------

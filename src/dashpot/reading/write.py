@@ -22,23 +22,23 @@ from dashpot.datamodel.vibration_tests import ImpactTest
 
 
 class ForceTest(Protocol):
-    """Displacement and force over time, whichever of them is held."""
+    """Interface of a test with displacement and force over time."""
 
     @property
     def time(self) -> FloatArray:
-        """In s."""
+        """Time in s."""
 
     @property
     def displacement(self) -> FloatArray:
-        """In m."""
+        """Displacement in m."""
 
     @property
     def force(self) -> FloatArray:
-        """In N."""
+        """Force in N."""
 
     @property
     def specimen(self) -> Specimen:
-        """What was tested."""
+        """Specimen of the test."""
 
     @property
     def source(self) -> Source | None:
@@ -100,7 +100,7 @@ def write_trajectory(
 
 
 def temperature_line(kelvin: float) -> str:
-    """What the header of a file says of the temperature of its test, K.
+    """Return the header line of a file on the temperature of its test, K.
 
     >>> temperature_line(273.15)
     'temperature: 0 degC'
@@ -183,19 +183,19 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
 
 
 def _format_channel_name(name: str) -> str:
-    """A channel's name as a header cell: no delimiter, no bracket, no formula."""
+    """Return a channel's name as a header cell: no delimiter, no bracket, no formula."""
     return escape_formula(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
 
 
 def _add_simulated_stamp(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
-    """The comments, under the stamp of what was simulated unless one carries it already."""
+    """Return the comments, under the stamp of what was simulated unless one carries it already."""
     stamp = "simulated" if any(source.simulated for source in sources) else ""
     stated = any(stamp in comment.casefold() for comment in comments)
     return [*([] if stated or not stamp else [stamp]), *comments]
 
 
 def _format_temperature(specimen: Specimen) -> list[str]:
-    """The line of the temperature of a test, if it is known."""
+    """Return the line of the temperature of a test, if it is known."""
     return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
 
 

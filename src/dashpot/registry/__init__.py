@@ -75,7 +75,7 @@ def _read_rows() -> Iterator[Extension]:
 
 
 def load_object(word: str) -> Any:
-    """Return what a word names: ``"package.module:name"``."""
+    """Return the object of a name: ``"package.module:name"``."""
     module, _, name = word.partition(":")
     return getattr(import_module(module), name)
 
@@ -205,13 +205,13 @@ def figure_of(result: object) -> Any:
 
 
 def page_of(result: object) -> Any:
-    """Return what lays out the page of a result or of what it is one of; None if nothing does."""
+    """Return the function that lays out the page of a result; None if there is none."""
     words = (_PAGES.get(_type_name(kind)) for kind in type(result).__mro__)
     return next((load_object(word) for word in words if word), None)
 
 
 def asks_of(name: str) -> tuple[FormField, ...]:
-    """Return what the app asks beside the files of a kind."""
+    """Return the app's form for the files of a kind."""
     kind = KINDS.get(name)
     return load_object(f"{kind.panel}:ASKS") if kind is not None and kind.panel else ()
 

@@ -1,4 +1,4 @@
-"""What packages of others add by a row of their own: formats, kinds of tests, solver inputs.
+"""Plug-ins of other packages: their rows of formats, kinds of tests and solver inputs.
 
 A package names itself in the group of entry points ``dashpot.extensions``. Its row is a TOML file
 beside its ``__init__.py``, with the fields of `dashpot.registry.row.Extension`.

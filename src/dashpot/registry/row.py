@@ -34,7 +34,7 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Example(NamedTuple):
-    """A file to learn on: the kind that it is recognised as, if any, and what writes it."""
+    """Example file: its kind, if recognised, and the function that writes it."""
 
     kind: str
     caption: str
@@ -42,7 +42,7 @@ class Example(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """What a lot knows of one file besides what stands in it, SI.
+    """Data of a lot on one file besides its contents, in SI.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Piece(NamedTuple):
 
 
 class KindOfTest(NamedTuple):
-    """A kind of test.
+    """Kind of test.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class KindOfTest(NamedTuple):
 
 
 class Command(NamedTuple):
-    """A command of the command line.
+    """Command of the command line.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ class Command(NamedTuple):
 
 
 class FileFormat(NamedTuple):
-    """A file format.
+    """File format.
 
     Attributes
     ----------
@@ -193,7 +193,7 @@ class FileFormat(NamedTuple):
 
 
 class SolverInput(NamedTuple):
-    """The input of a solver.
+    """Solver input.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ class SolverInput(NamedTuple):
 
 
 class FitRow(NamedTuple):
-    """A fit that records may mean, together and with what was said of them.
+    """Fit for certain records and options.
 
     Attributes
     ----------
@@ -235,7 +235,7 @@ class FitRow(NamedTuple):
 
 
 class Extension(NamedTuple):
-    """What one package adds to the core; the core's own rows are one, too.
+    """Contributions of one package to the registry; the core's own rows are one, too.
 
     Attributes
     ----------

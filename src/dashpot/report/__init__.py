@@ -57,7 +57,7 @@ def write_study(study: Study) -> str:
 
 
 def has_page(result: object) -> bool:
-    """Whether a result has a page."""
+    """Return whether a result has a page."""
     return find_handler("html", result) is not None or result_page.has_kind_page(result)
 
 
@@ -122,7 +122,7 @@ def _contents(study: Study) -> dict[str, Any]:
 
 
 def _steps(study: Study) -> list[Step]:
-    """Every step since the raw files, each once, in order."""
+    """Return every step since the raw files, each once, in order."""
     groups = [study.fit.steps or study.prepared.steps]
     groups += [later.steps for later in (study.measured, study.joint) if later is not None]
     return list(dict.fromkeys(step for steps in groups for step in steps))

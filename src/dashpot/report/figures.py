@@ -30,7 +30,7 @@ BESIDE_WORDS = {"fit", "spectrum", "nyquist"}
 
 @dataclass(frozen=True)
 class RenderedFigure:
-    """One figure as a page has it.
+    """Figure as part of a page.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def _scale_to_height(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...
 
 
 def figures_of(study: Study) -> dict[str, RenderedFigure]:
-    """Every figure that this study can fill, by name; "lead" is that of the first screen."""
+    """Return every figure that this study can fill, by name; "lead" is that of the first screen."""
     every = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
     figures = {
         picture.name: render_figure(
@@ -117,7 +117,7 @@ def figures_of(study: Study) -> dict[str, RenderedFigure]:
 
 
 def stamp(study: Study) -> str:
-    """What every figure says of its origin."""
+    """Return the stamp of origin of every figure."""
     sources = list(study.fit.source)
     if study.measured is not None:
         sources += study.measured.source
@@ -127,7 +127,7 @@ def stamp(study: Study) -> str:
 
 
 def lead(study: Study) -> plot.Picture:
-    """The figure that answers: the FRF of the mass on its seals; without a mass the fit."""
+    """Return the figure that answers: the FRF of the mass on its seals; without a mass the fit."""
     text = stamp(study)
     if study.prediction is None or study.mass is None:
         picture = plot.fit(study.fit, study.prepared, stamp=text)
@@ -152,7 +152,7 @@ def lead(study: Study) -> plot.Picture:
 
 
 def _has_failed_joint_fit(study: Study) -> bool:
-    """Whether the joint fit is not to be used, however well it follows the hammer."""
+    """Return whether the joint fit is not to be used, however well it follows the hammer."""
     return study.joint is not None and study.joint.verdict.use == "do not use"
 
 

@@ -34,7 +34,7 @@ from dashpot.workflow.json_archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
 from dashpot.workflow.study import Study
 
-# The first screen in words: who and what, three lights, the numbers, the files to take.
+# Header, lights, values and files.
 
 
 NOT_GIVEN, NBSP = "not given", "\N{NO-BREAK SPACE}"
@@ -54,7 +54,7 @@ class Light(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A number of the first table as cells; `bound` puts the hatched mark beside its name."""
+    """Row of the first table as cells; `bound` adds the hatched mark."""
 
     name: str
     value: str
@@ -66,7 +66,7 @@ class Row(NamedTuple):
 
 
 def header(study: Study) -> tuple[tuple[str, str], ...]:
-    """What was tested, where it comes from, by whom, when, and under what."""
+    """Return the header: specimen, files, operator, date and conditions."""
     specimen = study.prepared.specimen
     length = "" if specimen.length is None else f"{format_with_error(specimen.length, 'mm')} long"
     what = ", ".join(part for part in (specimen.name, length) if part)
@@ -90,13 +90,13 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
 
 
 def mark_of(checks: Iterable[Check]) -> str:
-    """The mark of the gravest check that failed: bad, care, note; good if none did."""
+    """Return the mark of the gravest check that failed: bad, care, note; good if none did."""
     marks = [GRADE_MARKS[check.grade] for check in checks if check.failed]
     return max(marks, key=ORDER.index, default="good")
 
 
 def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str]:
-    """The mark of some checks, and how many of those judged passed.
+    """Return the mark of some checks, and how many of those judged passed.
 
     What the verdict does not weigh, for the joint fit has mended it, is a note.
     """
@@ -113,7 +113,7 @@ def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str
 
 
 def lights(study: Study, recommendation: Recommendation) -> tuple[Light, Light, Light]:
-    """Whether the test is sound, and whether the hammer bears out stiffness and damping.
+    """Return whether the test is sound, and whether the hammer bears out stiffness and damping.
 
     Those of the joint solid if it is recommended, else those of the relaxation test alone: a joint
     fit that failed agrees with the hammer for the wrong reason.
@@ -214,12 +214,12 @@ def _storage_at_peak(study: Study, recommendation: Recommendation) -> _Storage |
 
 
 def _compute_excess(value: float, low: float, high: float) -> float:
-    """How far a value lies beyond two ends, relative to the nearer one; 0 between them."""
+    """Return how far a value lies beyond two ends, relative to the nearer one; 0 between them."""
     return max(low - value, value - high, 0.0) / max(abs(low if value < low else high), 1e-300)
 
 
 def test_light(checks: Iterable[Check]) -> Light:
-    """Whether the test is sound, by what it was asked."""
+    """Return whether the test is sound, by what it was asked."""
     mark = mark_of(checks)
     says = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
     return Light("Test", mark, says[mark])
@@ -235,32 +235,32 @@ def _light(name: str, held: Comparison, requested: set[str], off: str) -> Light:
 
 
 def heading(recommendation: Recommendation) -> str:
-    """Which solid to take, or that none is recommended."""
+    """Return which solid to take, or that none is recommended."""
     if not recommendation.recommended:
         return "No model is recommended"
     return f"Recommended: model of {source(recommendation)}, {recommendation.solid.called}"
 
 
 def source(recommendation: Recommendation) -> str:
-    """Which data the solid comes from."""
+    """Return which data the solid comes from."""
     return "both tests" if recommendation.joint else "the relaxation test"
 
 
 def solid_heading(recommendation: Recommendation) -> str:
-    """What the table of the solid's parameters is of."""
+    """Return the heading of the table of the solid's parameters."""
     if not recommendation.recommended:
         return "Model of the relaxation test, not recommended, one seal"
     return f"The recommended model, of {source(recommendation)}, one seal"
 
 
 def band_row(recommendation: Recommendation) -> Row:
-    """The frequencies that the solid is known at."""
+    """Return the frequencies that the solid is known at."""
     low, high = (round_to_error(end, digits=2) for end in recommendation.solid.band)
     return Row("Valid band", "", low, high, "Hz", "", bound=False)
 
 
 def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple[Row, ...]]:
-    """What the mass does on its seals; nothing without a mass."""
+    """Return the values of the mass on its seals; nothing without a mass."""
     if study.mass is None or not recommendation.under_mass:
         return "", ()
     weight, seals = format_with_error(study.mass, "g", digits=4), study.seals
@@ -304,7 +304,7 @@ def _format_hold_time(seconds: float) -> str:
 def files(
     study: Study, recommendation: Recommendation, made_decks: Sequence[AttachedDeck]
 ) -> tuple[Attachment, ...]:
-    """What can be taken along, the recommended solid and its decks first."""
+    """Return the attached files, the recommended solid and its decks first."""
     fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
     if study.joint is not None:
         fits["joint.json"] = (study.joint, "the fit of both tests")
@@ -334,7 +334,7 @@ def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
 
 
 def about_decks(recommendation: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
-    """Where the decks hold, and what they miss."""
+    """Return where the decks hold, and what they miss."""
     return (
         page_frame.format_deck_note(recommendation.solid, made_decks)
         if recommendation.recommended
@@ -361,11 +361,11 @@ def _lines(c: Comparison, joint: Comparison | None) -> str:
     return "\n".join((",".join(columns), *rows, ""))
 
 
-# The sentences at the top of the report: what the tests say, in plain words.
+# Sentences at the top of the report.
 
 
 def title(study: Study) -> str:
-    """What the report is about: as it was said, or the specimen and its lot, or the file."""
+    """Return the title of the report: as stated, or the specimen and its lot, or the file."""
     if study.title:
         return study.title
     specimen = study.prepared.specimen
@@ -376,7 +376,7 @@ def title(study: Study) -> str:
 
 
 def sentences(study: Study, recommendation: Recommendation) -> tuple[str, ...]:
-    """What the tests say, one thought a sentence, below the verdict."""
+    """Return the sentences below the verdict, one statement each."""
     return tuple(
         format_typographic(sentence)
         for sentence in (
@@ -410,13 +410,13 @@ def _format_k_inf(fit: Fit) -> str:
 
 
 def _end(recommendation: Recommendation) -> str:
-    """What naming the machine would give, if that is much."""
+    """Return what naming the machine would give, if that is much."""
     end = recommendation.solid.end_of_hold
     return "" if end is None else end.naming
 
 
 def _resting(study: Study) -> str:
-    """Where the mass rests, if that makes a difference."""
+    """Return where the mass rests, if that makes a difference."""
     rests = study.at_rest
     if rests is None or rests.point.linear:
         return ""
@@ -472,14 +472,14 @@ def _format_model_name(fit: Fit) -> str:
 
 
 def _meets(c: Comparison) -> str:
-    """How far a prediction is from the hammer; a failure does not read as a success."""
+    """Return how far a prediction is from the hammer; a failure does not read as a success."""
     missed = any(check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.because)
     error = f"{max(100 * abs(c.frequency_error), 0.01):.2f} %"
     return f"misses the hammer by {error}" if missed else f"matches the hammer within {error}"
 
 
 def straight(study: Study) -> str:
-    """Where the FRF alone gives stiffness and damping, and what limits it."""
+    """Return where the FRF alone gives stiffness and damping, and what limits it."""
     d = study.direct
     if d is None:
         return ""
@@ -495,7 +495,7 @@ def straight(study: Study) -> str:
 
 
 def inferred_mass(study: Study) -> str:
-    """A warning where the mass was taken from the very frequency it should predict."""
+    """Return a warning where the mass was taken from the very frequency it should predict."""
     if not (study.mass_inferred and study.mass is not None):
         return ""
     return (
@@ -514,7 +514,7 @@ def find_simulated_files(study: Study) -> tuple[str, ...]:
 
 
 def sources(study: Study) -> tuple[Source, ...]:
-    """Every file that went into the study, once."""
+    """Return every file that went into the study, once."""
     sources = [study.test.source, study.prepared.source, *study.fit.source]
     for frf in (study.measured, study.impact):
         sources += list(frf.source) if frf is not None else []
@@ -533,7 +533,7 @@ MOST_WORDS = 100
 
 
 class DecisiveCheck(NamedTuple):
-    """A failed check, and what it speaks of."""
+    """Failed check, and its topic."""
 
     subject: str
     check: Check
@@ -584,7 +584,7 @@ def parts(
 
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
-    """The checks of every stage, in the order of the work."""
+    """Return the checks of every stage, in the order of the work."""
     of_fit = tuple(check for check in study.fit.checks if check not in study.prepared.checks)
     later: dict[str, FRF | DynamicStiffness | Comparison | Fit | Study | None] = {
         "hammer": study.measured,

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
-# What every page of dashpot shares: its templates' environment, filters, marks and policy.
+# Templates, filters, marks and security policy.
 
 
 COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
@@ -62,12 +62,12 @@ def environment(package: str) -> Environment:
 
 @cache
 def _part(package: str, *path: str) -> str:
-    """A part of a page that is no HTML, as it stands in its file."""
+    """Return a part of a page that is no HTML, as it stands in its file."""
     return resources.files(package).joinpath(*path).read_text("utf-8").strip()
 
 
 def frame() -> dict[str, Any]:
-    """What every page of the report's look has: style, script, policy, what computed it."""
+    """Return the common parts of every page: style, script, policy, software versions."""
     style = f"{tokens.css()}\n{_part('dashpot.report', 'templates', 'report.css')}"
     name = _part("dashpot.report", "templates", "report.js")
     # the one page holds the modules one after the other, so the second imports nothing
@@ -83,16 +83,16 @@ def frame() -> dict[str, Any]:
 
 
 def encode_data_uri(kind: str, text: str) -> str:
-    """A link that holds the file itself."""
+    """Return a link that holds the file itself."""
     return f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"
 
 
 def digest(text: str) -> str:
-    """What a content security policy calls the one script or style that may stand in a page."""
+    """Return the hash of a script or style for the content security policy."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
-# Files that a page holds: documents, tables, and decks with the command that writes the same.
+# Attached files: documents, tables, and decks with their command.
 
 
 _SYSTEM = "mm-t-s"
@@ -103,7 +103,7 @@ _UNSTATED = {"temperature": "temperature", "length": "contact length"}
 
 
 class DeckSource(Protocol):
-    """A result whose page holds decks."""
+    """Result whose page holds decks."""
 
     @property
     def verdict(self) -> Verdict: ...  # noqa: D102
@@ -111,7 +111,7 @@ class DeckSource(Protocol):
 
 @dataclass(frozen=True)
 class DeckTerms:
-    """What the decks on the page of a result are asked for.
+    """Options of the decks on the page of a result.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class DeckTerms:
 
 
 class Attachment(NamedTuple):
-    """A file inside the page.
+    """File attached to the page.
 
     Attributes
     ----------
@@ -153,12 +153,12 @@ class Attachment(NamedTuple):
 
 
 def attachment(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
-    """A text as a file inside the page."""
+    """Return a text as a file inside the page."""
     return Attachment(name, label, about, encode_data_uri(kind, text))
 
 
 class AttachedDeck(NamedTuple):
-    """A deck as the page holds it, and the words that make the same of the result's document.
+    """Deck attached to the page, and the command that makes it from the result's document.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ class AttachedDeck(NamedTuple):
 
 
 def load_exportable(document: str) -> DeckSource | None:
-    """What ``dashpot export`` reads from a result's document; None where it reads nothing."""
+    """Return the input of ``dashpot export`` in a result's document; None where there is none."""
     try:
         result = from_json(document)
     except DashpotError:
@@ -184,7 +184,7 @@ def load_exportable(document: str) -> DeckSource | None:
 
 
 def find_terms(result: Fit | NonlinearFit) -> DeckTerms:
-    """Return what the decks of a fit are asked for: those of a part, or of a material."""
+    """Return the options of a fit's decks: those of a part, or of a material."""
     material = isinstance(result, Fit) and result.unit == "Pa"
     wanted = ["temperature"] if material else list(_UNSTATED)
     unstated = tuple(name for name in wanted if getattr(result.specimen, name) is None)
@@ -236,7 +236,7 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
 
 
 def format_deck_note(source: DeckSource, made: Sequence[AttachedDeck]) -> str:
-    """Where the decks hold, and what they miss; why there is none."""
+    """Return where the decks hold, and what they miss; why there is none."""
     if source.verdict.use == "do not use":
         return ""
     terms = _terms_of(source)
@@ -269,7 +269,7 @@ def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment
 
 
 def _round_band_inwards(band: tuple[float, float]) -> tuple[float, float]:
-    """The band to four digits, no wider than it is."""
+    """Return the band to four digits, no wider than it is."""
     low, high = (
         float(Decimal(end).normalize(Context(prec=4, rounding=way)))
         for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)

@@ -31,7 +31,7 @@ from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
 from dashpot.workflow.study import Study
 
-# A record or a result to a file, by how the file's name ends.
+# Writing of a record or result by the suffix of the file.
 
 
 _TABLES: dict[type, Callable[..., str]] = {

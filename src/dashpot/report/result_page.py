@@ -26,11 +26,11 @@ from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
 from dashpot.report.page_frame import COLOURS, attachment, frame
 from dashpot.report.tables import TextTable
 
-# What the page of a result holds: facts, verdict with lights, a figure, a table, checks, folds.
+# Contents of a result's page.
 
 
 class Topic(NamedTuple):
-    """A part of what was asked: the checks behind its light, and what that says.
+    """Topic of the verdict: the checks behind its light, and its text.
 
     `says` stands where nothing of weight failed, `fails` where something did; by default how many
     passed.
@@ -50,7 +50,7 @@ class Group(NamedTuple):
 
 
 class CollapsibleSection(NamedTuple):
-    """Something that is opened: a table, a picture, or both."""
+    """Collapsible section: a table, a figure, or both."""
 
     title: str
     line: str
@@ -59,7 +59,7 @@ class CollapsibleSection(NamedTuple):
 
 
 class AppCard(NamedTuple):
-    """A part of what the app shows: a drawing, panels that are alike, a table, or HTML."""
+    """Card of the app: a figure, panels of one kind, a table, or HTML."""
 
     title: str
     content: Picture | tuple[Panel, ...] | TextTable | str
@@ -67,7 +67,7 @@ class AppCard(NamedTuple):
 
 
 class JobPage(NamedTuple):
-    """What the app shows of the files of one job: cards, and facts with a note under a title."""
+    """Page of the files of one job in the app: cards, and titled facts with a note."""
 
     cards: tuple[AppCard, ...]
     title: str
@@ -78,7 +78,7 @@ class JobPage(NamedTuple):
 
 @dataclass(frozen=True)
 class KindPage:
-    """What the page of one result holds beside what every page does.
+    """Contents of the page of one result besides the common ones.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ def _light(part: Topic, behind: Sequence[Check]) -> Light:
 
 
 def row(fact: ReportedValue, name: str = "") -> Row:
-    """A number as the table has it: value, from, to, unit."""
+    """Return a number as the table has it: value, from, to, unit."""
     certain = fact.bounded and fact.error != 0
     cells = fact.cells
     value, low, high = fact.ends if certain else (cells.value, "", "")
@@ -163,7 +163,7 @@ def group_by_record(facts: Iterable[ReportedValue]) -> Iterable[Group]:
 
 
 def format_specimen_header(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
-    """What is said of the specimen: the first four facts of the line."""
+    """Return the facts of the specimen: the first four of the line."""
     single_specimen = specimen or Specimen()
     length = (
         ""
@@ -194,7 +194,7 @@ def sources_behind(result: Any) -> tuple[Source, ...]:
 
 
 def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
-    """Every law that was tried, best first."""
+    """Return every law that was tried, best first."""
     least = min(score for _, score in orders)
     rows = tuple(
         (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
@@ -205,7 +205,7 @@ def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
 
 
 def kind_page(verdict: Any) -> KindPage:
-    """Return what the page of a result holds; of one without a page of its own, its facts.
+    """Return the contents of a result's page; of one without its own page, its facts.
 
     Raises
     ------
@@ -238,7 +238,7 @@ def _get_schema_name(schema: str) -> str:
     return schema.partition("/")[2].partition("@")[0]
 
 
-# The page of a result that was judged: one grammar for every kind.
+# Page of a judged result, the same for every kind.
 
 
 _COLUMNS = 2
@@ -252,7 +252,7 @@ _ALL = "numbers.json"
 def build_page_contents(
     result: Any, *, lead: Picture | None = None, pictures: Sequence[Picture] = ()
 ) -> dict[str, Any]:
-    """What the page of a result of a kind holds.
+    """Return the contents of the page of a kind's result.
 
     Parameters
     ----------
@@ -299,7 +299,7 @@ def build_page_contents(
 def judgement(
     name: str, verdict: Verdict, checks: Sequence[Check], sources: Sequence[Source]
 ) -> dict[str, Any]:
-    """What every page of a judged result holds: verdict, checks, files behind it."""
+    """Return the common contents of a judged result's page: verdict, checks, files behind it."""
     every = tuple(dict.fromkeys(checks))
     also = [check for check in every if check.failed and check not in verdict.because]
     return {
@@ -315,14 +315,14 @@ def judgement(
 
 
 def _wide(picture: Picture, name: str) -> RenderedFigure:
-    """A figure for the 760 px of a page, or for less."""
+    """Return a figure for the 760 px of a page, or for less."""
     columns = min(picture.columns, len(picture.strips), _COLUMNS)
     ratio = (LEAD - 24 * (columns - 1)) / columns
     return render_figure(replace(picture, name=name, columns=columns), width=ratio)
 
 
 def has_kind_page(result: object) -> bool:
-    """Whether a result has all that its page holds."""
+    """Return whether a result has all that its page holds."""
     try:
         return isinstance(kind_page(result), KindPage)
     except TypeError:
@@ -330,5 +330,5 @@ def has_kind_page(result: object) -> bool:
 
 
 def text_of(document: Serialisable) -> str:
-    """The JSON that ``dashpot fit --json`` prints."""
+    """Return the JSON that ``dashpot fit --json`` prints."""
     return json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False)

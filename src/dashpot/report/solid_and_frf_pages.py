@@ -42,7 +42,7 @@ from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
 
-# The pages of what a mass does on its seals: measured, predicted, and both compared.
+# Pages of FRFs: measured, predicted, and both compared.
 
 
 _PEAK = frozenset({"prediction_informed", "seal_mass_negligible", "mass_of_a_block"})
@@ -59,7 +59,7 @@ def mode_rows(mode: Any) -> Iterator[Row]:
 
 
 def modes_page(modes: Modes) -> KindPage:
-    """What the page of hits or FRFs holds."""
+    """Return the page of hits or FRFs."""
     frf, first = modes.frf, next(iter(modes), None)
     used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else format_count(1, "FRF")
     top = f"to {round_to_error(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
@@ -97,7 +97,7 @@ def modes_page(modes: Modes) -> KindPage:
 
 
 def prediction_page(prediction: Prediction) -> KindPage:
-    """What the page of a prediction holds."""
+    """Return the page of a prediction."""
     hz, height = prediction.peak
     weight = (
         f"{format_with_error(prediction.mass, 'g', digits=4)} on "
@@ -139,7 +139,7 @@ def prediction_page(prediction: Prediction) -> KindPage:
 
 
 def agreement_page(agreement: Agreement) -> KindPage:
-    """What the page of a prediction against a hammer holds."""
+    """Return the page of a prediction compared with a hammer test."""
     c = agreement.comparison
     rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)
                  for name, predicted, measured, _ in c.rows)  # fmt: skip
@@ -164,7 +164,7 @@ def agreement_page(agreement: Agreement) -> KindPage:
     )  # fmt: skip
 
 
-# The page of a solid: stiffness and loss over frequency, its arms one by one.
+# Page of a solid.
 
 
 _LINES, _BEYOND, _BOUNDED = 41, 4.0, 3
@@ -193,7 +193,7 @@ _CURVE = frozenset({
 
 
 def solid_page(fit: Fit) -> KindPage:
-    """What the page of a fitted solid holds."""
+    """Return the page of a fitted solid."""
     return _make_solid_page(fit, fit)
 
 
@@ -215,7 +215,7 @@ def identified_page(result: Identified) -> KindPage:
 
 
 def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
-    """A page of a solid: stiffness and loss over frequency, its arms one by one."""
+    """Return a page of a solid: stiffness and loss over frequency, its arms one by one."""
     material, shifts = fit.unit == "Pa", fit.temperatures
     name = "The material" if material else "One seal"
     high = round_to_error(fit.band[1], digits=2)

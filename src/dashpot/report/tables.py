@@ -42,19 +42,19 @@ VALUE = ("", "value ± standard error", "unit")
 
 @dataclass(frozen=True)
 class TextTable:
-    """Head and rows as text; `marks` names a style for a row: "good", "bad", "doubt" or ""."""
+    """Table as text; `marks` names a style for a row: "good", "bad", "doubt" or ""."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     marks: tuple[str, ...] = ()
 
     def mark(self, row: int) -> str:
-        """The style of a row."""
+        """Return the style of a row."""
         return self.marks[row] if row < len(self.marks) else ""
 
 
 def assumptions(study: Study) -> TextTable:
-    """What the results suppose, what the checks of this study say of it, and what lifts it."""
+    """Return the assumptions of the results, their checks in this study, and what lifts them."""
     checks = (*study.prepared.checks, *study.every_check)
     pairs = [(assumption, assumption.state(checks)) for assumption in ASSUMPTIONS]
     rows = tuple(
@@ -72,7 +72,7 @@ def assumptions(study: Study) -> TextTable:
 
 
 def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> TextTable:
-    """Every check in words, failed ones first; a sentence that two stages share stands once.
+    """Return every check in words, failed ones first; a sentence that two stages share stands once.
 
     One that the verdict does not weigh, such as what a joint fit has mended, says so.
     """
@@ -117,7 +117,7 @@ def _mark(check: Check, weighed: Collection[Check]) -> str:
 
 
 def test_facts(prepared: RampHold) -> TextTable:
-    """What was done to the seal."""
+    """Return the facts of the test."""
     steps = np.diff(prepared.time)
     rate = 1 / float(np.median(steps))
     even = float(np.ptp(steps)) < 0.01 / rate
@@ -228,7 +228,7 @@ def two_routes(study: Study) -> TextTable | None:
 
 
 def nuisances(fit: Fit | None) -> TextTable | None:
-    """What the fit needed and nobody asked for."""
+    """Return the table of nuisance parameters."""
     if fit is None or not fit.also_fitted:
         return None
     facts = (term.fact for term in fit.also_fitted)
@@ -305,7 +305,7 @@ def peaks(study: Study) -> TextTable | None:
 
 
 def _make_prediction_columns(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What a solid predicts of each row of the table of peaks, and how far that is off."""
+    """Return what a solid predicts of each row of the table of peaks, and how far that is off."""
     damping = "none" if c.predicted_damping is None else round_to_error(100 * c.predicted_damping)
     off = "" if c.damping_ratio_error is None else percent(c.damping_ratio_error)
     return (
@@ -377,7 +377,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
 
 
 def arms_tested(comparison: Comparison | None) -> TextTable | None:
-    """Which arms carried the loss at the measured peak, and which the relaxation test resolved."""
+    """Return which arms carried the loss at the measured peak, and which the test resolved."""
     if comparison is None or not comparison.arms:
         return None
     rows, marks = [], []
@@ -393,7 +393,7 @@ def arms_tested(comparison: Comparison | None) -> TextTable | None:
 
 
 def hits(frf: FRF | None) -> TextTable | None:
-    """Every hit and the verdict on it, with the reasons if there are any."""
+    """Return every hit and the verdict on it, with the reasons if there are any."""
     if frf is None or not frf.hits:
         return None
     columns = 6 if any(hit.reasons for hit in frf.hits) else 5
@@ -413,7 +413,7 @@ def hits(frf: FRF | None) -> TextTable | None:
 
 
 def explanations(joint: Fit | None) -> TextTable | None:
-    """What would explain two tests that disagree, or None if they agree."""
+    """Return the explanations of two tests that disagree, or None if they agree."""
     if joint is None or not joint.explanations:
         return None
     rows = tuple(
@@ -428,7 +428,7 @@ def explanations(joint: Fit | None) -> TextTable | None:
 
 
 def make_change_table(joint: Fit | None) -> TextTable | None:
-    """What the hammer changed in the solid."""
+    """Return the table of the solid's changes by the hammer test."""
     if joint is None or not joint.moved:
         return None
     rows = tuple(_make_change_row(change) for change in joint.moved)

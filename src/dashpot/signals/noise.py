@@ -8,7 +8,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# A sampled channel: its scatter from sample to sample, and its quantum.
+# Scatter and resolution of a channel.
 
 
 # samples that tell a scatter to a fifth of a per cent; of more, so many are taken
@@ -18,7 +18,7 @@ _EVEN = 0.2
 
 
 def evenly_sampled(time: FloatArray) -> bool:
-    """True if the steps of a clock differ by no more than a fifth of their mean."""
+    """Return whether the steps of a clock differ by no more than a fifth of their mean."""
     steps = np.diff(time)
     return len(steps) > 1 and bool(np.ptp(steps) <= _EVEN * steps.mean())
 
@@ -40,14 +40,14 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
 
 
 def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
-    """The same by the median: blind to corners and glitches, and to half of all samples."""
+    """Return the same by the median: blind to corners and glitches, and to half of all samples."""
     if len(values) < 5:
         return 0.0
     return 1.4826 * median(np.abs(_misses(time, values)))
 
 
 def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
-    """Residuals of samples from the line between their neighbours, of variance sigma^2."""
+    """Return residuals of samples from the line between their neighbours, of variance sigma^2."""
     before, here, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
     w = (time[after] - time[here]) / (time[after] - time[before])
     r = values[here] - w * values[before] - (1 - w) * values[after]
@@ -67,7 +67,7 @@ def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
 
 
 def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
-    """The channel with every spike replaced by the nearer of its neighbours."""
+    """Return the channel with every spike replaced by the nearer of its neighbours."""
     mask = spikes(time, values)
     return np.where(mask, median_of_three(values), values) if mask.any() else values
 
@@ -101,7 +101,7 @@ def machine_terms(
     depth: float,
     settles: bool = True,
 ) -> dict[str, tuple[FloatArray, float]]:
-    """What machine and crosshead may add, in N a m, and its standard deviation in m.
+    """Return what machine and crosshead may add, in N a m, and its standard deviation in m.
 
     The machine gives under the force; its crosshead settles after its stop.
 
@@ -156,7 +156,7 @@ def set_sd(machine: Machine, solid: GeneralizedMaxwell, *, depth: float, gap: fl
 
 
 def _compute_memory(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
-    """What each arm keeps of a press after a rest, s, over its compression, N/m."""
+    """Return what each arm keeps of a press after a rest, s, over its compression, N/m."""
     tau = np.asarray(solid.tau)
     return np.asarray(-np.expm1(-PRESSED_FOR / tau) * np.exp(-rested / tau) * solid.k)
 

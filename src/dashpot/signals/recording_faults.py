@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
 from dashpot.datamodel.relaxation import quantum
 
-# Where a sampled clock goes on by far more than on either side: it jumped, or rows are missing.
+# Jumps of a clock, or missing rows.
 
 
 # how much longer than the usual of so many steps on either side one is a leap
@@ -25,7 +25,7 @@ _ODD, _UNEVEN = 3.0, 0.03
 
 
 class Leap(NamedTuple):
-    """A step of a clock, the sample it goes on from, and the usual of the steps beside it, s."""
+    """Jump of a clock: its size, the sample after it, and the usual step there, s."""
 
     at: int
     step: float
@@ -80,10 +80,9 @@ def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
     return max(median(side) for side in sides if len(side))
 
 
-# Where a channel keeps one value while its sensor does not: a converter that hangs, a lost link.
+# Stuck channels: a hung converter, or a lost link.
 #
-# Equal readings are no fault by themselves. A coarse converter repeats a count until the signal
-# has
+# Equal readings are no fault by themselves. A coarse converter repeats a count until the signal has
 # moved by one, and a simulation without noise repeats what has come to rest. So a run of equal
 # readings is taken for a fault only where what stands beside it rules that out:
 #
@@ -184,7 +183,7 @@ def frozen_runs(
 
 
 def _changes(values: FloatArray) -> FloatArray:
-    """The readings that differ from the one before."""
+    """Return the readings that differ from the one before."""
     changed = np.append(True, np.diff(values) != 0)
     return np.asarray(values[changed])
 
@@ -192,7 +191,7 @@ def _changes(values: FloatArray) -> FloatArray:
 def _shortest_fault(
     levels: FloatArray, count: float, least: float, samples: int, *, turns: bool = True
 ) -> float:
-    """How many equal readings the noise of the others rules out; infinity if they show none.
+    """Return how many equal readings the noise of the others rules out; infinity if they show none.
 
     Without `turns` readings need not turn back, but their steps: a ramp climbs by more than noise.
     """
@@ -218,7 +217,7 @@ def _shortest_fault(
 
 
 def _leaps(values: FloatArray, run: slice, free: BoolArray, least: float) -> bool:
-    """Whether a channel goes on from another value than it stood at, and stays there."""
+    """Return whether a channel goes on from another value than it stood at, and stays there."""
     after = values[run.stop : run.stop + AFTER]
     if len(after) < AFTER or not free[max(run.start - 1, 0) : run.stop + AFTER].all():
         return False
@@ -227,7 +226,7 @@ def _leaps(values: FloatArray, run: slice, free: BoolArray, least: float) -> boo
 
 
 def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:
-    """Whether a channel that changes by counts a sample, all one way, changes no more."""
+    """Return whether a channel that changes by counts a sample, all one way, changes no more."""
     start, first = run.start, run.start - BEFORE
     if first < 0 or run.stop - start < BEFORE or not free[first : run.stop].all():
         return False
@@ -237,7 +236,7 @@ def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> boo
 
 
 def _ends_too_soon(values: FloatArray, run: slice, since: FloatArray, count: float) -> bool:
-    """Whether a channel that falls stands still long before its slowest arm has relaxed."""
+    """Return whether a channel that falls stands still long before its slowest arm has relaxed."""
     start = run.start
     if not 0 < since[start] < since[run.stop - 1] / 2:
         return False

@@ -14,7 +14,7 @@ from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import quantum
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three
 
-# Ramps and holds in a recorded displacement, and the loadings that they make up.
+# Ramps and holds, and the loadings that they form.
 
 
 _LEAST_MOVE = 0.05
@@ -35,7 +35,7 @@ _TURNED: dict[_Kind, _Kind] = {"hold": "hold", "load": "unload", "unload": "load
 
 
 class MotionSegment(NamedTuple):
-    """A stretch of one motion.
+    """Segment of one motion.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ def find_segments(
 
 
 def negate_segments(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
-    """What :func:`find_segments` finds of the same record with its sign turned."""
+    """Return what :func:`find_segments` finds of the same record with its sign turned."""
     return tuple(
         part._replace(kind=_TURNED[part.kind], origin=-part.origin, level=-part.level)
         for part in segments
@@ -254,11 +254,11 @@ class RampHoldCycle(NamedTuple):
 
     @property
     def moves(self) -> int:
-        """How many ramps, up or down, lie between the rest and the last hold."""
+        """Number of ramps, up or down, between the rest and the last hold."""
         return sum(segment.kind != "hold" for segment in self.segments)
 
     def words(self) -> str:
-        """Every segment, in words."""
+        """Return every segment, in words."""
         return ", ".join(_format_segment(segment) for segment in self.segments)
 
 
@@ -316,7 +316,7 @@ def choose_cycle(
 
 
 def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
-    """The choices, in words."""
+    """Return the choices, in words."""
     parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
     if len(parts) > _LISTED:
         parts = [*parts[: _LISTED - 1], "...", parts[-1]]
@@ -325,7 +325,7 @@ def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
 
 
 def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -> str:
-    """The sentence for a record without a ramp and a hold."""
+    """Return the sentence for a record without a ramp and a hold."""
     text = loading_of(segments)
     if text == "still":
         return f"{where}: the displacement never moves by more than its scatter. {sentence(advice)}"
@@ -347,7 +347,7 @@ Loading: TypeAlias = Literal["relaxation", "creep", "cld", "cyclic", "still", "o
 
 
 def loading_of(segments: tuple[MotionSegment, ...]) -> Loading:
-    """What a displacement does: a ramp and a hold, one triangle, cycles, nothing, or else."""
+    """Return the loading of a displacement: ramp and hold, triangle, cycles, none, other."""
     if cycles_of(segments):
         return "relaxation"
     moves = [segment.kind for segment in segments if segment.kind != "hold"]
@@ -359,7 +359,7 @@ def loading_of(segments: tuple[MotionSegment, ...]) -> Loading:
 
 
 def _close_loading(rest: MotionSegment | None, parts: list[MotionSegment]) -> list[RampHoldCycle]:
-    """A loading up to its last hold, if it has one."""
+    """Return a loading up to its last hold, if it has one."""
     for stop in range(len(parts), 1, -1):
         hold, before = parts[stop - 1], parts[stop - 2]
         enough = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
@@ -376,7 +376,7 @@ def _format_segment(segment: MotionSegment) -> str:
     return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {quantity}"
 
 
-# What a record shows: a ramp and a hold, creep under a held force, a press and release, cycles.
+# Kind of loading: ramp and hold, creep, compression and release, cycles.
 
 
 STEADY = 0.01
@@ -422,7 +422,7 @@ def held_throughout(force: FloatArray) -> bool:
 
 
 def goes_on(x: FloatArray) -> bool:
-    """Whether a signal ends, by more than a tenth of its travel, elsewhere than it began."""
+    """Return whether a signal ends, by more than a tenth of its travel, elsewhere than it began."""
     tenth = max(len(x) // 10, 1)
     return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > GONE * float(np.ptp(x))
 
@@ -438,7 +438,7 @@ def find_rising_sign(
 
 
 def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
-    """Whether a compression goes in and back at one speed, and is never held."""
+    """Return whether a compression goes in and back at one speed, and is never held."""
     moves = [part for part in segments if part.kind != "hold"]
     to_and_fro = {part.kind for part in moves} == {"load", "unload"}
     held = bool(cycles_of(tuple(segments)))
@@ -457,18 +457,18 @@ def _falls_first(segments: Sequence[MotionSegment]) -> bool:
 
 
 def held_by_plate(time: FloatArray, force: FloatArray) -> bool:
-    """True if the force ramps and then stands as still as a plate does."""
+    """Return whether the force ramps and then stands as still as a plate does."""
     return any(_stands(force, cycle) for cycle in cycles_of(find_segments(time, force)))
 
 
 def _stands(values: FloatArray, cycle: RampHoldCycle) -> bool:
-    """Whether a signal stays where it was ramped to, whatever the displacement does."""
+    """Return whether a signal stays where it was ramped to, whatever the displacement does."""
     rise = cycle.hold.level - cycle.ramp.origin
     return abs(_change(values, cycle.hold)) < STEADY * rise
 
 
 def _change(values: FloatArray, hold: MotionSegment) -> float:
-    """How far a signal goes from the first tenth of a hold to the last."""
+    """Return how far a signal goes from the first tenth of a hold to the last."""
     held = values[hold.first : hold.last + 1]
     tenth = max(len(held) // 10, 1)
     return float(held[-tenth:].mean() - held[:tenth].mean())
@@ -477,7 +477,7 @@ def _change(values: FloatArray, hold: MotionSegment) -> float:
 def is_creep(
     time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[RampHoldCycle]
 ) -> bool:
-    """True if it is the force that is ramped and held, while the displacement goes on.
+    """Return whether it is the force that is ramped and held, while the displacement goes on.
 
     Only a displacement that is not `held` is worth the search.
     """
@@ -500,7 +500,7 @@ def began_late(x: FloatArray, force: FloatArray) -> bool:
 
 
 def relaxes(force: FloatArray) -> bool:
-    """True if a force falls, from its first tenth to its last, by more than it scatters."""
+    """Return whether a force falls, from its first tenth to its last, by more than it scatters."""
     tenth = max(len(force) // 10, 1)
     first, last = force[:tenth], force[-tenth:]
     fell = abs(float(first.mean())) - abs(float(last.mean()))

@@ -45,7 +45,7 @@ def free_plate(
     nodes, weights = legendre.leggauss(_DEGREE + 2)
 
     def evaluate_derivatives(side: float, order: int, x: FloatArray) -> FloatArray:
-        """Derivatives of every polynomial, shape (degree, x)."""
+        """Return derivatives of every polynomial, shape (degree, x)."""
         rows = [legendre.legder(row, order) for row in np.eye(_DEGREE)]
         return (2 / side) ** order * np.array([legendre.legval(x, row) for row in rows])
 

@@ -21,14 +21,14 @@ _OVERSAMPLING = 4
 
 @dataclass(frozen=True)
 class HalfSine:
-    """A half-sine push: start, s; duration, s; peak, N (or N m about the centre)."""
+    """Half-sine pulse: start, s; duration, s; peak, N (or N m about the centre)."""
 
     start: float
     duration: float
     peak: float
 
     def force(self, time: FloatArray) -> FloatArray:
-        """The push at `time`."""
+        """Return the push at `time`."""
         inside = (time >= self.start) & (time <= self.start + self.duration)
         phase = np.pi * (time - self.start) / self.duration
         return np.asarray(np.where(inside, self.peak * np.sin(phase), 0.0))
@@ -36,7 +36,7 @@ class HalfSine:
 
 @dataclass(frozen=True)
 class Oscillator:
-    r"""One degree of freedom on a solid, in modal form.
+    r"""Oscillator of one degree of freedom on a solid, in modal form.
 
     .. math::
 
@@ -58,7 +58,7 @@ class Oscillator:
 
     @classmethod
     def from_solid(cls, solid: GeneralizedMaxwell, inertia: float) -> Oscillator:
-        """A mass (or a moment of inertia) on a solid (or a rotary one).
+        """Return a mass (or a moment of inertia) on a solid (or a rotary one).
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Oscillator:
 def _mode_under(
     pulse: HalfSine, pole: complex, time: FloatArray, free: FloatArray | ComplexArray
 ) -> FloatArray | ComplexArray:
-    """The motion of one mode under one pulse; `free` is its decay since ``time[0]``."""
+    """Return the motion of one mode under one pulse; `free` is its decay since ``time[0]``."""
     omega = np.pi / pulse.duration
     stop = pulse.start + pulse.duration
     during = slice(*np.searchsorted(time, [pulse.start, stop]))
@@ -147,7 +147,7 @@ def _mode_under(
 
 @dataclass(frozen=True)
 class Hammer:
-    """How the block is struck, and what the analyser writes.
+    """Simulated hammer and analyser.
 
     Attributes
     ----------
@@ -225,7 +225,7 @@ class Hammer:
             )
 
     def noise_free(self) -> Hammer:
-        """The same hits, centred, with perfect channels."""
+        """Return the same hits, centred, with perfect channels."""
         return replace(
             self,
             eccentricity=0.0, gain_mismatch=0.0, force_noise=0.0, acceleration_noise=0.0,
@@ -235,7 +235,7 @@ class Hammer:
 
 @dataclass(frozen=True)
 class ImpactTruth:
-    """What really happened under the virtual hammer.
+    """Truth of a simulated hammer test.
 
     Attributes
     ----------
@@ -275,7 +275,7 @@ class ImpactTruth:
 
 @dataclass(frozen=True)
 class SimulatedImpact:
-    """A simulated test and its truth."""
+    """Simulated hammer test and its truth."""
 
     test: ImpactTest
     truth: ImpactTruth
@@ -291,7 +291,7 @@ def simulate_impact(
     seed: int = 0,
     climate: Climate | None = None,
 ) -> SimulatedImpact:
-    r"""A block on `seals` equal seals, struck `hits` times.
+    r"""Return a block on `seals` equal seals, struck `hits` times.
 
     The block bounces, :math:`m\ddot y + n\,k * y = F`, and rocks,
     :math:`I\ddot\theta + n b^2\,k * \theta = F e` with :math:`I = m L^2 / 12`; the
@@ -379,7 +379,7 @@ def _motion(
     pulses: tuple[HalfSine, ...],
     eccentricities: tuple[float, ...],
 ) -> list[FloatArray]:
-    """Force and the two accelerations at the record's rate, every hit one after another."""
+    """Return force and the two accelerations at the record's rate, every hit one after another."""
     count = sample_count(rig.record, rig.rate) * _OVERSAMPLING
     # one sample more: the state there is where the next hit begins
     time = np.arange(count + 1) / (rig.rate * _OVERSAMPLING)
@@ -406,7 +406,7 @@ def _motion(
 
 
 def _apply_highpass(signal: FloatArray, rig: Hammer) -> FloatArray:
-    """A first-order high pass is what a Maxwell arm does to its elongation."""
+    """Return a first-order high pass is what a Maxwell arm does to its elongation."""
     if rig.highpass == 0:
         return signal
     time = np.arange(len(signal)) / (rig.rate * _OVERSAMPLING)

@@ -16,7 +16,7 @@ from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen, rou
 from dashpot.simulation.robot import setpoints
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# Any motion of the plate on the virtual rig: corners, or set-points recorded or planned.
+# Any motion of the plate: corners, or set-points recorded or planned.
 
 
 _CYCLES = 1.5
@@ -26,14 +26,14 @@ _PRESSED, _RELEASED = 0.5, 0.05
 
 
 class MotionTruth(RigTruth):
-    """What really happened on the virtual rig under a motion."""
+    """Truth of a simulated motion on the virtual rig."""
 
     kind: ClassVar[str] = "motion"
 
 
 @dataclass(frozen=True)
 class SimulatedMotion:
-    """A simulated record of a motion and its truth."""
+    """Simulated record of a motion and its truth."""
 
     test: RelaxationTest
     truth: MotionTruth
@@ -82,7 +82,7 @@ def simulate_motion(
     seed: int = 0,
     climate: Climate | None = None,
 ) -> SimulatedMotion:
-    """A recorded or planned motion sent to the robot as its set-points, on a virtual rig.
+    """Return a recorded or planned motion sent to the robot as its set-points, on a virtual rig.
 
     The seal is not glued to the plate: it never pulls.
 
@@ -133,7 +133,7 @@ def _simulate_record(
     glued: bool,
     specimen: Specimen,
 ) -> tuple[RelaxationTest, FloatArray, FloatArray]:
-    """The record of a true motion at the control instants, and the truth at its samples."""
+    """Return the record of a true motion at the control instants, and the truth at its samples."""
     random = np.random.default_rng(seed)
     # the motion is laid on a grid at least as fine as the record
     fine = max(1, int(np.ceil(rig.rate / rig.axis.rate)))
@@ -176,7 +176,7 @@ def soften_motion(compression: FloatArray, share: float) -> FloatArray:
 
 
 def _staircase(clock: FloatArray, path: tuple[tuple[float, float], ...], rig: Rig) -> FloatArray:
-    """The set-point in force at every control instant."""
+    """Return the set-point in force at every control instant."""
     points, last, begun = [np.zeros(1)], 0.0, 0.0
     for at, position in path:
         leg = setpoints(last, position, duration=at - begun, interval=rig.setpoint_interval)
@@ -195,12 +195,12 @@ def _interpolate_motion(dense: FloatArray, clock: FloatArray, motion: FloatArray
     return np.asarray(CubicSpline(clock, motion)(dense))
 
 
-# A ramp and a hold on the virtual rig.
+# Ramp and hold.
 
 
 @dataclass(frozen=True, eq=False)
 class RelaxationTruth(RigTruth):
-    """What really happened on the virtual rig.
+    """Truth of a simulated relaxation test.
 
     Attributes
     ----------
@@ -225,7 +225,7 @@ class RelaxationTruth(RigTruth):
 
 @dataclass(frozen=True)
 class SimulatedRelaxation:
-    """A simulated test and its truth."""
+    """Simulated relaxation test and its truth."""
 
     test: RelaxationTest
     truth: RelaxationTruth
@@ -241,7 +241,7 @@ def simulate_relaxation(
     seed: int = 0,
     climate: Climate | None = None,
 ) -> SimulatedRelaxation:
-    """A ramp to `depth` in `ramp_time`, held for `hold_time`, on a virtual rig.
+    """Return a ramp to `depth` in `ramp_time`, held for `hold_time`, on a virtual rig.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from dashpot.solids.shift_laws import TemperatureLaw, shift_to_temperature
 
 @dataclass(frozen=True)
 class Rig:
-    r"""What stands between the seal and the file.
+    r"""Virtual rig: the errors of a simulated test.
 
     The robot is sent set-points; its axis lags, rounds corners and overshoots; the seal
     answers to the *true* motion; the encoder writes that motion in counts; the load cell adds
@@ -100,7 +100,7 @@ class Rig:
             )
 
     def noise_free(self) -> Rig:
-        """The same robot and plate with a perfect load cell and a perfect encoder."""
+        """Return the same robot and plate with a perfect load cell and a perfect encoder."""
         return replace(
             self,
             encoder=0.0, bias=0.0, drift=0.0, warming=0.0, noise=0.0, position_noise=0.0, hum=0.0,
@@ -108,7 +108,7 @@ class Rig:
         )  # fmt: skip
 
     def compression(self, position: FloatArray) -> FloatArray:
-        r"""Mean compression of the seal, m, with the plate at `position`.
+        r"""Return mean compression of the seal, m, with the plate at `position`.
 
         Along a tilted plate the gap grows by :math:`w = L\tan\theta`; the mean of
         :math:`(x - g - s)_+` over :math:`0 \le s \le w` is :math:`d^2/2w` for
@@ -121,7 +121,7 @@ class Rig:
         return np.asarray(d + self.stiffening * d**3)
 
     def read(self, time: FloatArray, force: FloatArray, random: np.random.Generator) -> FloatArray:
-        """What the load cell writes for a true `force`, N."""
+        """Return what the load cell writes for a true `force`, N."""
         signal = self.disturbed(time, force, random)
         signal = signal + self.noise * random.standard_normal(len(time))
         return round_to_quantum(np.clip(signal, -self.limit, self.limit), self.quantum)
@@ -140,7 +140,7 @@ class Rig:
 
 @dataclass(frozen=True)
 class Climate:
-    r"""The temperature of a simulated test, and the law by which the seal follows it.
+    r"""Temperature of a simulated test, and the temperature law of the seal.
 
     The seal is thermorheologically simple, with stiffnesses in proportion to T:
     :func:`~dashpot.solids.shift_laws.shift_to_temperature`.
@@ -157,7 +157,7 @@ class Climate:
     law: TemperatureLaw = SHIFT
 
     def felt(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
-        """The seal of the law's reference as it is in this climate."""
+        """Return the seal of the law's reference as it is in this climate."""
         return shift_to_temperature(seal, self.temperature, self.law)
 
 
@@ -173,7 +173,7 @@ def prepare_specimen(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RigTruth(EqualByValue):
-    """What really happened on the virtual rig.
+    """Truth of a simulated test on the virtual rig.
 
     Attributes
     ----------

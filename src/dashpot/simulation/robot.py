@@ -15,12 +15,12 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 from dashpot.datamodel.relaxation import Trajectory
 
-# One motor axis of the virtual rig: a discrete PID, drag, dry friction.
+# Motor axis: a discrete PID, drag, dry friction.
 
 
 @dataclass(frozen=True)
 class Axis:
-    r"""A motor axis under a discrete PID controller.
+    r"""Motor axis under a discrete PID controller.
 
     .. math:: \ddot x = u - d\,\dot x - f\,\mathrm{sign}\,\dot x, \qquad
         U = k_p E + \frac{k_i}{s} E - \frac{k_d s}{1 + s T_f} X
@@ -119,7 +119,7 @@ class Axis:
         return np.array(path)
 
 
-# Where the plate is: set-points on a line in space, three axes, the depth along its normal.
+# Position of the plate: set-points in space, three axes, depth along its normal.
 
 
 Point: TypeAlias = tuple[float, float, float]
@@ -161,7 +161,7 @@ def unit(direction: npt.ArrayLike) -> FloatArray:
 def depth_along(
     positions: npt.ArrayLike, normal: npt.ArrayLike, *, contact: Point = (0.0, 0.0, 0.0)
 ) -> FloatArray:
-    r"""Compression by projection on the plate's normal, :math:`(p - p_0) \cdot \hat n`, m.
+    r"""Return compression by projection on the plate's normal, :math:`(p - p_0) \cdot \hat n`, m.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def depth_along(
 
 @dataclass(frozen=True)
 class Robot:
-    """Three axes at right angles, each with its own controller and encoder.
+    """Three orthogonal axes, each with its own controller and encoder.
 
     Attributes
     ----------
@@ -202,14 +202,14 @@ class Robot:
         return np.column_stack([a.follow(w) for a, w in zip(self.axes, wanted.T, strict=True)])
 
     def read(self, positions: FloatArray) -> FloatArray:
-        """Return what the encoders say of positions, m: whole counts of each axis."""
+        """Return the encoder readings of positions, m: whole counts of each axis."""
         counts = np.round(positions / self.encoder) if self.encoder else positions
         return np.asarray(counts * self.encoder if self.encoder else counts)
 
 
 @dataclass(frozen=True)
 class Arm:
-    r"""Two links that turn about z, and a spindle along it (2R+z): what its encoders say.
+    r"""Arm of two links that turn about z with a spindle along it (2R+z), and its encoders.
 
     .. math:: x = l_1 \cos q_1 + l_2 \cos(q_1 + q_2), \quad y = l_1 \sin q_1 + l_2 \sin(q_1 + q_2)
 
@@ -287,7 +287,7 @@ def misalignment(x: float, y: float, z: float) -> float:
     return atan2(hypot(x, y), z)
 
 
-# The planned test as discrete set-points, for a controller that has its own list.
+# Set-points of a planned test for a controller.
 
 
 def planned_trajectory(

@@ -16,12 +16,12 @@ from dashpot.base.version import byline
 from dashpot.simulation.rig import Rig
 from dashpot.simulation.robot import tilt_motion
 
-# The acquisition card: one converter behind a multiplexer, with a filter or without.
+# Acquisition card: one converter behind a multiplexer, with or without a filter.
 
 
 @dataclass(frozen=True)
 class Daq:
-    r"""A multiplexed card, such as the 16-bit one of 200 kS/s of the paper's rig.
+    r"""Multiplexed acquisition card, such as the 16-bit one of 200 kS/s of the paper's rig.
 
     Channel :math:`i`, counted from 0, is sampled :math:`i\,\delta` after the first, with
     :math:`\delta = 1/` `fastest`; a Butterworth filter of second order, if there is one, stands
@@ -68,7 +68,7 @@ class Daq:
         return self.span / float(1 << (self.bits - 1))
 
     def skew(self, channel: int) -> float:
-        """How long after the first channel another is sampled, s; counted from 1."""
+        """Return how long after the first channel another is sampled, s; counted from 1."""
         return (channel - 1) / self.fastest
 
     def alias(self, frequency: float) -> float | None:
@@ -113,7 +113,7 @@ class Daq:
         return np.asarray(signal.sosfilt(sections, volts, zi=settled)[0])
 
 
-# The twin of a force/torque transducer: loads to six gauge voltages, and its calibration.
+# Transducer: loads to six gauge voltages, and calibration.
 
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
@@ -142,7 +142,7 @@ def nano(gain: float = 2.56, crosstalk: float = 0.02) -> tuple[tuple[float, ...]
 
 @dataclass(frozen=True)
 class Transducer:
-    """Six strain gauges under a tool.
+    """Force/torque transducer of six strain gauges under a tool.
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ class Transducer:
 
 @dataclass(frozen=True)
 class Instrument:
-    """A transducer under a plate that may not be square to it, and the card that reads it.
+    """Transducer under a plate that may be tilted, and the card that reads it.
 
     Attributes
     ----------

@@ -28,7 +28,7 @@ _BEYOND = np.geomspace(1e-3, 1e8, 130)
 
 
 def coulomb_in_series(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
-    """Stiffness of a solid before a Coulomb element over its own, at one frequency.
+    """Return stiffness of a solid before a Coulomb element over its own, at one frequency.
 
     Parameters
     ----------
@@ -49,14 +49,14 @@ def coulomb_in_series(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray
 
 @lru_cache(maxsize=512)
 def _table(solid: GeneralizedMaxwell, omega: float) -> PchipInterpolator:
-    """Stiffness times ratio over the solid's own, real and imaginary, over ln(ratio - 1)."""
+    """Return stiffness times ratio over the solid's own, real and imaginary, over ln(ratio - 1)."""
     ratio = 1 + _BEYOND
     values = ratio * _steady(solid, omega, ratio)
     return PchipInterpolator(np.log(_BEYOND), np.column_stack([values.real, values.imag]))
 
 
 def _steady(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
-    """The first harmonic of the steady cycle over the solid's stiffness, marched."""
+    """Return the first harmonic of the steady cycle over the solid's stiffness, marched."""
     K = complex(solid.complex_stiffness(omega=omega))
     # what slips sticks again soon after the motion turns: the steps are finest there
     theta = np.pi * (np.arange(_STEPS + 1) / _STEPS) ** 1.5

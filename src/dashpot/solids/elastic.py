@@ -16,7 +16,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
 
-# The elastic law of a seal: equilibrium force against compression.
+# Elastic law: equilibrium force against compression.
 #
 # .. math:: k_\mathrm{sec}(x) = F_e(x)/x, \qquad k_\mathrm{tan}(x) = F_e'(x)
 #
@@ -30,7 +30,7 @@ SMOOTH, SLACK = 0.30, 0.004
 
 
 class TangentTable(NamedTuple):
-    """The kind of an elastic law, compressions, m, and the tangent stiffness there, N/m."""
+    """Table of an elastic law: its kind, compressions, m, and tangent stiffnesses, N/m."""
 
     kind: str
     knots: tuple[float, ...]
@@ -39,7 +39,7 @@ class TangentTable(NamedTuple):
 
 @dataclass(frozen=True)
 class ElasticLaw(Serialisable):
-    r"""Relaxed force against compression, its tangent linear between knots.
+    r"""Elastic law: relaxed force against compression, its tangent linear between knots.
 
     .. math:: F_e(x) = k \int_0^x t(u)\,du, \qquad \frac1h \int_0^h t(u)\,du = 1
 
@@ -84,7 +84,7 @@ class ElasticLaw(Serialisable):
 
     @classmethod
     def linear(cls, stiffness: float, depth: float) -> ElasticLaw:
-        """The law of a spring, N/m, tested to a depth, m."""
+        """Return the law of a spring, N/m, tested to a depth, m."""
         return cls((0.0, float(depth)), (1.0, 1.0), float(stiffness))
 
     @property
@@ -163,7 +163,7 @@ class ElasticLaw(Serialisable):
         return np.asarray(np.interp(x, self.knots, self.ratio_se or np.zeros(len(self.knots))))
 
     def compression(self, force: float) -> float:
-        r"""Compression under a relaxed force, N: the x of :math:`F_e(x) = F`.
+        r"""Return compression under a relaxed force, N: the x of :math:`F_e(x) = F`.
 
         Raises
         ------
@@ -202,7 +202,7 @@ class ElasticLaw(Serialisable):
 
 @dataclass(frozen=True)
 class CurveAgreement:
-    """A relaxed force beside the force of a compression (load-deflection) curve.
+    """Agreement of a relaxed force with a compression (load-deflection) curve.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ def compare_with_curve(
     return tuple(agreements)
 
 
-# How far a seal is believed to be pressed.
+# Compression of a seal.
 
 
 FARTHEST = 3.0

@@ -142,7 +142,7 @@ def _integrate_tail(u: float, alpha: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class FractionalZener(Solid, Serialisable):
-    r"""A spring beside a spring and a springpot in series; with a dashpot beside them, if given.
+    r"""Spring in parallel with a spring and a springpot in series, and a dashpot, if given.
 
     .. math:: K(s) = \frac{k_\infty + k_0 (s\tau)^\alpha}{1 + (s\tau)^\alpha} + b s, \qquad
         k(t) = k_\infty + (k_0 - k_\infty)\, E_\alpha\bigl(-(t/\tau)^\alpha\bigr)

@@ -29,7 +29,7 @@ _Path = tuple[tuple[float, float], ...]
 
 
 class Masing(RateIndependent):
-    r"""An element that follows Masing's rules: a branch is its first loading, twice as large.
+    r"""Element that obeys Masing's rules: a branch is its first loading, twice as large.
 
     .. math:: F(x) = F_r \pm 2\, g(|x - x_r| / 2)
 
@@ -75,7 +75,7 @@ def _is_opposite(first: float, second: float) -> bool:
 
 @dataclass(frozen=True)
 class Jenkins(Masing):
-    r"""A spring and a Coulomb slider in series: elastic up to its yield displacement, then slips.
+    r"""Spring and Coulomb slider in series: elastic up to its yield displacement, then slips.
 
     .. math:: N = k \left[\frac{\theta - \tfrac12 \sin 2\theta}{\pi}
         + j \frac4\pi \frac{x_y}{X}\left(1 - \frac{x_y}{X}\right)\right], \quad
@@ -129,7 +129,7 @@ def jenkins_reduction(amplitude: npt.ArrayLike, yields_at: npt.ArrayLike) -> Com
 
 @dataclass(frozen=True)
 class Coulomb(RateIndependent):
-    r"""A dry slider: :math:`N = 4j F_c / (\pi X)`.
+    r"""Dry slider: :math:`N = 4j F_c / (\pi X)`.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class Coulomb(RateIndependent):
         require_positive_parameters(self, "slip")
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
-        """The slider's force against the motion, N."""
+        """Return the slider's force against the motion, N."""
         return np.full(np.broadcast(x, amplitude).shape, -self.slip)
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
@@ -167,7 +167,7 @@ class Coulomb(RateIndependent):
         return values
 
     def start(self) -> tuple[float, float]:
-        """Displacement and force."""
+        """Return displacement and force."""
         return (0.0, 0.0)
 
     def step(self, state: tuple[float, float], x: float) -> tuple[float, tuple[float, float]]:
@@ -182,7 +182,7 @@ class Coulomb(RateIndependent):
 
 @dataclass(frozen=True)
 class Iwan(Masing):
-    r"""Jenkins elements of every yield displacement up to 2 F_u / k, equally many of each.
+    r"""Jenkins elements of uniformly distributed yield displacements up to 2 F_u / k.
 
     .. math:: g(x) = k x - \frac{k^2 x^2}{4 F_u}, \quad x \le \frac{2 F_u}{k}; \qquad
         N = k\left(1 - \frac{k X}{4 F_u}\right) + j \frac{k^2 X}{3 \pi F_u}
@@ -242,7 +242,7 @@ class Berg(RateIndependent):
         require_positive_parameters(self, "limit", "half_way")
 
     def _from(self, turn: Any, way: Any, up: Any) -> Any:
-        """Force after moving `way` >= 0 from a turning point; `up` is +1 or -1."""
+        """Return force after moving `way` >= 0 from a turning point; `up` is +1 or -1."""
         mu = up * turn / self.limit
         return turn + way / (self.half_way * (1 - mu) + way) * (up * self.limit - turn)
 
@@ -276,7 +276,7 @@ class Berg(RateIndependent):
 
 @dataclass(frozen=True)
 class Kraus(RateIndependent):
-    r"""Kraus's law of the Payne effect: what a strain sweep shows, and no more.
+    r"""Kraus's law of the Payne effect, as a strain sweep shows it.
 
     .. math:: N = \frac{k}{1 + u^{2m}} + j k'' \frac{2 u^m}{1 + u^{2m}}, \quad u = X / X_c
 
@@ -316,7 +316,7 @@ class Kraus(RateIndependent):
         return np.asarray((self.k + 2j * self.greatest_loss * u) / (1 + u**2))
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
-        """The ellipse of the equivalent stiffness, N: the law knows no other loop."""
+        """Return the ellipse of the equivalent stiffness, N: the law knows no other loop."""
         N = self.stiffness(amplitude)
         velocity = np.sqrt(np.maximum(np.asarray(amplitude) ** 2 - np.asarray(x) ** 2, 0.0))
         return np.asarray(N.real * x - N.imag * velocity)

@@ -62,7 +62,7 @@ class CreepSpectrum:
 def creep_spectrum(
     k_inf: float, k: Sequence[float], tau: Sequence[float], b: float = 0.0
 ) -> CreepSpectrum:
-    r"""The creep of a generalized Maxwell solid, from poles and residues of 1/(s K(s)).
+    r"""Return the creep of a generalized Maxwell solid, from poles and residues of 1/(s K(s)).
 
     With :math:`r_0 = 0, k_0 = k_\infty, r_j = 1/\tau_j`,
 
@@ -100,7 +100,7 @@ def creep_spectrum(
 def relaxation_spectrum(
     creep: CreepSpectrum,
 ) -> tuple[float, tuple[float, ...], tuple[float, ...], float]:
-    r"""The generalized Maxwell solid ``(k_inf, k, tau, b)`` of a creep spectrum.
+    r"""Return the generalized Maxwell solid ``(k_inf, k, tau, b)`` of a creep spectrum.
 
     The same mathematics the other way: the compliance
     :math:`D_g + D_f/s + \sum_i D_i x_i/(s + x_i)` has zeros :math:`-\rho_j` between its poles,
@@ -185,7 +185,7 @@ def secular_zeros(
 def _secular(
     poles: FloatArray, weights: FloatArray, constant: float, anchor: FloatArray, offset: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Values and slopes of g at anchor + offset, each of shape (zeros,)."""
+    """Return values and slopes of g at anchor + offset, each of shape (zeros,)."""
     distance = (poles[None, :] - anchor[:, None]) - offset[:, None]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         return constant + (1 / distance) @ weights, (1 / distance**2) @ weights

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
 
 
-# What every solid offers, and the generalized Maxwell solid: every linear network in one form.
+# Base class of solids, and the generalized Maxwell solid.
 
 
 # numbers of a history times its arms that a scan goes through fastest at once
@@ -47,7 +47,7 @@ def angular(
 
 
 class Solid(ABC):
-    r"""A linear viscoelastic solid: a complex stiffness, and the positive arms that stand for it.
+    r"""Linear viscoelastic solid: a complex stiffness, with its equivalent positive arms.
 
     A new solid gives `k_inf`, `k_0`, :meth:`stiffness_at`, `maxwell` and the product with a
     number; frequency follows from its stiffness, time from its arms.
@@ -106,7 +106,7 @@ class Solid(ABC):
     @overload
     def storage(self, *, omega: npt.ArrayLike) -> FloatArray: ...
     def storage(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
-        """Storage stiffness K', N/m, at `frequency`, Hz, or `omega`, rad/s."""
+        """Return storage stiffness K', N/m, at `frequency`, Hz, or `omega`, rad/s."""
         omega = angular(*bare, frequency=frequency, omega=omega)
         return np.asarray(self.stiffness_at(1j * omega).real)
 
@@ -115,7 +115,7 @@ class Solid(ABC):
     @overload
     def loss(self, *, omega: npt.ArrayLike) -> FloatArray: ...
     def loss(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
-        """Loss stiffness K'', N/m, at `frequency`, Hz, or `omega`, rad/s."""
+        """Return loss stiffness K'', N/m, at `frequency`, Hz, or `omega`, rad/s."""
         omega = angular(*bare, frequency=frequency, omega=omega)
         return np.asarray(self.stiffness_at(1j * omega).imag)
 
@@ -124,7 +124,7 @@ class Solid(ABC):
     @overload
     def loss_factor(self, *, omega: npt.ArrayLike) -> FloatArray: ...
     def loss_factor(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
-        """Loss factor K''/K', dimensionless, at `frequency`, Hz, or `omega`, rad/s."""
+        """Return loss factor K''/K', dimensionless, at `frequency`, Hz, or `omega`, rad/s."""
         stiffness = self.stiffness_at(1j * angular(*bare, frequency=frequency, omega=omega))
         return np.asarray(stiffness.imag / stiffness.real)[()]
 
@@ -146,7 +146,7 @@ class Solid(ABC):
 
 
 class MaxwellArm(NamedTuple):
-    """A spring, N/m, its relaxation time, s, and the dashpot behind it, N s/m."""
+    """Maxwell arm: spring, N/m, relaxation time, s, and dashpot, N s/m."""
 
     k: float
     tau: float
@@ -155,7 +155,7 @@ class MaxwellArm(NamedTuple):
 
 @dataclass(frozen=True)
 class GeneralizedMaxwell(Solid, Serialisable):
-    r"""A spring, a dashpot and any number of Maxwell arms in parallel.
+    r"""Generalized Maxwell solid: a spring, a dashpot and Maxwell arms in parallel.
 
     .. math::
 
@@ -272,14 +272,14 @@ class GeneralizedMaxwell(Solid, Serialisable):
     __rmul__ = __mul__
 
     def with_length(self, length: float, *, measured_length: float) -> GeneralizedMaxwell:
-        """The same section at another contact length, both in m: stiffness is per length."""
+        """Return the same section at another contact length, both in m: stiffness is per length."""
         require_positive(
             length=length, measured_length=measured_length, unit=" m", expected="a length > 0"
         )
         return self * (length / measured_length)
 
     def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
-        r"""The solid at another temperature: :math:`K^*(\omega) \to b_T K^*(a_T \omega)`.
+        r"""Return the solid at another temperature: :math:`K^*(\omega) \to b_T K^*(a_T \omega)`.
 
         Relaxation times times `a_t`, stiffnesses times `b_t`
         (:mod:`dashpot.solids.shift_laws`).
@@ -492,7 +492,7 @@ def arm_response(time: FloatArray, displacement: FloatArray, tau: float | FloatA
 
 
 def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray) -> FloatArray:
-    """The sum of k times each :func:`arm_response`; short ones many at once."""
+    """Return the sum of k times each :func:`arm_response`; short ones many at once."""
     at_once = max(1, _IN_CACHE // max(len(time), 1))
     total = np.zeros(len(time))
     for first in range(0, len(tau), at_once):
@@ -501,12 +501,12 @@ def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray)
     return total
 
 
-# Solids side by side that no single one of their kind stands for.
+# Solids in parallel.
 
 
 @dataclass(frozen=True)
 class Parallel(Solid, Serialisable):
-    """Solids that share one displacement: their forces add.
+    """Solids in parallel: one displacement, and the sum of their forces.
 
     Attributes
     ----------
@@ -546,7 +546,7 @@ class Parallel(Solid, Serialisable):
         return reduce(add, (part.maxwell for part in self.parts))
 
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
-        """Stiffness on the Laplace plane, N/m, `s` in 1/s: the sum of the parts."""
+        """Return stiffness on the Laplace plane, N/m, `s` in 1/s: the sum of the parts."""
         return np.asarray(sum(part.stiffness_at(s) for part in self.parts))
 
     def relaxation(self, t: npt.ArrayLike) -> FloatArray:

@@ -88,7 +88,7 @@ def face_under_plate(
 def _compute_force_and_states(
     solid: GeneralizedMaxwell, time: FloatArray, x: FloatArray, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Force and elongations of the arms under a motion, from elongations on."""
+    """Return force and elongations of the arms under a motion, from elongations on."""
     k, tau = np.asarray(solid.k), np.asarray(solid.tau)
     z = np.diff(time)[:, None] / tau
     decay = np.concatenate((np.zeros((1, len(tau))), np.exp(-z)))
@@ -134,7 +134,7 @@ class _Recovery:
 
 
 class EvenStep(NamedTuple):
-    """Factors of what an arm carries and of what a step gives it, each of the shape of h / tau.
+    """Factors of an arm's force over a uniform step, each of the shape of h / tau.
 
     Attributes
     ----------
@@ -158,9 +158,9 @@ class EvenStep(NamedTuple):
         return cls(retained, 1 - ratio * retained, onward)
 
     def mean(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
-        """What arms carry on the average of the step, N."""
+        """Return what arms carry on the average of the step, N."""
         return carried * self.kept + provided * self.onward
 
     def end(self, carried: FloatArray, provided: FloatArray) -> FloatArray:
-        """What they carry at its end, N."""
+        """Return what they carry at its end, N."""
         return carried * self.left + provided * self.kept

@@ -21,17 +21,17 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def spring(k: float) -> GeneralizedMaxwell:
-    """A spring of stiffness k > 0, N/m."""
+    """Return a spring of stiffness k > 0, N/m."""
     return GeneralizedMaxwell(_positive("k", k))
 
 
 def dashpot(b: float) -> GeneralizedMaxwell:
-    """A viscous damper b > 0, N s/m."""
+    """Return a viscous damper b > 0, N s/m."""
     return GeneralizedMaxwell(0.0, b=_positive("b", b))
 
 
 def maxwell(k: float, *, tau: float | None = None, b: float | None = None) -> GeneralizedMaxwell:
-    r"""A spring and a dashpot in series: K = k s tau / (1 + s tau), with tau or b = k tau.
+    r"""Return a spring and a dashpot in series: K = k s tau / (1 + s tau), with tau or b = k tau.
 
     ::
 
@@ -41,19 +41,19 @@ def maxwell(k: float, *, tau: float | None = None, b: float | None = None) -> Ge
 
 
 def kelvin_voigt(k: float, b: float) -> GeneralizedMaxwell:
-    """A spring and a dashpot in parallel: K = k + b s. Also called Voigt."""
+    """Return a spring and a dashpot in parallel: K = k + b s. Also called Voigt."""
     return GeneralizedMaxwell(_positive("k", k), b=_positive("b", b))
 
 
 def zener(
     k_inf: float, k: float, *, tau: float | None = None, b: float | None = None
 ) -> GeneralizedMaxwell:
-    """The standard linear solid: a spring k_inf beside one Maxwell arm."""
+    """Return the standard linear solid: a spring k_inf beside one Maxwell arm."""
     return spring(k_inf) + maxwell(k, tau=tau, b=b)
 
 
 def maxwell_voigt(k: float, b: float, *, arm_k: float, arm_b: float) -> GeneralizedMaxwell:
-    """A Kelvin-Voigt element (k, b) beside a Maxwell arm (arm_k, arm_b).
+    """Return a Kelvin-Voigt element (k, b) beside a Maxwell arm (arm_k, arm_b).
 
     The model of Zhang and Richards (2006) for rubber isolators, and, in rotary units, of
     Gaillard and Singh (2000) for clutch hubs.
@@ -95,7 +95,7 @@ def from_creep(creep: CreepSpectrum) -> GeneralizedMaxwell:
 
 
 def creep_of(solid: GeneralizedMaxwell) -> CreepSpectrum:
-    """The creep spectrum of a solid, exactly."""
+    """Return the creep spectrum of a solid, exactly."""
     return creep_spectrum(solid.k_inf, solid.k, solid.tau, solid.b)
 
 

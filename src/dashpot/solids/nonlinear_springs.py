@@ -33,7 +33,7 @@ class _Elastic(RateIndependent):
 
 @dataclass(frozen=True)
 class Cubic(_Elastic):
-    r"""A spring with :math:`F = k_3 x^3`; :math:`N = \tfrac34 k_3 X^2`.
+    r"""Cubic spring :math:`F = k_3 x^3`; :math:`N = \tfrac34 k_3 X^2`.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Cubic(_Elastic):
 
 @dataclass(frozen=True)
 class StagedSpring(_Elastic):
-    r"""A spring of several stages, the same either way: stops, clutch hubs.
+    r"""Spring of several stages, symmetric in both directions: stops, clutch hubs.
 
     .. math:: N = k_1 + \sum_i (k_{i+1} - k_i) \left[1 - \frac2\pi
         \left(\arcsin r_i + r_i \sqrt{1 - r_i^2}\right)\right], \quad

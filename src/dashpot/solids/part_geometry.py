@@ -71,7 +71,7 @@ def bonded_cylinder(S: float, poisson: float = RUBBER) -> float:
 
 
 def _compressible(single: float, S: float, poisson: float, edges: tuple[float, ...]) -> float:
-    """The bonded factor, of what an incompressible one is more than 1."""
+    """Return the bonded factor, of what an incompressible one is more than 1."""
     from scipy.special import i0e, i1e
 
     p_1, p_2, p_3, p_4 = edges
@@ -118,7 +118,7 @@ def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
 
 
 class Geometry:
-    """A shape of rubber that loads go through.
+    """Geometry of a rubber part under load.
 
     A shape gives :meth:`factor`, and the ways to load it.
     """
@@ -126,7 +126,7 @@ class Geometry:
     modes: tuple[PartMode, ...] = ("compression", "shear")
 
     def factor(self, mode: PartMode | None = None, *, bonded: bool = True) -> float:
-        """Stiffness of the part over Young's modulus, m (m^3 in torsion).
+        """Return stiffness of the part over Young's modulus, m (m^3 in torsion).
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class _Pad(Geometry):
 
     @property
     def area(self) -> float:
-        """Of each plate, m^2."""
+        """Area of each plate, m^2."""
         raise NotImplementedError
 
     @property
@@ -177,7 +177,7 @@ class _Pad(Geometry):
         return plain * (self._stiffer() if bonded else 1)
 
     def _stiffer(self) -> float:
-        """What bonded plates make of the stiffness, a factor."""
+        """Return what bonded plates make of the stiffness, a factor."""
         raise NotImplementedError
 
     def bonded_slopes(self) -> tuple[float, float]:
@@ -198,7 +198,7 @@ class _Pad(Geometry):
 
 @dataclass(frozen=True)
 class Disc(_Pad):
-    """A round pad: diameter and height, m; texts with a unit are taken, too.
+    """Round pad: diameter and height, m; texts with a unit are taken, too.
 
     `poisson`, 0.2 to 0.5, is asked where its plates are bonded.
 
@@ -219,7 +219,7 @@ class Disc(_Pad):
 
     @property
     def area(self) -> float:
-        """Of each plate, m^2."""
+        """Area of each plate, m^2."""
         return float(np.pi / 4 * self.diameter**2)
 
     @property
@@ -233,7 +233,7 @@ class Disc(_Pad):
 
 @dataclass(frozen=True)
 class Block(_Pad):
-    """A rectangular pad: length, width and height, m; `poisson` as of a :class:`Disc`."""
+    """Rectangular pad: length, width and height, m; `poisson` as of a :class:`Disc`."""
 
     length: float
     width: float
@@ -246,7 +246,7 @@ class Block(_Pad):
 
     @property
     def area(self) -> float:
-        """Of each plate, m^2."""
+        """Area of each plate, m^2."""
         return self.length * self.width
 
     @property
@@ -261,7 +261,7 @@ class Block(_Pad):
 
 @dataclass(frozen=True)
 class Bush(Geometry):
-    """A tube of rubber between two sleeves: inner and outer diameter and length, m."""
+    """Rubber bush between two sleeves: inner and outer diameter and length, m."""
 
     inner: float
     outer: float
@@ -292,7 +292,7 @@ class Bush(Geometry):
 
 @dataclass(frozen=True)
 class Bulb(Geometry):
-    """A hollow round seal that is pressed across, a little: outer diameter, wall and length, m.
+    """Hollow round seal, slightly compressed across: outer diameter, wall and length, m.
 
     A thin wall that bends. Its stretch and shear, left out, make it softer: by 2.5 % at a wall of a
     tenth of the mean radius, 9 % at a fifth. `poisson` is that of the wall; a sponge has less
@@ -322,7 +322,7 @@ class Bulb(Geometry):
 
     @property
     def radius(self) -> float:
-        """Of the middle of the wall, m."""
+        """Radius of the middle of the wall, m."""
         return (self.outer - self.wall) / 2
 
     # one way to be loaded, whatever its plates

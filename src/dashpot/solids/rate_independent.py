@@ -31,7 +31,7 @@ _VANISHING = 1e-30
 
 
 class AmplitudeDependent(ABC):
-    """A part whose complex stiffness depends on frequency and amplitude."""
+    """Element whose complex stiffness depends on frequency and amplitude."""
 
     @abstractmethod
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
@@ -94,7 +94,7 @@ class AmplitudeDependent(ABC):
 
 
 class RateIndependent(AmplitudeDependent):
-    """An element whose force depends on the path of its displacement, not on time.
+    """Element whose force depends on the path of its displacement, not on time.
 
     A new element gives :meth:`unloading`, ``start``, :meth:`step` and the product with a
     number; its first harmonic follows, where it has no closed one of its own.
@@ -132,7 +132,7 @@ class RateIndependent(AmplitudeDependent):
         return self.energy_per_cycle(0.0, amplitude)
 
     def secant(self, amplitude: npt.ArrayLike) -> FloatArray:
-        """Force over displacement at the tip of the steady loop, N/m."""
+        """Return force over displacement at the tip of the steady loop, N/m."""
         X = amplitudes(amplitude)
         return np.asarray(self.unloading(X, X) / X)
 
@@ -145,7 +145,7 @@ class RateIndependent(AmplitudeDependent):
         return np.array(values)
 
     def loop(self, amplitude: float, *, points: int = 400) -> tuple[FloatArray, FloatArray]:
-        """The steady loop: displacement, m, and force, N, once round from +amplitude."""
+        """Return the steady loop: displacement, m, and force, N, once round from +amplitude."""
         X = float(amplitudes(amplitude))
         half = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
         down = self.unloading(half, np.full_like(half, X))
@@ -154,7 +154,7 @@ class RateIndependent(AmplitudeDependent):
 
 @dataclass(frozen=True)
 class RelativeToAmplitude(AmplitudeDependent):
-    r"""What an element has changed by since an amplitude: :math:`N(X) - N(X_0)`.
+    r"""Change of an element since a reference amplitude: :math:`N(X) - N(X_0)`.
 
     Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
     element at X.
@@ -188,7 +188,7 @@ class RelativeToAmplitude(AmplitudeDependent):
 
 @dataclass(frozen=True)
 class InParallel(AmplitudeDependent):
-    """Parts that share one displacement: solids, elements, or both; their forces add.
+    """Elements in parallel, linear or not: one displacement, and the sum of their forces.
 
     Attributes
     ----------
@@ -211,11 +211,11 @@ class InParallel(AmplitudeDependent):
         object.__setattr__(self, "parts", flat)
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Complex stiffness, N/m: the sum of the parts."""
+        """Return complex stiffness, N/m: the sum of the parts."""
         return np.asarray(sum(equivalent(part, omega, amplitude) for part in self.parts))
 
     def start(self) -> tuple[Any, ...]:
-        """The parts at rest."""
+        """Return the parts at rest."""
         return tuple(part.start() for part in self._stepped_parts)
 
     def advance(self, state: tuple[Any, ...], dt: float, x: float) -> tuple[float, tuple[Any, ...]]:
@@ -236,7 +236,7 @@ class InParallel(AmplitudeDependent):
 
 @dataclass(frozen=True)
 class InSeries(AmplitudeDependent):
-    r"""A solid and, behind it, a part whose stiffness depends on amplitude: one force in both.
+    r"""Solid in series with an amplitude-dependent element: one force in both.
 
     .. math:: \frac1K = \frac1{K_1(\omega)} + \frac1{N(\omega, X_2)}, \qquad
         X = X_2 \left|1 + \frac{N(\omega, X_2)}{K_1(\omega)}\right|
@@ -255,12 +255,12 @@ class InSeries(AmplitudeDependent):
     behind: AmplitudeDependent
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Complex stiffness, N/m; the solid's own while the part behind it is stuck."""
+        """Return complex stiffness, N/m; the solid's own while the part behind it is stuck."""
         w, X = np.broadcast_arrays(np.asarray(omega, dtype=float), amplitudes(amplitude))
         return self.behind.in_series(self.solid, w, X)
 
     def start(self) -> tuple[Any, Any, float]:
-        """Both at rest, and the displacement of the part behind."""
+        """Return both at rest, and the displacement of the part behind."""
         return _Stepped(self.solid).start(), self.behind.start(), 0.0
 
     def advance(
@@ -293,7 +293,7 @@ class InSeries(AmplitudeDependent):
 
 @dataclass(frozen=True)
 class Linearised(Solid):
-    """A solid beside a part that is held at one amplitude: the linear solid of that amplitude.
+    """Solid in parallel with an element linearised at one amplitude.
 
     Attributes
     ----------
@@ -331,7 +331,7 @@ class Linearised(Solid):
         )
 
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
-        """Stiffness on the Laplace plane, N/m, `s` in 1/s; the part's is that of Im s."""
+        """Return stiffness on the Laplace plane, N/m, `s` in 1/s; the part's is that of Im s."""
         s = np.asarray(s, dtype=complex)
         extra = self.beside.equivalent(np.abs(s.imag), self.amplitude)
         lost = np.where(s.imag < 0, extra.conj(), extra)
@@ -371,7 +371,7 @@ class _Stepped:
 def equivalent(
     part: Solid | AmplitudeDependent, omega: npt.ArrayLike, amplitude: npt.ArrayLike
 ) -> ComplexArray:
-    """Complex stiffness, N/m, of a solid or of a part that depends on amplitude."""
+    """Return complex stiffness, N/m, of a solid or of a part that depends on amplitude."""
     if isinstance(part, AmplitudeDependent):
         return part.equivalent(omega, amplitude)
     return np.asarray(part.complex_stiffness(omega=omega) + 0 * np.asarray(amplitude))

@@ -30,7 +30,7 @@ _UNIVERSAL = 17.44, 51.6
 
 
 class TemperatureLaw(ABC, Serialisable):
-    """Shift factor against temperature: 1 at the reference.
+    """Temperature law: shift factor against temperature, 1 at the reference.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class TemperatureLaw(ABC, Serialisable):
 def shift_to_temperature(
     solid: GeneralizedMaxwell, temperature: float, law: TemperatureLaw
 ) -> GeneralizedMaxwell:
-    r"""The solid of the law's reference at T, K, its stiffness that of an ideal rubber.
+    r"""Return the solid of the law's reference at T, K, its stiffness that of an ideal rubber.
 
     .. math:: \tau_j \to a_T \tau_j, \qquad k_j \to b_T k_j, \quad b_T = T / T_r
     """
@@ -70,7 +70,7 @@ def shift_to_temperature(
 
 @dataclass(frozen=True)
 class WLF(TemperatureLaw):
-    r"""Williams, Landel and Ferry: free volume, above the glass transition.
+    r"""Law of Williams, Landel and Ferry: free volume, above the glass transition.
 
     .. math:: \log_{10} a_T = -\frac{C_1 (T - T_r)}{C_2 + T - T_r}, \qquad
               E_a = \ln 10\,R\,\frac{C_1 C_2 T^2}{(C_2 + T - T_r)^2}
@@ -104,7 +104,7 @@ class WLF(TemperatureLaw):
 
     @property
     def glass(self) -> float:
-        """Where the glass transition lies, K, if C_2 there is that of many polymers."""
+        """Glass transition temperature, K, if C_2 there is that of many polymers."""
         return self.reference - self.c2 + _UNIVERSAL[1]
 
     @property
@@ -148,7 +148,7 @@ class WLF(TemperatureLaw):
 
 @dataclass(frozen=True)
 class Arrhenius(TemperatureLaw):
-    r"""One activated process, below the glass transition or far above it.
+    r"""Arrhenius law: one activated process, below the glass transition or far above it.
 
     .. math:: \log_{10} a_T = \frac{E_a}{R \ln 10} \Bigl(\frac1T - \frac1{T_r}\Bigr)
 
@@ -185,7 +185,7 @@ class Arrhenius(TemperatureLaw):
 
 @dataclass(frozen=True)
 class FreeShifts(TemperatureLaw):
-    """Shifts at the tested temperatures, straight in 1/T between them; no law beyond.
+    """Free shifts at the tested temperatures, linear in 1/T between them; no law beyond.
 
     Attributes
     ----------

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from dashpot.base.reported_values import ReportedValue
 
 
-# How a result is laid out as text: lines, tables of cells, tables of named numbers.
+# Lines, tables of cells, tables of named values.
 
 
 class Text(NamedTuple):
-    """What a command prints: what everyone reads, and what is there for who asks.
+    """Text of a command: the part always printed, and the part printed on request.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
     return table([[row[i] for i in some] for row in (head, *rows)])
 
 
-# A result as people read it: its verdict, its numbers, and the checks that failed.
+# Result: its verdict, its values, and the failed checks.
 
 
 Style: TypeAlias = Callable[..., str]
@@ -72,7 +72,7 @@ LINES = 36
 
 
 class ScreenSize(NamedTuple):
-    """Of a screen: how long a line may be, and how many there may be."""
+    """Size of a screen: most characters per line, and most lines."""
 
     columns: int
     lines: int

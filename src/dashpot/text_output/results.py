@@ -88,7 +88,7 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
 
 
 def _format_fit_heading(fit: Fit, request: int | str) -> str:
-    """What was fitted to which files, and whether it is less than was asked for."""
+    """Return what was fitted to which files, and whether it is less than was asked for."""
     files = ", ".join(source.file for source in fit.source) or "arrays in memory"
     arms = f"{fit.model.arms} Maxwell arm{'s' * (fit.model.arms != 1)}"
     if fit.family == "fractional":
@@ -102,7 +102,7 @@ def _format_fit_heading(fit: Fit, request: int | str) -> str:
 
 
 def _size(residual: Residual) -> str:
-    """What is left of a fit, in its unit or as times the noise."""
+    """Return what is left of a fit, in its unit or as times the noise."""
     if residual.unit == "sd":
         return f"{residual.rms:.3g} times the noise"
     return (
@@ -147,7 +147,7 @@ def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
 
 
 def _samples(residual: Residual) -> str:
-    """How many samples were fitted, and how many independent ones they are equal to."""
+    """Return how many samples were fitted, and how many independent ones they are equal to."""
     count, worth = residual.n, residual.n / residual.kappa
     independent = float(f"{worth:.3g}")
     if abs(independent / count - 1) < 0.005:
@@ -156,7 +156,7 @@ def _samples(residual: Residual) -> str:
 
 
 def _format_elastic_law(fit: Fit) -> list[str]:
-    """The elastic law, where it is no straight line."""
+    """Return the elastic law, where it is no straight line."""
     law = fit.elastic_law
     if law is None or law.kind == "linear":
         return []
@@ -174,7 +174,7 @@ def _format_hold_end(fit: Fit) -> list[str]:
 
 
 def _format_alternative(fit: Fit) -> list[str]:
-    """The other family of solids, unless the verdict has named it."""
+    """Return the other family of solids, unless the verdict has named it."""
     other = fit.alternative
     return (
         [f"  beside it   {other.says}"]
@@ -192,7 +192,7 @@ def _nuisance(fit: Fit) -> list[str]:
 
 
 def list_notes(sources: Sequence[Source]) -> list[str]:
-    """Return what the readers noticed."""
+    """Return the notes of the readers."""
     return [
         f"  read        {ascii_only(f'{source.file}: {note}')}"
         for source in sources
@@ -201,7 +201,7 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
 
 
 def _creep(fit: Fit) -> list[str]:
-    """The compliances that were fitted to creep, and their times."""
+    """Return the compliances that were fitted to creep, and their times."""
     creep = fit.creep
     if creep is None:
         return []
@@ -239,7 +239,7 @@ def _temperatures(fit: Fit) -> list[str]:
 
 
 def _shift_law(fit: Fit, shifts: TemperatureShifts) -> str:
-    """The law of the shifts with its constants, where it has any."""
+    """Return the law of the shifts with its constants, where it has any."""
     constants = ", ".join(
         f"{constant.called} {constant.cells.with_unit}" for constant in shifts.constants
     )
@@ -333,7 +333,7 @@ def impact(result: ImpactResult) -> Text:
 
 
 def _hits(hits: Sequence[Hit]) -> list[str]:
-    """Each hit with its verdict, and why one was left out."""
+    """Return each hit with its verdict, and why one was left out."""
     # hits of records that each begin at 0 strike at the same time
     restarts = len({round(hit.time, 3) for hit in hits}) < len(hits)
     rows = [
@@ -431,7 +431,7 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
 
 
 def _shaken(mass: ShakenMass) -> list[str]:
-    """What a base that shakes at random does, and at most."""
+    """Return what a base that shakes at random does, and at most."""
     band, response = mass.band, mass.response
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
@@ -456,7 +456,7 @@ def _reach(ends: tuple[float, float], unit: str = "1") -> str:
 
 
 def _wider(modes: Iterable[Mode]) -> str:
-    """The band in which the lowest mode shows its peak."""
+    """Return the band in which the lowest mode shows its peak."""
     lowest = min((mode.frequency for mode in modes), default=0.0)
     if not lowest > 0:
         return ""
@@ -465,7 +465,7 @@ def _wider(modes: Iterable[Mode]) -> str:
 
 
 def _law(law: ElasticLaw) -> str:
-    """The tangent of an elastic law at a few compressions."""
+    """Return the tangent of an elastic law at a few compressions."""
     step = max(1, (len(law.knots) - 1) // 4)
     shown = law.knots[::step]
     pairs = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
@@ -475,7 +475,7 @@ def _law(law: ElasticLaw) -> str:
     )
 
 
-# Storage and loss factor line by line as text, with what small errors of the test make of them.
+# Storage and loss factor line by line, with the effect of small errors.
 
 
 ERRORS = {
@@ -520,7 +520,7 @@ class Measured(Protocol):
         ...
 
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
-        """What an error of so much does to both."""
+        """Return what an error of so much does to both."""
         ...
 
 
@@ -532,7 +532,7 @@ def render_facts(verdict: HasVerdict) -> Text:
 
 
 def render_summary(result: object) -> Text:
-    """Return what a result says of itself."""
+    """Return the summary of a result."""
     return Text(str(result).splitlines())
 
 
@@ -570,7 +570,7 @@ def format_error_sensitivity(
 
 
 def _spread(of: Measured, shown: int) -> IndexArray:
-    """Lines at even ratios over the usable band."""
+    """Return lines at even ratios over the usable band."""
     lines = np.flatnonzero(of.usable if of.usable.any() else np.isfinite(of.frequency))
     if shown >= len(lines):
         return lines
@@ -580,7 +580,7 @@ def _spread(of: Measured, shown: int) -> IndexArray:
     return np.unique(lines[np.abs(f[:, None] - grid).argmin(axis=0)])
 
 
-# The solid behind vibration, and what was measured beside it.
+# Identified solid, and direct measurements.
 
 
 _ASSUMED = "seals_counted"

@@ -11,7 +11,7 @@ from dashpot.base.checks import Check
 
 @dataclass(frozen=True)
 class Assumption:
-    """One thing that a result supposes of the seal or of the tests.
+    """Assumption of a result on the seal or the tests.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Assumption:
     advice: str
 
     def state(self, checks: Iterable[Check]) -> Literal["doubted", "not contradicted", "unwatched"]:
-        """Return what the checks of a study say of it."""
+        """Return the state of the assumption by the checks of a study."""
         answers = [check.passed for check in checks if check.name in self.checks]
         if False in answers:
             return "doubted"

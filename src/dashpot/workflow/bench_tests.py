@@ -26,7 +26,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.registry import FIT_FILES, KINDS, find_handler, load_object
 from dashpot.workflow.job import Cuts, Job, ShiftChoices, require_test_for_machine
 
-# From relaxation tests, or their files, to prepared records; whose tests they are.
+# Prepared records, and their specimens.
 
 
 def prepared_tests(
@@ -196,7 +196,7 @@ class BenchFitOptions(SolidOptions):
         )  # fmt: skip
 
     def nothing_of(self, *names: str) -> bool:
-        """Whether each of these is left at what it is where nothing is said."""
+        """Return whether each of these is left at what it is where nothing is said."""
         return all(getattr(self, name) == getattr(BenchFitOptions, name) for name in names)
 
 
@@ -307,5 +307,5 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
 
 
 def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
-    """The optimum with so many arms alone, which is drawn, not judged."""
+    """Return the optimum with so many arms alone, which is drawn, not judged."""
     return fit_relaxation(test, arms=arms, method=method, intervals=False)

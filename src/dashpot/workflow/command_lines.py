@@ -44,7 +44,7 @@ def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
 
 
 def _merge_read_options(job: Job) -> ReadOptions:
-    """What the files are read by: the units of all of them, and of each what is its own.
+    """Return what the files are read by: the units of all of them, and of each what is its own.
 
     A column or a mark of one file would make the other another kind of test.
     """

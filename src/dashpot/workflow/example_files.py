@@ -58,7 +58,7 @@ def _seal(
 
 
 def _simulate_clipped_test() -> str:
-    """A load cell whose range ends at three quarters of the force."""
+    """Return a load cell whose range ends at three quarters of the force."""
     relaxation = simulate_relaxation(BROAD, rig=_RIG, seed=7)
     most = 0.75 * float(relaxation.test.force.max())
     spoilt = replace(relaxation.test, force=np.minimum(relaxation.test.force, most))
@@ -73,7 +73,7 @@ def _hammer() -> str:
 
 
 def _sweep() -> str:
-    """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
+    """Return storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
     stiffness = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
     storage, loss = (convert_to_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
@@ -85,7 +85,7 @@ def _sweep() -> str:
 
 
 def _curve() -> str:
-    """A relaxation modulus of rubber over time, MPa, 0.2 % noisy."""
+    """Return a relaxation modulus of rubber over time, MPa, 0.2 % noisy."""
     time = np.geomspace(1e-3, 100.0, 61)
     modulus = BROAD.relaxation(time) * 1e-2
     noise = 1 + 0.002 * np.random.default_rng(1).standard_normal(len(time))
@@ -116,7 +116,7 @@ def _sweeps() -> str:
 
 
 def _line() -> str:
-    """A quarter of a door: x, y, z, mm."""
+    """Return a quarter of a door: x, y, z, mm."""
     angle = np.linspace(0.0, np.pi / 2, 13)
     rows = (f"{400 * np.cos(a):.3f},{400 * np.sin(a):.3f},0" for a in angle)
     return "\n".join([f"# {byline('simulated seal line')}", "x,y,z", *rows, ""])
@@ -126,7 +126,7 @@ _HINGES, _LATCH, _MIRROR = ((0.0, 0.3, 0.0), (0.0, 0.9, 0.0)), (1.1, 0.6, 0.0), 
 
 
 def _make_seal_line() -> tuple[FloatArray, FloatArray]:
-    """A seal line 20 mm within a door, its corners round, m; and its gap, 12.5 to 15 mm."""
+    """Return a seal line 20 mm within a door, its corners round, m; and its gap, 12.5 to 15 mm."""
     radius, low, high = 0.1, np.array([0.02, 0.02]), np.array([1.08, 1.18])
     points: list[FloatArray] = []
     for corner, start in ((0, -180), (1, -90), (2, 0), (3, 90)):

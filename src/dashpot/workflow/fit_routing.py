@@ -117,7 +117,7 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
 
 
 def _format_file_kinds(kinds: Mapping[str, str]) -> str:
-    """What the files are, those of one kind together, a few of them by name."""
+    """Return what the files are, those of one kind together, a few of them by name."""
     grouped: dict[str, list[str]] = {}
     for path, kind in kinds.items():
         grouped.setdefault(get_kind_label(kind), []).append(Path(path).name)
@@ -134,6 +134,6 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _find_common_meaning(have: set[str]) -> Meant | Literal[""]:
-    """What records mean that are all fitted alike."""
+    """Return what records mean that are all fitted alike."""
     words = {KINDS[kind].meant if kind in KINDS else "" for kind in have}
     return words.pop() if len(words) == 1 else ""

@@ -70,7 +70,7 @@ def weighed(
 def compare_with_measured(
     fit: Fit, measured: FRF, on: MassOnSeals, *, band: tuple[float, float] | None = None
 ) -> tuple[FRF, Comparison]:
-    """Return what a fit predicts on the measured lines, and how well that agrees."""
+    """Return a fit's prediction on the measured lines, and its agreement."""
     predicted = predict_frf(
         fit,
         frequency=measured.frequency,
@@ -83,7 +83,7 @@ def compare_with_measured(
 
 @dataclass(frozen=True)
 class LeaveOneOut(Serialisable):
-    """How well hits are predicted by a fit that has not seen them.
+    """Leave-one-out error: hits predicted by a fit that has not seen them.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class LeaveOneOut(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class Agreement(HasVerdict, Serialisable):
-    """What ``dashpot compare`` found.
+    """Result of ``dashpot compare``.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ class Agreement(HasVerdict, Serialisable):
         )
 
     def _circular(self) -> str:
-        """What a comparison with the hits that were fitted shows."""
+        """Return what a comparison with the hits that were fitted shows."""
         off = 100 * self.comparison.frequency_error
         says = f"The peak is off by {off:+.2g} %. This tests nothing"
         first = f"{says}, because the fit was made from these hits."
@@ -292,12 +292,12 @@ def agreement(
 
 
 def find_fitted_files(fit: Fit, frf: FRF) -> frozenset[str]:
-    """The files of an FRF, by what they hold, that a fit was made from."""
+    """Return the files of an FRF, by what they hold, that a fit was made from."""
     return frozenset(source.sha256 for source in fit.source) & {
         source.sha256 for source in frf.source
     } - {""}
 
 
 def select_failed_stops(frf: FRF) -> tuple[Check, ...]:
-    """What forbids the use of an FRF by itself."""
+    """Return the failed checks that forbid the use of an FRF by itself."""
     return tuple(check for check in frf.checks if check.failed and check.grade == "stop")

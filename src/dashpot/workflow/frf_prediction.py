@@ -59,7 +59,7 @@ from dashpot.workflow.static_equilibrium import (
     rival_modes,
 )
 
-# What part of a material a mass rests on: its geometry, from what a user says of it.
+# Geometry of the part under a mass.
 
 
 def apply_part_factor(
@@ -112,7 +112,7 @@ def _part_factor(
     base: bool,
     peak: Callable[[Solid, float, float], float] | None,
 ) -> float:
-    """The geometry factor of all the parts, by the resonance of a mass on them."""
+    """Return the geometry factor of all the parts, by the resonance of a mass on them."""
     if part.resonance_mass is None:
         raise DataError("--resonance needs the mass that it was measured with: --resonance-mass")
     if part.mode is not None or part.lubricated:
@@ -157,7 +157,7 @@ def _part_mode(word: str | None) -> PartMode | None:
     return next((arg for arg in get_args(PartMode) if arg == word), None)
 
 
-# From a fit to the FRF of a mass on it, with its peak, its modes and its limits.
+# Predicted FRF of a mass, with peak, modes and limits.
 
 
 BAND = (1.0, 50.0)
@@ -198,7 +198,7 @@ class ResponseLimits(Serialisable):
 
 @dataclass(frozen=True)
 class ShakenMass(Serialisable):
-    """Standard deviations over a base that shakes at random.
+    """Response of a mass to random base motion, as standard deviations.
 
     Attributes
     ----------
@@ -221,7 +221,7 @@ class ShakenMass(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class Prediction(HasVerdict, Serialisable):
-    """The FRF of a mass on `seals` seals, and what is known of it.
+    """Predicted FRF of a mass on `seals` seals, with its uncertainty.
 
     Attributes
     ----------
@@ -336,7 +336,7 @@ class Prediction(HasVerdict, Serialisable):
 
 
 class PredictedLevels(Protocol):
-    """What a level makes of a mass on seals."""
+    """Predicted response of a mass on seals at levels."""
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -347,7 +347,7 @@ class PredictedLevels(Protocol):
 
 
 class LevelPredictor(Protocol):
-    """What a level does to parts, as a row of the registry names it."""
+    """Interface of the effect of levels on parts, named by a row of the registry."""
 
     def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
         """Return the resonance of a mass at the level of the user's; None by a vanishing one."""
@@ -517,7 +517,7 @@ def prediction(
 
 
 def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
-    """What a level does to the parts; None where none is asked for."""
+    """Return what a level does to the parts; None where none is asked for."""
     if choices is None or not choices.levels:
         return None
     predictor: LevelPredictor = find_handler("predict at levels", choices)(choices, swept)
@@ -525,7 +525,7 @@ def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredic
 
 
 def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
-    """What the FRF of a mass relates: to a force on it, or to the motion of its base."""
+    """Return what the FRF of a mass relates: to a force on it, or to the motion of its base."""
     if base and kind is not None:
         raise DataError("--kind is of a force on the mass, --base of none: leave one out")
     if relative and not base:
@@ -556,7 +556,7 @@ def _refuse_records(tests: Sequence[RampHold]) -> None:
 
 @dataclass(frozen=True)
 class MountedMass:
-    """A mass on seals that were fitted: the fit of one, and where they rest."""
+    """Mass on fitted seals: the fit of one, and their static equilibrium."""
 
     fit: Fit
     rests: StaticEquilibrium
@@ -588,7 +588,7 @@ class MountedMass:
         return frf
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
-        """Frequency and height of the largest magnitude, and whether it stands at an end."""
+        """Return frequency and height of the largest magnitude, and whether it stands at an end."""
         top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
         low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
         fine = self.frf(np.linspace(low, high, 2001))
@@ -605,7 +605,7 @@ class MountedMass:
         return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
 
     def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
-        """The limits of the response, over fewer lines."""
+        """Return the limits of the response, over fewer lines."""
         kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
         lines, bounds = frf.frequency[frf.frequency > 0], None
         few = np.linspace(lines[0], lines[-1], LIMIT_LINES)
@@ -619,7 +619,7 @@ class MountedMass:
     def shaken(
         self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
     ) -> ShakenMass | None:
-        """What a base that shakes at random does, and between which limits."""
+        """Return what a base that shakes at random does, and between which limits."""
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
         shaken: ShakenMass = find_handler("random base", "mass")(self, base_psd, bounded)
@@ -633,7 +633,7 @@ def _bounds(
     *,
     temperature: float | None,
 ) -> Callable[..., FRFBounds] | None:
-    """What bounds the FRF by the relaxation tests; None without them."""
+    """Return what bounds the FRF by the relaxation tests; None without them."""
     if not tests:
         return None
     refuse_unfitted_tests(tests, fit)
@@ -650,7 +650,7 @@ def _bounds(
 def _led_by(
     on: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
-    """A mass in a wrong unit first; then a solid that is not known at the peak."""
+    """Return a mass in a wrong unit first; then a solid that is not known at the peak."""
     informed = [prediction_informed(response, on.fit.band)]
     if on.kind.over_base:
         informed.append(base_band_informed(band, response, on.fit.band))
@@ -658,7 +658,7 @@ def _led_by(
 
 
 def _check_temperature_tested(fit: Fit, temperature: float | None) -> tuple[Check, ...]:
-    """Whether a temperature that is asked for was tested."""
+    """Return whether a temperature that is asked for was tested."""
     if temperature is None or fit.temperatures is None:
         return ()
     return (temperature_tested(fit.temperatures, temperature),)

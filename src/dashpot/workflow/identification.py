@@ -38,7 +38,7 @@ from dashpot.workflow.static_equilibrium import StaticEquilibrium, find_static_e
 
 
 class Changes(NamedTuple):
-    """Of the stiffness, relative, and of the loss factor."""
+    """Change of the stiffness, relative, and of the loss factor."""
 
     stiffness_relative: FloatArray
     loss_factor: FloatArray
@@ -46,7 +46,7 @@ class Changes(NamedTuple):
 
 @dataclass(frozen=True)
 class DirectStiffness(Serialisable):
-    """Stiffness and damping of a seal straight from the FRF, each with all its errors."""
+    """Stiffness and damping of a seal from the FRF directly, each with all its errors."""
 
     keys = (
         "frequency_hz=of.frequency", "stiffness=of.storage", "stiffness_sd=of.storage_sd",
@@ -82,7 +82,7 @@ class DirectStiffness(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class Identified(HasVerdict, Serialisable):
-    """What ``dashpot fit`` found.
+    """Result of ``dashpot fit`` on a hammer test.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Identified(HasVerdict, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the fit."""
+        """Verdict on the fit."""
         return verdict(self.checks, headline=self.fit.sound)
 
 

@@ -29,7 +29,7 @@ Preparer: TypeAlias = Callable[[RelaxationTest, ReadOptions], RampHold]
 
 @dataclass(frozen=True)
 class Preparation:
-    """What preparation sees in a relaxation test; SI units, as in a ``RampHold``."""
+    """Preparation of a relaxation test; SI units, as in a ``RampHold``."""
 
     onset: float
     ramp_end: float
@@ -46,7 +46,7 @@ class Preparation:
 
 @dataclass(frozen=True)
 class InspectedFile(Inspection, Serialisable):
-    """An inspection, and the preparation of what is a relaxation test.
+    """Inspection of a file, with the preparation of a relaxation test.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class InspectedFile(Inspection, Serialisable):
 
 @dataclass(frozen=True)
 class Inspections(Serialisable):
-    """What ``dashpot inspect`` found, file by file."""
+    """Result of ``dashpot inspect``, file by file."""
 
     schema = "dashpot/inspection@1"
 
@@ -76,7 +76,7 @@ class Inspections(Serialisable):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """What preparation noticed."""
+        """Checks of the preparation."""
         return tuple(
             check for file in self.files if file.preparation for check in file.preparation.checks
         )
@@ -155,7 +155,7 @@ def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
 
 
 def _with_cautions(inspection: Inspection, record: object) -> Inspection:
-    """The inspection, with what the reader of its kind noticed that can change a number."""
+    """Return the inspection, with what the reader of its kind noticed that can change a number."""
     source = getattr(record, "source", None)
     sources = source if isinstance(source, tuple) else () if source is None else (source,)
     noted = dict.fromkeys(note for source in sources for note in source.cautions)

@@ -32,7 +32,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import FitOptions, SolidOptions
 from dashpot.reading.read_options import ReadOptions
 
-# The main job as a value: which files, read and treated how.
+# Main job.
 
 
 J = TypeVar("J", bound=Any)
@@ -67,7 +67,7 @@ def require_test_for_machine(machine: Machine | None, *, tests: int, add: str) -
 
 @dataclass(frozen=True)
 class HammerChoices:
-    """How hits are found, judged, windowed and averaged.
+    """Options of a hammer test: detection, judgement, windows and averaging of hits.
 
     The fields are the arguments of :func:`~dashpot.vibration.impact.frf_estimation.estimate_frf`,
     and how the mass over a base that moves was measured.
@@ -101,7 +101,7 @@ class HammerChoices:
 
 @dataclass(frozen=True)
 class Cuts:
-    """Where a relaxation test is cut by hand, s on its own clock; found in the record where None.
+    """Manual cuts of a relaxation test, s on its own clock; found in the record where None.
 
     The fields are arguments of :func:`~dashpot.preprocessing.prepare.prepare`.
     """
@@ -170,7 +170,7 @@ class BlockOnSeals:
 
 @dataclass(frozen=True)
 class Job(Serialisable):
-    """Everything that decides the result of ``dashpot report``.
+    """Job of ``dashpot report``: all files and options that decide its result.
 
     Attributes
     ----------
@@ -266,7 +266,7 @@ class Job(Serialisable):
 
 @dataclass(frozen=True)
 class LevelJob:
-    """Everything that decides the result of ``dashpot fit``.
+    """Job of ``dashpot fit`` at several amplitudes: all files and options.
 
     The fields are the arguments of :func:`~dashpot.extensions.amplitude.fit_files.level_files`.
     """
@@ -296,7 +296,7 @@ class LevelJob:
 
 @dataclass(frozen=True)
 class LevelChoices:
-    """How far a part is moved, and the sweep that tells what this does to it."""
+    """Options of levels: amplitudes of a part, and the sweep of its amplitude dependence."""
 
     levels: tuple[str, ...] = option(
         (),
@@ -327,7 +327,7 @@ class LevelChoices:
 
 @dataclass(frozen=True)
 class ModesJob:
-    """Everything that decides the result of ``dashpot fit``.
+    """Job of ``dashpot fit`` on modes: all files and options.
 
     The fields are the arguments of
     :func:`~dashpot.extensions.modes.measured_modes.modes_files`, and of
@@ -351,7 +351,7 @@ def _shape(says: str) -> Any:
 
 @dataclass(frozen=True)
 class PartChoices:
-    """The geometry of a part of a material whose modulus was fitted, or a resonance that tells it.
+    """Options of a part: its geometry, or a resonance that determines it.
 
     One of the shapes, a factor, or a resonance with its mass.
     """
@@ -372,7 +372,7 @@ class PartChoices:
 
 @dataclass(frozen=True)
 class RodChoices:
-    """A rod under a mass as a user says it, and how well its test is known."""
+    """Options of a rod under a mass: its dimensions and the errors of its test."""
 
     disc: str | None = _shape("Diameter and length of a round rod: 20mm,20mm.")
     block: str | None = _shape("Both widths and length of another: 30mm,20mm,10mm.")
@@ -405,7 +405,7 @@ def with_paths(job: J, function: Callable[[str], str]) -> J:
     return replace(job, **changed)
 
 
-# What a user says of tests at several temperatures: one of them alone, or all, shifted to one.
+# Options of tests at several temperatures: one alone, or all, shifted to one.
 
 
 _TYPED_SHIFTS = {value.removesuffix("/T_r"): value for value in get_choice_values(VerticalAsked)}
@@ -414,7 +414,7 @@ _TYPED_SHIFTS = {value.removesuffix("/T_r"): value for value in get_choice_value
 
 @dataclass(frozen=True)
 class ShiftChoices:
-    """How tests at several temperatures are shifted: sweeps, moduli or creep to a master curve.
+    """Options of shifting tests at several temperatures to a master curve.
 
     Of ramps and holds, which find their shifts in one fit, `at` and `shifts` say nothing. `shifts`
     names a file.

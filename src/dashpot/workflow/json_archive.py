@@ -43,7 +43,7 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.measured_frf import ImpactResult
 from dashpot.workflow.study import Study
 
-# What a JSON document says that it should not: keys twice or unknown, texts for numbers, edits.
+# Invalid documents: duplicate or unknown keys, texts for numbers, edits.
 
 
 _NUMERIC = {"k_inf", "k", "tau", "b"}
@@ -112,7 +112,7 @@ def find_unknown_keys(value: Any, reference: Any, where: str = "$") -> str:
 _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 
 
-# The archive: every result as versioned JSON, written and read.
+# Writing and reading of results.
 
 
 _OF_THE_JOB: dict[str, type[Serialisable]] = {
@@ -138,7 +138,7 @@ def schemas() -> dict[str, type[Serialisable]]:
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
-    """What a schema name holds; no kind is loaded for what the main job keeps."""
+    """Return what a schema name holds; no kind is loaded for what the main job keeps."""
     return _OF_THE_JOB.get(name) or find_handler("document", name) or schemas().get(name)
 
 
@@ -153,7 +153,7 @@ def to_json(noun: object, *, indent: int | None = 2) -> str:
 
 
 def to_document(result: object) -> dict[str, Any]:
-    """Return what :func:`to_json` writes, as plain dictionaries, lists, strings and numbers."""
+    """Return the document that :func:`to_json` writes, as plain dictionaries, lists and values."""
     if not isinstance(result, Serialisable) or _find_schema_class(result.schema) is not type(
         result
     ):
@@ -210,7 +210,7 @@ def _because(error: Exception, entries: dict[str, Any]) -> str:
 
 
 def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, Any]]:
-    """What a JSON document is of, and its values."""
+    """Return what a JSON document is of, and its values."""
     import json
 
     try:
@@ -317,7 +317,7 @@ _CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
 
 
 def _model(entries: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a model from its list of arms."""
+    """Return the fields of a model from its list of arms."""
     if "arms" not in entries:
         raise ValueError('a model has no "arms"; that of a spring alone is []')
     rest = {name: entries[name] for name in ("k_inf", "b") if name in entries}
@@ -373,7 +373,7 @@ def _square(error: float | None) -> float:
 
 
 def _elastic(entries: dict[str, Any]) -> dict[str, Any]:
-    """An elastic law, with the shape that a bare one leaves to its tangents."""
+    """Return an elastic law, with the shape that a bare one leaves to its tangents."""
     if "ratio" in entries:
         return entries
     tangent = np.asarray(entries["tangent"], dtype=float)
@@ -382,7 +382,7 @@ def _elastic(entries: dict[str, Any]) -> dict[str, Any]:
 
 
 def _convert_old_depth(entries: dict[str, Any]) -> dict[str, Any]:
-    """The stiffnesses of one depth; an older document holds the standard error of k_inf."""
+    """Return the stiffnesses of one depth; an older document holds the standard error of k_inf."""
     error = entries.get("k_inf_se")
     if error is None:
         return entries
@@ -390,7 +390,7 @@ def _convert_old_depth(entries: dict[str, Any]) -> dict[str, Any]:
 
 
 def _shifts(entries: dict[str, Any]) -> dict[str, Any]:
-    """Shifts whose law has their reference; the bare contract holds the errors alone."""
+    """Return shifts whose law has their reference; the bare contract holds the errors alone."""
     count = 2 * len(entries["shifts"])
     law = {**entries["law"], "reference": entries["reference"]}
     return {"covariance": np.zeros((count, count)).tolist(), **entries, "law": law}
@@ -417,7 +417,7 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
 """Constructors of classes that need more than their keys."""
 
 
-# What a JSON file of dashpot's own holds.
+# Contents of a JSON file of dashpot.
 
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"

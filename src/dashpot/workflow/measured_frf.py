@@ -47,7 +47,7 @@ from dashpot.vibration.systems.frf_prediction import (
 )
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
-# What was measured, whatever was struck or shaken: from files to an FRF that is judged.
+# FRF of files, with checks.
 
 
 _NO_MASS = (
@@ -110,7 +110,7 @@ def measured_frf(
 
 
 def _apply_polarity(frf: FRF, choices: HammerChoices) -> FRF:
-    """The FRF with the sign that the user gives it; refuse what else is of hits.
+    """Return the FRF with the sign that the user gives it; refuse what else is of hits.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def estimate_base_transmissibility(
 
 
 def as_measured(frf: FRF, motion: str) -> FRF:
-    """The same, relative where the user says so of the motion of a mass over a base."""
+    """Return the same, relative where the user says so of the motion of a mass over a base."""
     if motion == "absolute":
         return frf
     if not frf.quantity.over_base:
@@ -262,12 +262,12 @@ def remove_seal_mass(frf: FRF, block: BlockOnSeals) -> FRF:
     return on_light_mounts(frf, mass=mass, coupled=coupled)
 
 
-# What every search for modes gives: a sequence of them, judged with the FRF that shows them.
+# Modes of an FRF, with checks.
 
 
 @dataclass(frozen=True)
 class ImpactMode:
-    """A mode as the document tells it: what a method cannot tell is None."""
+    """Mode as its document holds it; None where a method does not determine a value."""
 
     frequency_hz: float
     damping_ratio: float
@@ -321,12 +321,12 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Of the FRF and of its modes."""
+        """Checks of the FRF and of its modes."""
         return self.frf.checks
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the FRF and its modes."""
+        """Verdict on the FRF and its modes."""
         return verdict(self.frf.checks, headline=self.sound)
 
     @property
@@ -366,12 +366,12 @@ def format_modes_headline(modes: Sequence[Mode]) -> str:
     return f"resonance at {frequency}, damping ratio {ratio}{count}"
 
 
-# From the files of a hammer test to an FRF, to a comparison, and to the solid behind it.
+# Results of the files of a hammer test.
 
 
 @dataclass(frozen=True, repr=False)
 class ImpactResult(Modes):
-    """What hits tell: an FRF that one can trust, and its modes.
+    """FRF of a hammer test, and its modes.
 
     Attributes
     ----------
@@ -463,7 +463,7 @@ def modes_of_hits(
 def find_modes_or_reason(
     frf: FRF, band: tuple[float, float] | None
 ) -> tuple[tuple[Mode, ...], str]:
-    """The modes of an FRF, or why there is none."""
+    """Return the modes of an FRF, or why there is none."""
     try:
         return frf.modes(band=band), ""
     except DataError as error:

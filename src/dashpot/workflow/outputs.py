@@ -18,7 +18,7 @@ _HEAD = 1 << 12
 
 @dataclass(frozen=True)
 class Outputs:
-    """The files a piece of work may write.
+    """Output files of a command.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ def _same(path: Path, other: Path) -> bool:
 
 
 def _head(path: Path) -> bytes:
-    """The part of a file that holds its byline."""
+    """Return the part of a file that holds its byline."""
     with path.open("rb") as file:
         head = file.read(_HEAD)
         return head + file.read() if head.startswith(b"%PDF-") else head

@@ -37,7 +37,7 @@ _UNITS: dict[Quantity, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Answer:
-    """One number with the ends between which it lies.
+    """Value with its interval.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Answer:
 
     @property
     def fact(self) -> ReportedValue:
-        """As a table has it."""
+        """Reported value, as a table shows it."""
         unit, read = _UNITS[self.quantity]
         return ReportedValue(self.quantity, self.value, self.low, self.high, unit, read=read)
 
@@ -81,7 +81,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """What to take from a study.
+    """Recommendation of a study.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class _Resonance(NamedTuple):
 
 
 def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resonance | None]:
-    """Where the mass rests; and its resonance, if any."""
+    """Return where the mass rests; and its resonance, if any."""
     mass = _mass(study, solid)
     if mass is None:
         return None, None
@@ -157,12 +157,12 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
 
 
 def _mass(study: Study, solid: Fit) -> float | None:
-    """What vibrates on the solid: the joint fit has settled on a mass of its own."""
+    """Return what vibrates on the solid: the joint fit has settled on a mass of its own."""
     return None if study.mass is None else solid.mass_found or study.mass
 
 
 def _peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
-    """Where the accelerance peaks, Hz, and how high, 1/kg: what a hammer shows.
+    """Return where the accelerance peaks, Hz, and how high, 1/kg: what a hammer shows.
 
     Where it does not peak it is the pole's own frequency, and no height.
     """
@@ -177,7 +177,7 @@ def _peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
 def _bounds(
     study: Study, solid: Fit, at: float, *, joint: bool
 ) -> tuple[StiffnessBounds | None, bool]:
-    """The limits that hold at a frequency, and whether they are over unresolved arms."""
+    """Return the limits that hold at a frequency, and whether they are over unresolved arms."""
     wide = study.unseen
     if not joint and wide is not None and wide.frequency[0] <= at <= wide.frequency[-1]:
         return wide, True
@@ -189,7 +189,7 @@ def _bounds(
 def _evaluate_answer(
     solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, bound: bool
 ) -> Answer:
-    """Stiffness or loss factor at a frequency, Hz; the ends hold the value itself."""
+    """Return stiffness or loss factor at a frequency, Hz; the ends hold the value itself."""
     value = float(getattr(solid.solid, name)(frequency=at))
     quantity: Quantity = "dynamic stiffness" if name == "storage" else "loss factor"
     if bounds is None:
@@ -254,7 +254,7 @@ def _holding(ends: tuple[float, float], value: float) -> list[float]:
 
 
 def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
-    """The stiffness that the relaxation test knows best."""
+    """Return the stiffness that the relaxation test knows best."""
     end = solid.end_of_hold or study.fit.end_of_hold
     if end is None:
         return ()

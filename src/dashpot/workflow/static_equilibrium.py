@@ -29,7 +29,7 @@ from dashpot.vibration.systems.frf_prediction import (
 )
 from dashpot.workflow.checks import families_predict_alike
 
-# Where a mass rests on the fitted seals: what secant and tangent make of its peak, and limits.
+# Static equilibrium, with peaks by secant and tangent stiffness, and limits.
 
 
 # lines of the limits over a band
@@ -40,7 +40,7 @@ SOFTEST = 0.05
 
 @dataclass(frozen=True)
 class StiffnessAt:
-    """One stiffness of a seal, and the frequency of the mass on it.
+    """Stiffness of a seal, and the frequency of the mass on it.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class StiffnessAt:
 
 
 class EquilibriumSummary(NamedTuple):
-    """Compression and depth tested, m; whether its law is extrapolated; both stiffnesses."""
+    """Compression and tested depth, m; whether the law is extrapolated; both stiffnesses."""
 
     compression: float | None
     depth: float | None
@@ -68,7 +68,7 @@ class EquilibriumSummary(NamedTuple):
 
 @dataclass(frozen=True)
 class StaticEquilibrium:
-    """Where a mass rests, and both linear solids that could be meant.
+    """Static equilibrium of a mass, with the solids of secant and tangent stiffness.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def frf_limits(
     temperature: float | None = None,
     kind: Kind = Kind.ACCELERANCE,
 ) -> FRFBounds:
-    r"""Limits of the response by both kinds of ignorance, where the mass rests.
+    r"""Return limits of the response by both kinds of ignorance, where the mass rests.
 
     A solid that is s times as stiff and a times as slow answers at :math:`\omega` as the fit at
     :math:`a\omega` under a mass :math:`m/(a^2 s)`, an accelerance times :math:`1/(a^2 s)`. The
@@ -208,7 +208,7 @@ def frf_limits(
 
 
 def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
-    """Limits on an axis so many times as long, so many times as high."""
+    """Return limits on an axis so many times as long, so many times as high."""
 
     def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
         return None if ends is None else (scale * ends[0], scale * ends[1])
@@ -225,7 +225,7 @@ def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
 
 
 def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: FloatArray) -> FRFBounds:
-    """What holds every one of some limits, and the solid's own magnitude."""
+    """Return what holds every one of some limits, and the solid's own magnitude."""
     low = np.min([values, *(bound.unseen[0] for bound in bounds)], axis=0)
     high = np.max([values, *(bound.unseen[1] for bound in bounds)], axis=0)
 
@@ -282,7 +282,7 @@ def formal_limits(
 
 
 def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> FloatArray:
-    r"""Lowest and highest limit over the interval of a doubtful tangent, shape (2, n).
+    r"""Return lowest and highest limit over the interval of a doubtful tangent, shape (2, n).
 
     A stiffness that hardly changes over a few per cent of frequency, times s, answers at f as the
     old one at :math:`f/\sqrt s`.
@@ -304,11 +304,11 @@ def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> F
     return np.array([low, high])
 
 
-# From a fit to the FRF of a mass on it, with its peak, its modes and its limits.
+# Predicted FRF of a mass, with peak, modes and limits.
 
 
 class RivalModes(NamedTuple):
-    """Another family of solids that explains the test, and the modes of the mass on it."""
+    """Alternative family of solids that explains the test, with the modes of the mass on it."""
 
     family: Family
     modes: tuple[Mode, ...]

@@ -56,7 +56,7 @@ from dashpot.workflow.static_equilibrium import (
     rival_of,
 )
 
-# A logo for the head of a report: an image file as a link that holds it.
+# Logo of a report, as a data link.
 
 
 LARGEST_LOGO = 100_000
@@ -104,7 +104,7 @@ BAND_LINES, PEAK_LINES = 61, 121
 
 @dataclass(frozen=True, repr=False)
 class Study(Plottable, Serialisable):
-    """Everything the main job found, as values: what the report shows.
+    """Study: all results of the main job as values, which the report shows.
 
     Attributes
     ----------
@@ -222,7 +222,7 @@ class Study(Plottable, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the study's solid: the joint fit's where there is one, else the fit's.
+        """Verdict on the study's solid: the joint fit's where there is one, else the fit's.
 
         A prediction from the relaxation test alone that misses the hammer is no fault of the
         joint fit, which is made to mend it.
@@ -272,7 +272,7 @@ def characterise(
     joint: bool = True,
     impact_temperature: Quantity | None = None,
 ) -> Study:
-    """The main job: prepare, fit, predict, compare, and mend with a joint fit.
+    """Return the main job: prepare, fit, predict, compare, and mend with a joint fit.
 
     Parameters
     ----------
@@ -401,7 +401,7 @@ class _MassResponse(NamedTuple):
 
     @property
     def compression(self) -> float | None:
-        """Of the seals under the mass, m."""
+        """Compression of the seals under the mass, m."""
         return None if self.at_rest is None else self.at_rest.point.compression
 
 
@@ -435,14 +435,14 @@ def _predict_mass_response(
 
 
 def _get_fixed_order_fit(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
-    """The fit with so many arms, which is drawn, not judged."""
+    """Return the fit with so many arms, which is drawn, not judged."""
     if chosen.family == "maxwell" and chosen.model.arms == arms:
         return chosen
     return fit_fixed_order(prepared, arms)
 
 
 def find_reference_test(chosen: Fit, tests: Sequence[RampHold]) -> int:
-    """Which test is of the temperature of the fit's solid; the first if all are of one."""
+    """Return which test is of the temperature of the fit's solid; the first if all are of one."""
     if chosen.temperatures is None:
         return 0
     reference = chosen.temperatures.reference

@@ -16,7 +16,7 @@ from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.unit_systems import text
 from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
 
-# How temperature moves a solid, in the words and the cards of solvers.
+# Temperature dependence.
 
 
 def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
@@ -157,7 +157,7 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
 
 
 def slider_remarks(deck: Deck) -> list[str]:
-    """What the header says of the two nodes and the blocks."""
+    """Return the remarks of the header on the two nodes and the blocks."""
     if not deck.beside.sliders:
         return deck.beside.node_spacing_remarks
     return [

@@ -248,7 +248,7 @@ def _tabled1(number: int, x: Iterable[float], y: Iterable[float]) -> list[str]:
 
 
 def _card(name: str, fields: Sequence[float | str]) -> list[str]:
-    """A large-field card: four fields of 16 columns a line, an even number of lines."""
+    """Return a large-field card: four fields of 16 columns a line, an even number of lines."""
     words = [_large(value) if isinstance(value, float) else str(value) for value in fields]
     rows = [words[i : i + 4] for i in range(0, len(words), 4)]
     rows += [[]] * (len(rows) % 2)

@@ -28,7 +28,7 @@ _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 
 def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
-    """The columns beside the time, where that stands, and its unit, s."""
+    """Return the columns beside the time, where that stands, and its unit, s."""
     named = [_NAMED.fullmatch(" ".join(column.split())) for column in columns]
     words = [(match[1].strip(), match[2].strip()) for match in filter(None, named)]
     if not words or None in named:
@@ -124,7 +124,7 @@ class Lines:
         return tuple(names)
 
     def _row(self, line: bytes) -> list[float] | None:
-        """The numbers of a line; None if it is empty or garbled."""
+        """Return the numbers of a line; None if it is empty or garbled."""
         if not line:
             return None
         body, star, sent = line.partition(b"*")
@@ -141,7 +141,7 @@ class Lines:
         return None
 
     def _assign_arrival_times(self, rows: list[list[float]]) -> list[tuple[float, list[float]]]:
-        """Rows that came together with times between the last look and now."""
+        """Return rows that came together with times between the last look and now."""
         now, last = self._clock(), self._last
         if not rows:
             return []
@@ -154,7 +154,7 @@ class Lines:
     def _extract_device_times(
         self, rows: list[list[float]], at: int
     ) -> list[tuple[float, list[float]]]:
-        """Rows with the device's own times, as far as those rise.
+        """Return rows with the device's own times, as far as those rise.
 
         A time far ahead of the one before is a gap if the next one follows it; if the next one
         falls back behind it, it was garbled. Until then it is held.
@@ -177,7 +177,7 @@ class Lines:
         return retained
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
-        """A sample that is kept; its step is put in the account."""
+        """Return a sample that is kept; its step is put in the account."""
         step, usual = sample[0] - self._last, self._get_usual_step()
         self._last, self._falls = sample[0], 0
         if math.isinf(step):

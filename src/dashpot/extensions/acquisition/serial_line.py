@@ -65,7 +65,7 @@ class SerialLine:
         self._over = True
 
     def _read(self) -> bytes | None:
-        """What has come; None at the end of the line."""
+        """Return what has come; None at the end of the line."""
         try:
             return os.read(self._handle, 1 << 16) or None
         except BlockingIOError:
@@ -75,7 +75,7 @@ class SerialLine:
 
 
 def _open_serial_line(port: str, baud: int) -> int:
-    """The handle of a serial line, raw, 8 bits, at a speed."""
+    """Return the handle of a serial line, raw, 8 bits, at a speed."""
     try:
         import termios
         import tty

@@ -224,7 +224,7 @@ class _LawOnSweep:
         return np.asarray(self.sweep.frequency[:, None] == self.tones)
 
     def columns(self, p: FloatArray) -> ComplexArray:
-        """What the linear coefficients multiply: levels per tone, then d, then k3."""
+        """Return what the linear coefficients multiply: levels per tone, then d, then k3."""
         X, size = self.sweep.amplitude, self.size
         shape = np.ones(len(X), dtype=complex)
         if self.factor:
@@ -242,7 +242,7 @@ class _LawOnSweep:
         return -_join_complex_parts(best.residual)
 
     def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
-        """What a term of X^4 gains in deviance, and k3 beside it."""
+        """Return what a term of X^4 gains in deviance, and k3 beside it."""
         X, n = self.sweep.amplitude, len(best.residual)
         more = stack_real_rows((X / X.max()) ** 4 / self.size)
         wider = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
@@ -265,7 +265,7 @@ class _LawOnSweep:
         return float(k[-2] - k[-1]) / most**2
 
     def numbers(self, values: FloatArray) -> dict[str, float]:
-        """What the law is, by name, of everything that was sought."""
+        """Return what the law is, by name, of everything that was sought."""
         theta, coefficients = np.split(values, [len(self.least_squares_problem.parameters)])
         entries = {}
         if self.kraus:
@@ -277,7 +277,7 @@ class _LawOnSweep:
         return {name: float(entry) for name, entry in entries.items()}
 
     def rises(self, residual: ComplexArray) -> bool:
-        """Whether the storage rises at the end, where a spring stands beside Kraus's law.
+        """Return whether the storage rises at the end, where a spring stands beside Kraus's law.
 
         A spring that only bends how the storage falls is but another way to soften.
         """

@@ -38,7 +38,7 @@ from dashpot.vibration.systems.frf_prediction import on_heavy_mounts
 from dashpot.workflow.frf_prediction import _PART_SHAPES, parse_part_shape
 from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
 
-# What part of a material a mass rests on: its geometry, from what a user says of it.
+# Geometry of the part under a mass.
 
 
 def height_of(part: PartChoices) -> float | None:
@@ -185,7 +185,7 @@ class SweptPart(Serialisable):
         return tuple(law.law for law in self.laws)
 
     def stretch(self, factor: float) -> float:
-        """Displacement of the part, m, for each of the sweep's amplitude."""
+        """Return displacement of the part, m, for each of the sweep's amplitude."""
         return 1.0 if self.height is None else self.height / factor
 
     def frf(
@@ -358,7 +358,7 @@ class SweptPart(Serialisable):
         return float(np.ptp(changes)), float(np.ptp(lossy))
 
     def check_level_coverage(self, resonances: Sequence[LevelResonance]) -> tuple[Check, ...]:
-        """Whether the sweep goes as far as the part is moved at each level."""
+        """Return whether the sweep goes as far as the part is moved at each level."""
         return tuple(
             level_covered(
                 resonance.amplitude / self.stretch(self.factors[0]),
@@ -376,7 +376,7 @@ def unit_of(kind: Kind) -> str:
 
 
 def level_of(word: str, kind: Kind) -> float:
-    """A level as it was typed, N or m/s^2."""
+    """Return a level as it was typed, N or m/s^2."""
     of: Dimension = "acceleration" if kind.over_base else "force"
     value = convert_to_si(word, of)
     if not value > 0:
@@ -391,7 +391,7 @@ def swept_part(
     part: PartChoices | None = None,
     options: ReadOptions | None = None,
 ) -> SweptPart | None:
-    """What the user's sweep says of the parts; None where none is given.
+    """Return what the user's sweep says of the parts; None where none is given.
 
     Parameters
     ----------
@@ -461,7 +461,7 @@ def amplitude_file(
     options: ReadOptions | None = None,
     machine: Machine | None = None,
 ) -> tuple[AmplitudeFit, AmplitudeSweep, AmplitudeSweep | RelaxationTest]:
-    """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
+    """Return the law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
 
     `kind` is what the file was taken for, `law` ``"auto"`` or one of
     ``kinds.level.laws.LAWS``.

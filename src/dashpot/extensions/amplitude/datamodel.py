@@ -129,7 +129,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
         return np.asarray(self.storage + 1j * self.loss, dtype=complex)
 
     def only(self, chosen: BoolArray) -> AmplitudeSweep:
-        """The chosen samples."""
+        """Return the chosen samples."""
         names = ("frequency", "amplitude", "storage", "loss", "sd")
         entries = {name: getattr(self, name) for name in names}
         return replace(
@@ -331,11 +331,11 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return tuple(lines)
 
     def stiffness(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
-        """Complex stiffness, in `unit`, at amplitudes, at one of the frequencies."""
+        """Return complex stiffness, in `unit`, at amplitudes, at one of the frequencies."""
         return np.asarray(self.linear[tone] * self.ratio(amplitude, tone=tone))
 
     def ratio(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
-        """Complex stiffness at amplitudes over that at a vanishing one, at one frequency."""
+        """Return complex stiffness at amplitudes over that at a vanishing one, at one frequency."""
         X = np.asarray(amplitude, dtype=float)
         linear, kraus = complex(self.linear[tone]), self.law.partition("+")[0]
         weights = np.ones(X.shape, dtype=complex)
@@ -349,7 +349,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def beside(
         self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0, since: float = 0.0
     ) -> AmplitudeDependent | None:
-        """What amplitude changes of a solid that knows of none; None where none matters.
+        """Return what amplitude changes of a solid that knows of none; None where none matters.
 
         Parameters
         ----------
@@ -376,7 +376,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return Cubic(self.k3 * scale / stretch**2)
 
     def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
-        """The additive law as an element beside a solid.
+        """Return the additive law as an element beside a solid.
 
         Parameters
         ----------

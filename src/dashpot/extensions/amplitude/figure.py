@@ -147,7 +147,7 @@ def _draw_loop_panels(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[P
 def amplitude_sweep(
     sweep: AmplitudeSweep, fit: AmplitudeFit | None = None, *, stamp: str = ""
 ) -> Picture:
-    """Storage and loss over amplitude, one colour a frequency, with the law that was fitted.
+    """Return storage and loss over amplitude, one colour a frequency, with the law that was fitted.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
 
 
 def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
-    """Frequency and damping of every hit over the motion that it made, with their lines.
+    """Return frequency and damping of every hit over the motion that it made, with their lines.
 
     Shaded is the 95 % interval of the line, dashed what no hit tested.
 
@@ -231,7 +231,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
 
 
 def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
-    """A cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
+    """Return a cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
     hysteresis_loops: list[HysteresisLoop] = []
     for cycle in sorted(cycles, key=lambda loop: loop.amplitude):
         if not hysteresis_loops or cycle.amplitude > 1.1 * hysteresis_loops[-1].amplitude:
@@ -245,7 +245,7 @@ def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisL
 
 
 def _ellipse(loop: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
-    """The loop of the fitted stiffness, m and N."""
+    """Return the loop of the fitted stiffness, m and N."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     tone = int(np.abs(fit.frequency - loop.frequency).argmin())
     K = complex(fit.stiffness(loop.amplitude, tone=tone))
@@ -257,7 +257,7 @@ def _close_curve(values: FloatArray) -> FloatArray:
 
 
 def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
-    """Storage and loss, one colour a frequency; the law dashed where it was not measured."""
+    """Return storage and loss, one colour a frequency; the law dashed where it was not measured."""
     of, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
         of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
@@ -334,7 +334,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
 
 
 def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
-    r"""Where the motion is a quarter turn behind the force, Hz, and how large it is there.
+    r"""Return where the motion is a quarter turn behind the force, Hz, and how large it is there.
 
     .. math:: m\omega^2 = n K'(\omega, X), \qquad H = \frac{1}{j n K''(\omega, X)}
     """
@@ -357,7 +357,7 @@ def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
 
 
 def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
-    """Storage and loss of one seal over its amplitude, at the middle of the band."""
+    """Return storage and loss of one seal over its amplitude, at the middle of the band."""
     middle = np.pi * (fit.band[0] + fit.band[1])
     rows = [
         rows_at_level(frf, level, fit.mass, fit.seals, fit.band)
@@ -412,7 +412,7 @@ def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
 def _means(
     X: FloatArray, K: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Means over near amplitudes, weighted, and their standard errors (of each part)."""
+    """Return means over near amplitudes, weighted, and their standard errors (of each part)."""
     bins = np.floor(_BINS * np.log10(X / X.min())).astype(int)
     where = np.unique(bins, return_inverse=True)[1]
     w = weight**2

@@ -319,7 +319,7 @@ def frfs_at_levels(
 
 
 def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
-    """The largest motion of the mass at a level, and what the draws say of it."""
+    """Return the largest motion of the mass at a level, and what the draws say of it."""
 
     def find_largest_motion(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
         hz, X = resonance_at_level(level_fit, level, of=(solid, elements))

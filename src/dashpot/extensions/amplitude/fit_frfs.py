@@ -166,7 +166,7 @@ def _name(frf: FRF, number: int) -> str:
 def _draws(
     problem: _LineData, K: ComplexArray, best: _TermsOptimum, seed: int
 ) -> tuple[Parts, ...]:
-    """The same fit of records that chance might have given."""
+    """Return the same fit of records that chance might have given."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)
@@ -291,7 +291,7 @@ class _LineData:
 
 
 def _level(frf: FRF, level: Quantity) -> float:
-    """Amplitude of the force, N, or of the ground's acceleration, m/s^2."""
+    """Return amplitude of the force, N, or of the ground's acceleration, m/s^2."""
     size = convert_to_si(level, "acceleration" if frf.quantity.over_base else "force")
     if not size > 0:
         raise DataError(f"level = {level!r}; expected an amplitude > 0")
@@ -301,7 +301,7 @@ def _level(frf: FRF, level: Quantity) -> float:
 def rows_at_level(
     frf: FRF, level: float, mass: float, seals: float, band: tuple[float, float] | None = None
 ) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
-    """Frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines.
+    """Return frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines.
 
     Raises
     ------
@@ -323,7 +323,7 @@ def rows_at_level(
 
 
 def _knowledge(lines: FRF) -> FloatArray:
-    """How well lines are known beside most, by the error that the FRF states: at most 1."""
+    """Return how well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
     relative = np.maximum(lines.line_scatter / np.abs(lines.value), FLOOR)
@@ -331,7 +331,7 @@ def _knowledge(lines: FRF) -> FloatArray:
 
 
 def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
-    """Relative scatter of F/X from line to line: what no smooth stiffness follows.
+    """Return relative scatter of F/X from line to line: what no smooth stiffness follows.
 
     By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an
     FRF need not state its error; of neighbours, as lines beside a resonance are often worse known

@@ -33,7 +33,7 @@ _LAPS, _CLOSED = 200, 1e-8
 
 
 def with_friction(system: System) -> list[int]:
-    """Which mounts have friction.
+    """Return which mounts have friction.
 
     Raises
     ------
@@ -87,7 +87,7 @@ class LinearSubsystem:
         return np.asarray(self.E @ self.linear.receptance(1j * omega) @ self.E.T)
 
     def line(self, omega: float, level: float) -> BalanceEquation:
-        """The problem of one frequency and level."""
+        """Return the problem of one frequency and level."""
         R = self.linear.receptance(1j * omega)
         if self.push is not None:
             drive, change = self.push.astype(complex), np.zeros(len(self.E))
@@ -123,7 +123,7 @@ class BalanceEquation:
         return np.array(forces)
 
     def solve_from_previous(self, before: ComplexArray | None) -> ComplexArray:
-        """The stable answer next to that of the line before; the smallest to begin with."""
+        """Return the stable answer next to that of the line before; the smallest to begin with."""
         if len(self.stretch) > 1:
             return self._newton(before)
         answers = [answer for answer in self.all_answers() if self.is_stable(answer)]
@@ -132,7 +132,7 @@ class BalanceEquation:
         return min(answers, key=lambda e: abs(np.log(max(abs(e[0]), 1e-300) / abs(before[0]))))
 
     def all_answers(self) -> list[ComplexArray]:
-        """Every stretch, the smallest first: |1 + C N(X)| X = |e_0| for the one mount."""
+        """Return every stretch, the smallest first: |1 + C N(X)| X = |e_0| for the one mount."""
         from scipy.optimize import brentq  # costs an import that few need
 
         C, e0 = complex(self.compliance[0, 0]), complex(self.stretch[0])
@@ -154,7 +154,7 @@ class BalanceEquation:
         return [np.array([e0 / (1 + C * complex(part.equivalent(self.omega, X)))]) for X in values]
 
     def is_stable(self, e: ComplexArray) -> bool:
-        """Whether more force gives more motion at this frequency (one mount)."""
+        """Return whether more force gives more motion at this frequency (one mount)."""
         if len(e) > 1 or not e.any():
             return True
         N, slope = with_slope(self.friction[0], np.asarray(self.omega), np.abs(e))
@@ -175,7 +175,7 @@ class BalanceEquation:
         )
 
     def _stuck(self) -> ComplexArray:
-        """The stretches before anything slips."""
+        """Return the stretches before anything slips."""
         tiny = max(float(np.abs(self.stretch).max()), 1e-300) * 1e-6
         N = np.array([complex(part.equivalent(self.omega, tiny)) for part in self.friction])
         return np.asarray(np.linalg.solve(np.eye(len(N)) + self.compliance * N, self.stretch))
@@ -221,7 +221,7 @@ class AlternatingFrequencyTime:
         return np.asarray((harmonics.T @ self.turn).real)
 
     def harmonics_of(self, path: FloatArray) -> ComplexArray:
-        """The way back."""
+        """Return the way back."""
         return np.asarray(self.back @ path.T)
 
 
@@ -295,7 +295,7 @@ def several_harmonics(
 
 
 def _steady(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:
-    """Force over a cycle once the loop has closed, N, shape (samples,)."""
+    """Return force over a cycle once the loop has closed, N, shape (samples,)."""
     state, last = part.start(), np.full(len(path), np.inf)
     for _ in range(_LAPS):
         force = np.empty(len(path))

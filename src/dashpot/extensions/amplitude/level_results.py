@@ -191,7 +191,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def stiffness(
         self, *bare: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
     ) -> ComplexArray:
-        """Complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
+        """Return complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
         at = angular(*bare, frequency=frequency, omega=omega)
         return InParallel((self.solid, *self.beside)).equivalent(at, amplitude)
 
@@ -247,7 +247,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     def covers(self, amplitude: npt.ArrayLike) -> BoolArray:
-        """Whether amplitudes, m, lie in the range that the lines inform."""
+        """Return whether amplitudes, m, lie in the range that the lines inform."""
         low, high = self.amplitudes
         X = np.asarray(amplitude)
         return np.asarray((low <= X) & (high >= X))

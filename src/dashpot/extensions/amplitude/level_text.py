@@ -17,7 +17,7 @@ def prediction(level_prediction: LevelPrediction) -> Text:
 
 
 def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
-    """The resonance at each level, and what the first and the last make of it."""
+    """Return the resonance at each level, and what the first and the last make of it."""
     if level_prediction.preloaded:
         return _on_bending_seals(level_prediction.preloaded, level_prediction.frf.read)
     assert level_prediction.swept is not None  # noqa: S101
@@ -108,7 +108,7 @@ def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:
 
 
 def _format_interval_row(level: PreloadedLevel, least: float) -> list[str]:
-    """The row of 95 % intervals under a level's, as far as they are known."""
+    """Return the row of 95 % intervals under a level's, as far as they are known."""
     hz, height, shift, *harmonics = level.facts
     cells = ["  95 %"]
     for fact in (hz, height, *harmonics, shift):

@@ -41,7 +41,7 @@ _FINEST = 1e-6
 
 
 def page(levels: Levels) -> KindPage:
-    """What the page of levels holds."""
+    """Return what the page of levels holds."""
     fit = levels.fit
     stiff = {"level_matters", "softening_seen", "law_followed", "levels_followed", "spring_unseen"}
     loss = {"loss_followed"}
@@ -114,7 +114,7 @@ def fit_job(job: LevelJob) -> tuple[Levels, JobPage]:
 
 
 def numbers(levels: Levels) -> list[ReportedValue]:
-    """What moves with amplitude, and the resonance at every level that was asked for."""
+    """Return what moves with amplitude, and the resonance at every level that was asked for."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         return [*_make_law_facts(fit)]
@@ -123,7 +123,7 @@ def numbers(levels: Levels) -> list[ReportedValue]:
 
 
 def format_residual_note(levels: Levels) -> str:
-    """What the fit leaves, and where nothing is known of it."""
+    """Return what the fit leaves, and where nothing is known of it."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         word, scale = _amplitude(fit)
@@ -188,7 +188,7 @@ def _make_hit_facts(fit: HitLevels) -> Iterator[ReportedValue]:
 
 
 def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
-    """The word and the factor in which an amplitude is read."""
+    """Return the word and the factor in which an amplitude is read."""
     if fit.of == "strain":
         return "%", 100.0
     return unit_of(np.array(fit.amplitudes), "m")
@@ -197,7 +197,7 @@ def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
 def _make_fact(
     name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
 ) -> ReportedValue:
-    """A number with its error; `size` is what it is a part of."""
+    """Return a number with its error; `size` is what it is a part of."""
     error = max(error, _FINEST * max(abs(value), size))
     return ReportedValue.known(name, value, error, unit=unit, read=read)
 

@@ -87,5 +87,5 @@ class Softening(AmplitudeDependent):
 def softening_factor(
     amplitude: npt.ArrayLike, share: float, half_way: float, exponent: float = 0.5
 ) -> ComplexArray:
-    """Complex stiffness over that of a vanishing amplitude: phi of :class:`Softening`."""
+    """Return complex stiffness over that of a vanishing amplitude: phi of :class:`Softening`."""
     return np.asarray(1 - share * (1 - Kraus(1.0, half_way, exponent).stiffness(amplitude)))

@@ -54,7 +54,7 @@ class PolynomialLaw:
         return np.asarray(place ** (powers - 1) @ (powers * self.coefficients))
 
     def rests(self, force: float) -> tuple[float, ...]:
-        """Every compression under a relaxed force, N, the least first.
+        """Return every compression under a relaxed force, N, the least first.
 
         Raises
         ------

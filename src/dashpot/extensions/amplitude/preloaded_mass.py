@@ -223,7 +223,7 @@ class PreloadedMass:
         return self._rests[0]
 
     def shaken(self, *, level: Quantity, frequency: Quantity) -> Orbit:
-        """The steady answer to a harmonic force, in as many harmonics as it takes.
+        """Return the steady answer to a harmonic force, in as many harmonics as it takes.
 
         Parameters
         ----------
@@ -298,7 +298,7 @@ class PreloadedMass:
         )
 
     def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
-        """Where a sweep leaves one answer that lasts for another.
+        """Return where a sweep leaves one answer that lasts for another.
 
         Beyond the jump both last, so that a sweep the other way meets the other one.
         """
@@ -358,7 +358,7 @@ class PreloadedMass:
         return np.array([-evaluate_balance(other, here) / by_frequency for other in others])
 
     def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
-        """The answer at a frequency to which that at another leads."""
+        """Return the answer at a frequency to which that at another leads."""
         line = _PressedBalance(self, hz, level, len(orbit.harmonics) - 1)
         state = line.from_start(line.real(orbit.harmonics))
         return None if state is None else line.orbit(state)
@@ -384,7 +384,7 @@ def _transforms(most: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
 
 @lru_cache(maxsize=8)
 def _gauss_points(most: int) -> tuple[float, FloatArray, ComplexArray]:
-    """The step of phase, two points in each, shape (steps, 2), and the harmonics there."""
+    """Return the step of phase, two points in each, shape (steps, 2), and the harmonics there."""
     width = 2 * np.pi / _FLOQUET_STEPS
     first = np.arange(_FLOQUET_STEPS)[:, None] + 0.5
     phase = width * (first + np.array([-1, 1]) / np.sqrt(12))
@@ -414,16 +414,16 @@ class _PressedBalance:
         return np.asarray(z[: self.most + 1] + 1j * np.append(0.0, z[self.most + 1 :]))
 
     def extend_harmonics(self, z: FloatArray, most: int) -> FloatArray:
-        """The unknowns with more harmonics, of 0."""
+        """Return the unknowns with more harmonics, of 0."""
         more = np.zeros(most - self.most)
         return np.concatenate((z[: self.most + 1], more, z[self.most + 1 :], more))
 
     def real(self, value: ComplexArray) -> FloatArray:
-        """The real unknowns, of complex ones."""
+        """Return the real unknowns, of complex ones."""
         return np.concatenate((value.real, value.imag[1:]))
 
     def _apply_arms(self, path: FloatArray) -> FloatArray:
-        """A relaxed force over a cycle with the arms, samples first."""
+        """Return a relaxed force over a cycle with the arms, samples first."""
         shape = (-1,) + (1,) * (path.ndim - 1)
         value = np.fft.rfft(path, axis=0) * self.arms.reshape(shape)
         return np.asarray(np.fft.irfft(value, self.samples, axis=0))
@@ -434,7 +434,7 @@ class _PressedBalance:
         return x, self._apply_arms(self.of.law.force(np.maximum(x, 0.0)))
 
     def balance(self, z: FloatArray, share: float) -> FloatArray:
-        """What is left of the forces, N, at a share of the level."""
+        """Return what is left of the forces, N, at a share of the level."""
         force = np.maximum(self.pressing(z)[1], 0.0)
         residual = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
         residual[0] -= self.of.pressed
@@ -460,7 +460,7 @@ class _PressedBalance:
         return z
 
     def from_start(self, z: FloatArray) -> BalancedState | None:
-        """The answer near some unknowns."""
+        """Return the answer near some unknowns."""
         values = newton(
             lambda z: self.balance(z, 1.0),
             lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
@@ -475,7 +475,7 @@ class _PressedBalance:
         return BalancedState(z, glued > 0, x)
 
     def solve_by_continuation(self) -> BalancedState:
-        """The answer that rest becomes as the level rises: by arc length, past every fold.
+        """Return the answer that rest becomes as the level rises: by arc length, past every fold.
 
         Raises
         ------
@@ -539,7 +539,7 @@ class _PressedBalance:
         *,
         last: bool,
     ) -> FloatArray | None:
-        """The answer a step along the curve, at the whole level if it is the last."""
+        """Return the answer a step along the curve, at the whole level if it is the last."""
         n = len(z)
         ahead = np.append(z, done) + length * tangent
         across = tangent / scale**2
@@ -588,7 +588,7 @@ class _PressedBalance:
         )
 
     def _multiplier(self, z: FloatArray) -> complex:
-        r"""The largest Floquet multiplier.
+        r"""Return the largest Floquet multiplier.
 
         Of place, speed and what each arm remembers, :math:`\tau \dot y = F_e(x) - y`, by Magnus
         steps of fourth order, each a Padé fraction that damps however fast an arm is.
@@ -627,7 +627,7 @@ class _PressedBalance:
 
 
 def find_largest_orbit(orbits: Sequence[Orbit], harmonic: int = 1) -> Orbit:
-    """The orbit of a sweep that lasts and has the most of a harmonic."""
+    """Return the orbit of a sweep that lasts and has the most of a harmonic."""
     return max(
         (orbit for orbit in orbits if orbit.stable), key=lambda orbit: orbit.amplitudes[harmonic]
     )

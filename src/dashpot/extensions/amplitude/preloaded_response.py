@@ -190,7 +190,7 @@ def preloaded_levels(
     about: float,
     frequency: FloatArray,
 ) -> tuple[PreloadedLevel, ...]:
-    """The resonance of a mass on seals at each level.
+    """Return the resonance of a mass on seals at each level.
 
     Parameters
     ----------
@@ -261,7 +261,7 @@ class _AtLevels:
     kind: Kind
 
     def at(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
-        """The resonance at a level, N or m/s^2."""
+        """Return the resonance at a level, N or m/s^2."""
         force = self.load.mass * level if self.kind.over_base else level
         if force >= self.here.pressed:
             raise DataError(
@@ -304,7 +304,7 @@ class _AtLevels:
         )
 
     def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
-        """The responses that last between two, and which of them is the largest."""
+        """Return the responses that last between two, and which of them is the largest."""
         close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
         about_top = self.here.sweep(level=force, frequency=close, start=start)
         run = [start, *(orbit for orbit in about_top if orbit.stable), last]
@@ -432,7 +432,7 @@ def _norm(change: FloatArray) -> float:
 
 
 def _compute_interval(value: float, change: FloatArray) -> Ends:
-    """The 95 % interval of a value that independent errors move by so much each."""
+    """Return the 95 % interval of a value that independent errors move by so much each."""
     half = NORMAL * _norm(change)
     return value - half, value + half
 

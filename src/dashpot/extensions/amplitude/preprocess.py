@@ -161,7 +161,7 @@ def _rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
 
 
 def _tones(frequency: FloatArray) -> FloatArray:
-    """The frequency that each cycle was asked to have: neighbours share their median."""
+    """Return the frequency that each cycle was asked to have: neighbours share their median."""
     order = np.argsort(frequency)
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
     values = np.empty_like(frequency)
@@ -171,7 +171,7 @@ def _tones(frequency: FloatArray) -> FloatArray:
 
 
 def _means(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray:
-    """Mean of each signal over each cycle, shape (signals, cycles)."""
+    """Return mean of each signal over each cycle, shape (signals, cycles)."""
     steps = np.diff(t) * (signals[:, 1:] + signals[:, :-1]) / 2
     total = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
     whole = np.array([np.interp(starts, t, item) for item in total])

@@ -75,7 +75,7 @@ def read_amplitude(
 
 
 def _tones(frequency: FloatArray) -> FloatArray:
-    """The frequencies, each the median of those that an instrument meant to be the same."""
+    """Return the frequencies, each the median of those that an instrument meant to be the same."""
     if not np.all(frequency > 0):
         return frequency
     tone = groups(np.log10(frequency), ONE_FREQUENCY)

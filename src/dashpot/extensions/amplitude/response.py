@@ -102,7 +102,7 @@ def resonance_at_level(
 
 
 def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float) -> ComplexArray:
-    """Complex stiffness of one seal under its share of the mass, N/m; broadcasts."""
+    """Return complex stiffness of one seal under its share of the mass, N/m; broadcasts."""
     solid, elements = parts
     springs = [element for element in elements if isinstance(element, Cubic)]
     others = InParallel(

@@ -210,7 +210,7 @@ _DECADES, _PER_DECADE, _HALVINGS = 7, 20, 40
 def _stretch(
     stiffness: Callable[[FloatArray], ComplexArray], inertia: FloatArray, force: float
 ) -> FloatArray | None:
-    """The amplitude at every line that the force takes, m; None where a line has several."""
+    """Return the amplitude at every line that the force takes, m; None where a line has several."""
 
     def is_above_force(ln_X: FloatArray) -> BoolArray:
         X = np.exp(ln_X)
@@ -240,7 +240,7 @@ def responses_at(
     force: str | Point | None = None,
     base: str | None = None,
 ) -> LevelResponse:
-    """Every steady answer of one harmonic at a frequency and a level, the smallest first.
+    """Return every steady answer of one harmonic at a frequency and a level, the smallest first.
 
     More than one where a resonance folds: then those that are not stable are never seen.
     Parameters as for :func:`response_at_level`; for one mount with friction.
@@ -323,7 +323,7 @@ def backbone(
 def can_fold(
     part: AmplitudeDependent, *, omega: npt.ArrayLike, amplitude: npt.ArrayLike
 ) -> BoolArray:
-    r"""Whether a mass on a part has three answers at some frequency near an amplitude.
+    r"""Return whether a mass on a part has three answers at some frequency near an amplitude.
 
     .. math:: \left|\frac{dK'}{d\ln X}\right| >
         2 \sqrt{K''\left(K'' + \frac{dK''}{d\ln X}\right)}

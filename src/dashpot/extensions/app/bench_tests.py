@@ -29,7 +29,7 @@ KEPT = 4
 
 @lru_cache(KEPT)
 def _fit_and_plot(job: Job) -> tuple[Fit, Picture]:
-    """The fit of a file, and its figure."""
+    """Return the fit of a file, and its figure."""
     send_progress(f"fitting {Path(job.relaxation).name}")
     fit, records = fit_files(
         [job.relaxation], arms=job.arms, temperatures=job.temperatures, options=job.reading
@@ -70,7 +70,7 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def download_bench(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The fit as its JSON, as ``dashpot fit --json`` prints it."""
+    """Return the fit as its JSON, as ``dashpot fit --json`` prints it."""
     fit, _ = _fit_and_plot(_parse_request(request, folder))
     return wire_format.encode_message(
         {"name": "fit.json", "kind": "application/json", "text": to_json(fit)}

@@ -148,14 +148,14 @@ def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
 
 
 def _format_difference(first: Answer, second: Answer) -> str:
-    """How much the other number is more; of a peak in dB."""
+    """Return how much the other number is more; of a peak in dB."""
     if first.quantity == "peak" and first.value > 0 and second.value > 0:
         return decibels(20 * math.log10(second.value / first.value))
     return _format_relative_difference(first.value, second.value)
 
 
 def _format_relative_difference(first: float, second: float) -> str:
-    """How much the other is more: in per cent, or so many times."""
+    """Return how much the other is more: in per cent, or so many times."""
     if not first:
         return ""
     ratio = second / first
@@ -165,7 +165,7 @@ def _format_relative_difference(first: float, second: float) -> str:
 
 
 def _classify_overlap(first: Answer, second: Answer) -> str:
-    """Whether what B says was possible by A."""
+    """Return whether what B says was possible by A."""
     if math.isnan(first.low) or math.isnan(first.high):
         return "A has no bound"
     within = first.low <= second.value <= first.high
@@ -224,7 +224,7 @@ def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: st
 
 
 def _says(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
-    """How far B is from A, in one sentence with its numbers."""
+    """Return how far B is from A, in one sentence with its numbers."""
     there = {answer.quantity: answer for answer in b.answers}
     words = {
         "frequency": "frequency", "damping": "damping", "end of hold": "stiffness", "peak": "peak",
@@ -241,7 +241,7 @@ def _says(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
 
 
 def _response(side: ComparedFit) -> Curve | None:
-    """What its solid predicts, with the peak that its own tab has; None without a mass."""
+    """Return what its solid predicts, with the peak that its own tab has; None without a mass."""
     study = side.study
     held = study.joint_comparison if study.joint is not None else study.comparison
     frf = study.joint_prediction if study.joint is not None else study.prediction
@@ -259,7 +259,7 @@ def _response(side: ComparedFit) -> Curve | None:
 
 
 def _responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
-    """Both responses in one panel, and the hammer's; nothing where no mass is given."""
+    """Return both responses in one panel, and the hammer's; nothing where no mass is given."""
     limits = make_prediction_bands(a.study.frf_band if a.study.joint is None else None)[:1]
     curves = [curve for side in (a, b) if (curve := _response(side)) is not None]
     if len(curves) < 2:
@@ -273,7 +273,7 @@ def _responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
 
 
 def _residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
-    """What both leave of the hold, as means over log time since the end of the ramp."""
+    """Return what both leave of the hold, as means over log time since the end of the ramp."""
     marks: list[Mark] = []
     notes, spans = [], []
     for side in (a, b):

@@ -26,7 +26,7 @@ from dashpot.workflow.study import Study
 
 
 def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
-    """A file to take away: a head with its name and kind, then its bytes."""
+    """Return a file to take away: a head with its name and kind, then its bytes."""
     job = job_of(request.get("job"), folder)
     what = request.get("what")
     makers: dict[object, Callable[[], tuple[str, str, str]]] = {
@@ -66,7 +66,7 @@ def _compute_report_study(job: Job) -> Study:
 
 
 def _solid(request: Mapping[str, Any], job: Job) -> Fit:
-    """The solid that the page shows: of both tests, or of the relaxation test alone."""
+    """Return the solid that the page shows: of both tests, or of the relaxation test alone."""
     fit = (
         _joint(job)
         if request.get("joint") is True

@@ -27,7 +27,7 @@ class FigureCard(NamedTuple):
 
 
 def draw_cards(cards: Sequence[AppCard], width: float) -> list[FigureCard]:
-    """What an extension shows, as cards; of a drawing with a title the first strip alone."""
+    """Return what an extension shows, as cards; of a drawing with a title the first strip alone."""
     drawn: list[FigureCard] = []
     for title, content, across in cards:
         if isinstance(content, Picture):
@@ -72,7 +72,7 @@ def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
 
 
 def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
-    """Whether each is one panel, and all show the same quantity or the same marks."""
+    """Return whether each is one panel, and all show the same quantity or the same marks."""
     shown = {panels[0].y.label for panels in strips}
     marks = {tuple(mark.label for mark in Picture("", "", (panels,)).key) for panels in strips}
     return all(len(panels) == 1 for panels in strips) and 1 in {len(shown), len(marks)}
@@ -94,7 +94,7 @@ def _card(
 
 
 def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
-    """What each mark looks like, and its name."""
+    """Return what each mark looks like, and its name."""
     key = Picture(name, "", (tuple(panels),)).key
     return [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
 

@@ -23,7 +23,7 @@ from dashpot.workflow.job import LevelJob, ModesJob
 
 @lru_cache(2 * KEPT)
 def _fit_job(job: LevelJob | ModesJob) -> tuple[Any, JobPage]:
-    """What was found in the files of a job, and what the page shows of it."""
+    """Return what was found in the files of a job, and what the page shows of it."""
     result: tuple[Any, JobPage] = find_handler("fit job", job)(job)
     return result
 
@@ -67,24 +67,24 @@ def _build_message(
 
 
 def level(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The fit of tests at several amplitudes, with its lights and the line of facts."""
+    """Return the fit of tests at several amplitudes, with its lights and the line of facts."""
     job = _parse_level_job(request, folder)
     page = kind_page(_fit_job(job)[0])
     return _build_message(job, request, page.lights, facts=[list(names) for names in page.strip])
 
 
 def modes(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The modes of FRFs: of points of one structure, or under several masses on one seal."""
+    """Return the modes of FRFs: of points of one structure, or under several masses on one seal."""
     return _build_message(_parse_modes_job(request, folder), request, ())
 
 
 def download_level(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The fit as its JSON, as ``dashpot fit --json`` prints it."""
+    """Return the fit as its JSON, as ``dashpot fit --json`` prints it."""
     return _build_download("levels.json", _parse_level_job(request, folder))
 
 
 def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The modes as their JSON, as ``dashpot fit --json`` prints it."""
+    """Return the modes as their JSON, as ``dashpot fit --json`` prints it."""
     return _build_download("modes.json", _parse_modes_job(request, folder))
 
 

@@ -61,7 +61,7 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
 
 @lru_cache(KEPT)
 def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
-    """What was found in such files, and what its page tells."""
+    """Return what was found in such files, and what its page tells."""
     send_progress(f"fitting {', '.join(Path(path).name for path in request.files)}")
     if find_handler("predict open files", request.kind) is not None:
         result = _predict_files(request)
@@ -93,7 +93,7 @@ def _predict_files(request: KindRequest) -> Any:
 
 
 def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The result of such files: verdict, lights, figures, numbers, checks and command."""
+    """Return the result of such files: verdict, lights, figures, numbers, checks and command."""
     kind_request = _parse_request(request, folder)
     result, page = _fit_with_page(kind_request)
     verdict = result.verdict
@@ -119,7 +119,7 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The result as its JSON, as the command prints it with ``--json``."""
+    """Return the result as its JSON, as the command prints it with ``--json``."""
     result, page = _fit_with_page(_parse_request(request, folder))
     text = text_of(result) if hasattr(result, "document") else json.dumps(result)
     return wire_format.encode_message(
@@ -128,7 +128,7 @@ def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def _line(request: KindRequest) -> str:
-    """The command that gives the same."""
+    """Return the command that gives the same."""
     names = [Path(path).name for path in request.files]
     if find_handler("predict open files", request.kind) is not None:
         return shlex.join(["dashpot", "predict", names[0]])

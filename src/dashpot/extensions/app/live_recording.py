@@ -69,7 +69,7 @@ class Trace:
 
 
 def _ends(values: FloatArray) -> tuple[IndexArray, IndexArray]:
-    """Where each row is lowest and highest."""
+    """Return where each row is lowest and highest."""
     if not values.size:
         return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
     return values.argmin(axis=1), values.argmax(axis=1)
@@ -181,7 +181,7 @@ class Live:
                 trace.add(block[0], values)
 
     def _folder(self, driver: str, named: str) -> Path:
-        """Where the record is kept: a measurement never in what goes with the server."""
+        """Return where the record is kept: a measurement never in what goes with the server."""
         if not named and driver == "serial":
             raise DataError("say in which folder the record is kept: it cannot be measured again")
         if not named:
@@ -231,7 +231,7 @@ def _render_channel(
     span: tuple[float, float],
     size: tuple[float, float],
 ) -> str:
-    """A channel as the page has it."""
+    """Return a channel as the page has it."""
     label = name.replace(" [", ", ").removesuffix("]")
     mark, upright = (
         Line(*curve, Pen("measured", 1.2)),

@@ -27,7 +27,7 @@ COLUMNS = (
 
 
 def folder(request: Mapping[str, Any], home: Path) -> bytes:
-    """What is in a folder: the files and the choices of a project, or the table of a lot."""
+    """Return what is in a folder: the files and the choices of a project, or the table of a lot."""
     place = _parse_folder(request)
     if (place / "dashpot.toml").exists():
         head = _project(place, home)
@@ -43,7 +43,7 @@ def folder(request: Mapping[str, Any], home: Path) -> bytes:
 
 
 def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
-    """The folders that were kept or opened last."""
+    """Return the folders that were kept or opened last."""
     return wire_format.encode_message({"recent": recent.recent()})
 
 
@@ -94,7 +94,7 @@ def _put(home: Path, name: str, content: bytes) -> str:
 
 
 def _project(place: Path, home: Path) -> dict[str, Any]:
-    """The last job of a project, with its files put where the page has them."""
+    """Return the last job of a project, with its files put where the page has them."""
     job, find_file = find_handler("open folder", "project")(place)
 
     def brought(path: str) -> dict[str, str]:
@@ -115,7 +115,7 @@ def _rows(place: Path) -> list[dict[str, Any]]:
 
 
 def _lot(place: Path) -> dict[str, Any]:
-    """The table of a lot; what is no number is null."""
+    """Return the table of a lot; what is no number is null."""
     lot = find_handler("read", "lot")(place)
     rows = [
         [_finite(iter_row[name]) for name in COLUMNS]
@@ -136,7 +136,7 @@ def _places(lot: Path, file: str) -> tuple[Path, ...]:
 
 
 def _read_verified_bytes(path: Path, wanted: object) -> bytes | None:
-    """The bytes of a file if they are those that the table knows by their hash."""
+    """Return the bytes of a file if they are those that the table knows by their hash."""
     try:
         raw = open_raw(path)
         return b"".join(raw.blocks()) if raw.sha256 == wanted else None

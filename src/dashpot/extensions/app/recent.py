@@ -44,7 +44,7 @@ def _read_list() -> list[dict[str, Any]]:
 
 
 def place_of(name: str) -> Path:
-    """Where this system keeps what a program remembers of its user."""
+    """Return where this system keeps what a program remembers of its user."""
     stated = os.environ.get(WHERE)
     if stated:
         return Path(stated) / name

@@ -88,7 +88,7 @@ def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple
 def fit_lines(
     plotted_fit: PlottedFit, prepared: RampHold, whole: RampHold | None = None
 ) -> tuple[Line, Line]:
-    """The fit on the ramp and on the hold of :func:`upon_panels`."""
+    """Return the fit on the ramp and on the hold of :func:`upon_panels`."""
     _, scale = unit_of(prepared.force, "N")
     (seen, axis), c = _upon_axes(prepared, whole or prepared), prepared.ramp_time
     under = replace(BENEATH, colour=plotted_fit.pen.colour)
@@ -101,7 +101,7 @@ def fit_lines(
 
 
 def mean_residual(plotted_fit: PlottedFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """The mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
+    """Return the mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
     c, axis = prepared.ramp_time, _upon_axes(prepared, prepared)[1]
     when, residual = plotted_fit.residual(prepared, c + axis.limits[0])
     return downsample_to_means(when - c, residual, log=True)

@@ -50,7 +50,7 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 
 
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
-    """What is in a file, and what it asks."""
+    """Return what is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
     describe_file = find_handler("file row", path.suffix.lower())
     if describe_file is not None:
@@ -77,7 +77,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def _get_kind_fields(kind: str) -> dict[str, Any]:
-    """What is asked beside a file, or, of one that may be taken as of another kind, then."""
+    """Return what is asked beside a file, or, of one that may be taken as of another kind, then."""
     row = KINDS.get(kind)
     of = KINDS[row.also] if row is not None and row.also else row
     if of is None:
@@ -88,7 +88,7 @@ def _get_kind_fields(kind: str) -> dict[str, Any]:
 def _consequences(
     path: Path, inspection: InspectedFile, options: ReadOptions
 ) -> list[view_models.UnitImplication]:
-    """What the seal would be by each unit that a relaxation test could be in."""
+    """Return what the seal would be by each unit that a relaxation test could be in."""
     if inspection.kind not in ("relaxation", "unclear") or len(inspection.questions) != 1:
         return []
     option = inspection.questions[0].option
@@ -115,7 +115,7 @@ def _consequences(
 
 
 def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The point estimate while a handle is held: curves and numbers, no intervals."""
+    """Return the point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
     dragging = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
     _, prepared = result_cache.select_shown_test(job, dragging, result_cache.HELD)
@@ -145,7 +145,7 @@ def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The fit with its intervals and checks, every panel of the test, and the command line.
+    """Return the fit with its intervals and checks, every panel of the test, and the command line.
 
     A `quick` one is of a part of the samples, to have something to look at meanwhile.
     """
@@ -190,14 +190,14 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def _law(fit: Fit) -> str:
-    """The law that was chosen, as a job asks for it."""
+    """Return the law that was chosen, as a job asks for it."""
     if fit.elastic_law is None:
         return ""
     return "linear" if fit.elastic_law.kind == "linear" else "nonlinear"
 
 
 def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
-    """How far the mass presses the seals, mm, and what it says beside the test."""
+    """Return how far the mass presses the seals, mm, and what it says beside the test."""
     depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
         return {"value": "", "says": depth}
@@ -212,12 +212,12 @@ def _cuts(prepared: RampHold) -> dict[str, float]:
 
 
 def _kind(request: Mapping[str, Any]) -> Kind:
-    """What the response relates: to a force on the mass, or to a base that moves."""
+    """Return what the response relates: to a force on the mass, or to a base that moves."""
     return Kind.TRANSMISSIBILITY if request.get("base") is True else Kind.ACCELERANCE
 
 
 def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
-    """The response on lines that are multiples of the highest frequency of its peak."""
+    """Return the response on lines that are multiples of the highest frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
     top = highest_peak(job.seals * fit.solid.k_0, job.mass)
@@ -228,7 +228,7 @@ def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
 
 
 def predict(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The response of the mass while it moves: a bare curve."""
+    """Return the response of the mass while it moves: a bare curve."""
     job = job_of(request.get("job"), folder)
     # of a long record a part says as much of a curve that moves
     fit = result_cache.fit_job(
@@ -241,7 +241,7 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The whole story: bound, comparison, joint fit where asked, answers and verdict."""
+    """Return the whole story: bound, comparison, joint fit where asked, answers and verdict."""
     job = job_of(request.get("job"), folder)
     sizes = sizes_of(request)
     study = result_cache.study(job)

@@ -60,7 +60,7 @@ def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) 
 
 
 def _value(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
-    """What a field is, by what a page says: nothing, or an empty text, is the default."""
+    """Return what a field is, by what a page says: nothing, or an empty text, is the default."""
     how, name, value = field.metadata, field.name, options[field.name]
     if "part" in how:
         return part(how["part"], value, name)
@@ -117,7 +117,7 @@ def _format_field(field: Field[Any], value: Any) -> Any:
 
 
 def _get_changed_fields(result: Any) -> dict[str, Any]:
-    """What a part of a job says that is not the default."""
+    """Return what a part of a job says that is not the default."""
     stated = {}
     for field in fields(result):
         value = getattr(result, field.name)

@@ -37,7 +37,7 @@ test = lru_cache(KEPT)(record_cache.relaxation)
 
 
 def tests(job: Job) -> tuple[RelaxationTest, ...]:
-    """The tests of a job, each with its own temperature where that is said."""
+    """Return the tests of a job, each with its own temperature where that is said."""
     files = job.relaxation, *job.further
     specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(
@@ -47,7 +47,7 @@ def tests(job: Job) -> tuple[RelaxationTest, ...]:
 
 @lru_cache(KEPT)
 def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
-    """The tests of a job, prepared; of each as many samples as there are, or `most`."""
+    """Return the tests of a job, prepared; of each as many samples as there are, or `most`."""
     every = tests(job)
     if most is not None and all(len(test.time) <= most for test in every):
         return prepare_job_tests(job, None)
@@ -62,7 +62,7 @@ def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
 
 
 def downsample_test(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
-    """The test with every second, third ... sample, so that at most so many are left."""
+    """Return the test with every second, third ... sample, so that at most so many are left."""
     step = 1 if most is None else -(-len(test.time) // most)
     if step == 1:
         return test
@@ -72,7 +72,7 @@ def downsample_test(test: RelaxationTest, most: int | None = WHILE_HELD) -> Rela
 
 @lru_cache(KEPT)
 def fit_job(job: Job, intervals: bool, most: int | None) -> Fit:
-    """The fit of a job's tests; with its intervals and checks if asked for."""
+    """Return the fit of a job's tests; with its intervals and checks if asked for."""
     return fit(
         prepare_job_tests(select_test_choices(job), most),
         **replace(job.fit_options, intervals=intervals).choices,
@@ -117,14 +117,14 @@ def fit_by_eq5(job: Job, fit: Fit, most: int | None = None) -> Fit | None:
 def select_shown_test(
     job: Job, fit: Fit, most: int | None = None
 ) -> tuple[RelaxationTest, RampHold]:
-    """The test that is drawn: that of the temperature of the solid."""
+    """Return the test that is drawn: that of the temperature of the solid."""
     ready = prepare_job_tests(select_test_choices(job), most)
     first = find_reference_test(fit, ready)
     return tests(job)[first], ready[first]
 
 
 def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
-    """The test of a job to its last sample, for the eye, where its hold is cut by hand."""
+    """Return the test of a job to its last sample, for the eye, where its hold is cut by hand."""
     if job.cuts.hold_end is None or job.further:
         return None
     uncut = replace(select_test_choices(job), cuts=replace(job.cuts, hold_end=None))
@@ -137,7 +137,7 @@ def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
 
 @lru_cache(KEPT)
 def study(job: Job) -> Study:
-    """The whole story of a job."""
+    """Return the whole story of a job."""
     return run(job, read=test)
 
 
@@ -166,10 +166,10 @@ def base_motion(job: Job) -> Prediction:
 
 
 def select_test_choices(job: Job) -> Job:
-    """What of a job decides the prepared test."""
+    """Return what of a job decides the prepared test."""
     return deciding(job, "test")
 
 
 def select_fit_choices(job: Job) -> Job:
-    """What of a job decides the fit of the relaxation test."""
+    """Return what of a job decides the fit of the relaxation test."""
     return deciding(job, "test", "fit")

@@ -258,7 +258,7 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
 
 
 def _recording(desk: AppContext) -> list[Route]:
-    """The page that shows an instrument as it is read, and what it asks."""
+    """Return the page that shows an instrument as it is read, and what it asks."""
     from starlette.responses import JSONResponse
     from starlette.routing import Route
 
@@ -288,7 +288,7 @@ def _recording(desk: AppContext) -> list[Route]:
 
 
 def _pixels(request: Request, name: str) -> float:
-    """A size that a page asks for; 0 if it asks for none."""
+    """Return a size that a page asks for; 0 if it asks for none."""
     text = request.query_params.get(name, "")
     return float(text) if text.isdecimal() else 0.0
 

@@ -79,7 +79,7 @@ def forget() -> None:
 
 
 def _read() -> dict[str, Any] | None:
-    """What was kept, if all of it is there."""
+    """Return what was kept, if all of it is there."""
     try:
         data = json.loads(place_of(_WORDS).read_text(encoding="utf-8"))
         files = data["state"]["files"]

@@ -120,7 +120,7 @@ LIVE_POINTS = 240
 
 
 def render_template(name: str, **values: Any) -> str:
-    """A piece of the page, from its template; whatever came from a file is escaped."""
+    """Return a piece of the page, from its template; whatever came from a file is escaped."""
     return str(environment("dashpot.extensions.app").get_template(f"{name}.html").render(values))
 
 
@@ -214,18 +214,18 @@ def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
 
 
 def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.PlottedFit:
-    """A fit with its curve, in the colour of its solid."""
+    """Return a fit with its curve, in the colour of its solid."""
     chosen = relaxation.make_plotted_fits(fit, (), prepared)[0]
     return chosen._replace(pen=replace(chosen.pen, colour=_ink(fit)))
 
 
 def _ink(fit: Fit) -> str:
-    """The colour of the solid: of the relaxation test alone, or of both tests."""
+    """Return the colour of the solid: of the relaxation test alone, or of both tests."""
     return "fit" if fit.method in get_choice_values(Method) else "joint-ink"
 
 
 def _recolour_panel(panel: Panel, colour: str) -> Panel:
-    """A panel whose marks of the fit have the colour of its solid."""
+    """Return a panel whose marks of the fit have the colour of its solid."""
 
     def recolour_mark(mark: Mark) -> Mark:
         if isinstance(mark, (Dots, Tag)) and mark.colour == "fit":
@@ -238,7 +238,7 @@ def _recolour_panel(panel: Panel, colour: str) -> Panel:
 
 
 def _label_arms(panel: Panel, fit: Fit) -> Panel:
-    """The spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
+    """Return the spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
     if fit.family != "maxwell" or not fit.model.arms:
         return panel
     k = convert_to_unit(np.array(fit.model.k), get_display_unit(fit.unit)).tolist()
@@ -260,7 +260,7 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
 
 
 def _shorten_key(panel: Panel) -> Panel:
-    """The panel with a key of one line: beside its title each mark needs a word."""
+    """Return the panel with a key of one line: beside its title each mark needs a word."""
     marks: list[Mark] = []
     for mark in panel.marks:
         if not isinstance(mark, Tag) and mark.label:
@@ -271,13 +271,13 @@ def _shorten_key(panel: Panel) -> Panel:
 
 
 def format_response_title(job: Job, quantity: Kind) -> str:
-    """What the panel of the response shows: the title of its place."""
+    """Return what the panel of the response shows: the title of its place."""
     name = quantity.value.replace("_", " ").capitalize()
     return f"{name} of {weight(job)}, {SHOWN[quantity][0]}"
 
 
 def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
-    """The predicted response before anything bounds it."""
+    """Return the predicted response before anything bounds it."""
     if predicted.quantity is Kind.TRANSMISSIBILITY:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
         return render_panels("frf", magnitude_panel([curve]), sizes, title=title)
@@ -285,7 +285,7 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
 
 
 def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
-    """The response of the mass, with all that is known of it; nothing without a mass.
+    """Return the response of the mass, with all that is known of it; nothing without a mass.
 
     Of a study of both tests the solid of both is held against the hammer, and that of the
     relaxation test alone stands dotted beside it. With the `phase` it is drawn below, and the
@@ -316,7 +316,7 @@ def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
 
 
 def _responses(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
-    """The curves of the tab's solid, the hammer's, and what the prediction leaves open."""
+    """Return the curves of the tab's solid, the hammer's, and what the prediction leaves open."""
     joint, comparison = study.joint_comparison, study.comparison
     if joint is None or comparison is None or study.prediction is None:
         return _predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
@@ -328,12 +328,12 @@ def _responses(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
 
 
 def _predicted_curves(study: Study) -> list[Curve]:
-    """The prediction from the relaxation test, as the figure of a resonance has it."""
+    """Return the prediction from the relaxation test, as the figure of a resonance has it."""
     return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
 
 
 def base_panel(prediction: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
-    """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
+    """Return the transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(prediction.frf, name, pen, prediction.peak)], tagged=True)
     if prediction.isolation is not None:
@@ -358,7 +358,7 @@ def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
 
 
 def hammer_line(study: Study) -> str:
-    """What the list of files says of a hammer test once it was averaged."""
+    """Return what the list of files says of a hammer test once it was averaged."""
     if study.measured is None or not study.measured.hits:
         return ""
     accepted = sum(hit.accepted for hit in study.measured.hits)
@@ -435,7 +435,7 @@ def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, st
 
 
 def live_response(predicted: FRF) -> LiveCurves:
-    """The predicted response while the mass moves."""
+    """Return the predicted response while the mass moves."""
     size = np.abs(predicted.value)
     top = int(size.argmax())
     words = (
@@ -483,7 +483,7 @@ def mass_that_explains(study: Study) -> str:
 
 
 def make_fit_lights(fit: Fit) -> tuple[Light, ...]:
-    """What is known before the hammer is compared, or the limits are sought."""
+    """Return what is known before the hammer is compared, or the limits are sought."""
     return (
         first_screen.test_light(fit.checks),
         *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
@@ -504,13 +504,13 @@ class Term(NamedTuple):
 
 
 def terms(fit: Fit) -> list[Term]:
-    """Every parameter of the solid, the stiffness at the end of the hold first."""
+    """Return every parameter of the solid, the stiffness at the end of the hold first."""
     # b = k tau says of an arm what k and tau say
     return [term(fact) for fact in fit.known if not fact.name.startswith("b_")]
 
 
 def term(fact: ReportedValue) -> Term:
-    """A number with the ends of its interval, and whether it is determined."""
+    """Return a number with the ends of its interval, and whether it is determined."""
     half = (fact.high - fact.low) / 2
     # known to half of itself is seen; beyond, it is not determined
     mark = "good" if 0 < half < 0.5 * abs(fact.value) else "care"
@@ -563,14 +563,14 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
 
 
 def _plus_minus(fact: ReportedValue) -> str:
-    """The standard error of a number; its highest value where that is all that is known."""
+    """Return the standard error of a number; its highest value where that is all that is known."""
     if fact.topped or fact.bound_alone:
         return f"≤ {fact.ends[2]}"
     return "not known" if fact.cells.error == UNKNOWN else fact.cells.error
 
 
 def solid_table(fit: Fit) -> str:
-    """The solid of one seal, each term with its interval and a mark."""
+    """Return the solid of one seal, each term with its interval and a mark."""
     new_terms, more = terms(fit), ""
     if fit.family == "maxwell" and fit.model.arms > SINGLE:
         new_terms = [new_term for new_term in new_terms if new_term.name == symbol("k_inf")]
@@ -597,7 +597,7 @@ def term_table(title: str, terms: Sequence[Term], more: str = "", *, of: str = "
 
 
 def _pads(texts: Sequence[str]) -> list[str]:
-    """What each number lacks behind its point to be as long as the longest."""
+    """Return what each number lacks behind its point to be as long as the longest."""
     behind = [len(text.partition(".")[2]) for text in texts]
     return [
         "." * (not short and max(behind) > 0) + "0" * (max(behind) - short)
@@ -608,7 +608,7 @@ def _pads(texts: Sequence[str]) -> list[str]:
 
 
 def check_list(checks: Sequence[Check]) -> str:
-    """What failed, the gravest first, and how many were judged, each grade apart."""
+    """Return what failed, the gravest first, and how many were judged, each grade apart."""
     distinct = list(dict.fromkeys(checks))
     failed = [
         (GRADE_MARKS[check.grade], *_split(check), check.told) for check in distinct if check.failed
@@ -627,12 +627,12 @@ def check_list(checks: Sequence[Check]) -> str:
 
 
 def _split(check: Check) -> tuple[str, str]:
-    """What was found, in one sentence, and what to do about it."""
+    """Return what was found, in one sentence, and what to do about it."""
     return sentences(check.says)[0], check.remedy.words if check.remedy else ""
 
 
 def answers(study: Study, recommendation: Recommendation) -> str:
-    """The numbers that one came for, of the solid of the tab."""
+    """Return the numbers that one came for, of the solid of the tab."""
     title, rows = first_screen.under_mass(study, recommendation)
     every: list[tuple[str, list[Row]]] = []
     if rows:
@@ -656,7 +656,7 @@ def tells_more(study: Study, checks: Sequence[Check]) -> str:
 
 
 def groups(groups: Sequence[Group], text: str, note: str) -> str:
-    """The table of a result of a kind: value, from and to of each number."""
+    """Return the table of a result of a kind: value, from and to of each number."""
     every = [(group.title, group.rows) for group in groups if group.rows]
     measured = any(row.measured for _, rows in every for row in rows)
     ranged = any(row.low or row.high for _, rows in every for row in rows)
@@ -666,12 +666,12 @@ def groups(groups: Sequence[Group], text: str, note: str) -> str:
 
 
 def _shorter(answer: Answer, row: Row) -> Row:
-    """A number under a name that does not wrap beside its five cells."""
+    """Return a number under a name that does not wrap beside its five cells."""
     return row._replace(name=short_name(answer))
 
 
 def short_name(answer: Answer) -> str:
-    """A number's name that does not wrap beside its cells."""
+    """Return a number's name that does not wrap beside its cells."""
     at = "" if answer.at is None else round_to_error(answer.at)
     return {
         "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
@@ -681,20 +681,20 @@ def short_name(answer: Answer) -> str:
 
 
 def weight(job: Job) -> str:
-    """What rests on how many seals."""
+    """Return what rests on how many seals."""
     on = "the mass" if job.mass is None else format_with_error(job.mass, "g", digits=4)
     return f"{on} on {seals(job.seals)}"
 
 
 def hit_table(study: Study) -> str:
-    """Every hit with its pulse and its verdict; nothing where no hits were averaged."""
+    """Return every hit with its pulse and its verdict; nothing where no hits were averaged."""
     if study.measured is None or not study.measured.hits:
         return ""
     return render_template("hits", hits=study.measured.hits, pulses=_pulses(study), size=PULSE)
 
 
 def _pulses(study: Study) -> dict[str, str]:
-    """The path of each hit's pulse by its name, all to one scale."""
+    """Return the path of each hit's pulse by its name, all to one scale."""
     if study.impact is None:
         return {}
     (width, height), blocks = PULSE, cut_hits([study.impact])
@@ -713,18 +713,18 @@ def _pulses(study: Study) -> dict[str, str]:
 
 
 def place_of(inspection: InspectedFile) -> str:
-    """Where the page takes a file; empty where it does not."""
+    """Return where the page takes a file; empty where it does not."""
     return KINDS[inspection.kind].place if inspection.kind in KINDS else ""
 
 
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
-    """The fields that are asked beside a file, as the page draws them."""
+    """Return the fields that are asked beside a file, as the page draws them."""
     return [{"name": item.name, "label": item.label, "unit": item.unit, "choices": [*item.choices],
              "each": item.each} for item in fields]  # fmt: skip
 
 
 def file_row(inspection: InspectedFile) -> dict[str, Any]:
-    """What the list of files says of one: its kind, one line, a mark."""
+    """Return what the list of files says of one: its kind, one line, a mark."""
     strange = _refusal(inspection) or _stranger(inspection)
     mark = "care" if inspection.questions else "bad" if strange else "good"
     return {
@@ -762,7 +762,7 @@ def _heading(inspection: InspectedFile) -> str:
 
 
 def _stranger(inspection: InspectedFile) -> str:
-    """What to do with a file of a kind that this page has no place for, if it is one."""
+    """Return what to do with a file of a kind that this page has no place for, if it is one."""
     place = place_of(inspection) or inspection.kind not in RECOGNISED
     if inspection.questions or inspection.refusal or place:
         return ""
@@ -782,7 +782,7 @@ class UnitImplication(NamedTuple):
 
 
 def render_column_questions(result: InspectedFile, consequences: Sequence[UnitImplication]) -> str:
-    """The first rows with roles and units to choose, and what is to be answered."""
+    """Return the first rows with roles and units to choose, and what is to be answered."""
     words: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
         if unit.dimension in ASKED:

@@ -87,7 +87,7 @@ def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
 
 
 def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:
-    """Standard deviation of repeats, and its degrees of freedom."""
+    """Return standard deviation of repeats, and its degrees of freedom."""
     freedom = sum(len(seal.values) - 1 for seal in seals)
     squares = sum(float(np.sum((seal.values - seal.mean) ** 2)) for seal in seals)
     return (math.sqrt(squares / freedom) if freedom else 0.0), freedom

@@ -122,7 +122,7 @@ class BatchOptions:
         return BatchOptions(**(plain | options))
 
     def calibration(self) -> str:
-        """The hash of the calibration that the readings are turned by; empty without one."""
+        """Return the hash of the calibration that the readings are turned by; empty without one."""
         path = self.reading.calibration
         return (
             "" if path is None else hashlib.sha256(open_raw(Path(path)).head(1 << 20)).hexdigest()

@@ -67,14 +67,14 @@ class BatchJob:
     limits: tuple[Limits, ...] = ()
 
     def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
-        """The tests that are there now; where more are to come, none is no error."""
+        """Return the tests that are there now; where more are to come, none is no error."""
         return find_entries(
             self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
             growing=growing,
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:
-        """The rows that are asked for."""
+        """Return the rows that are asked for."""
         send_progress("finding the files")
         entries = self.entries()
         send_progress(f"hashing the files of {len(entries)} tests")

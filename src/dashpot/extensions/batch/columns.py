@@ -44,7 +44,7 @@ NUMBERS = (
 
 
 def arm_columns(arms: int) -> tuple[str, ...]:
-    """The columns of the arms, and of their standard errors."""
+    """Return the columns of the arms, and of their standard errors."""
     return tuple(
         name
         for j in range(1, arms + 1)

@@ -54,7 +54,7 @@ class Compared(Serialisable):
         return None if self.shared else self.p_value < SURE
 
     def share(self, value: float) -> float:
-        """A difference, SI, over the mean of the first lot."""
+        """Return a difference, SI, over the mean of the first lot."""
         mean = self.difference.means[0]
         return value / mean if mean else float("nan")
 
@@ -213,14 +213,14 @@ def _count_shared_records(first: Lot, second: Lot) -> int:
 
 
 def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
-    """The quantities that both lots have, less what the others tell."""
+    """Return the quantities that both lots have, less what the others tell."""
     theirs = {quantity.name for quantity in second.quantities}
     mine = (quantity.name for quantity in first.quantities)
     return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
 
 
 def _find_common_quantity(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:
-    """A quantity that both lots have."""
+    """Return a quantity that both lots have."""
     for called, lot in (second, first):
         try:
             quantity = lot.quantity(name)

@@ -107,7 +107,7 @@ def _ends(at: FloatArray) -> FloatArray:
 def _make_signal_tags(
     seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float
 ) -> list[Tag]:
-    """The names of the seals that break a rule."""
+    """Return the names of the seals that break a rule."""
     return [
         Tag(float(at[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow")
         for i in dict.fromkeys(signal.point for signal in chart.signals)

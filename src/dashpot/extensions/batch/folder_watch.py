@@ -103,7 +103,7 @@ class _Watched:
         return lot
 
     def _still(self, entry: Entry) -> bool:
-        """Whether none of its files has changed for a while."""
+        """Return whether none of its files has changed for a while."""
         return all(list(map(self._is_unchanged, (entry.file, *entry.hammer))))
 
     def _is_unchanged(self, file: str) -> bool:
@@ -121,7 +121,7 @@ class _Watched:
         return tasks(still, self._job.choices, hashed=self._compute_hash)
 
     def _compute_hash(self, file: str) -> str:
-        """The hash of its contents, computed once while it stays as it is."""
+        """Return the hash of its contents, computed once while it stays as it is."""
         state = _state(file)
         pair = self._hashes.get(file)
         if pair is not None and pair[0] == state:

@@ -97,7 +97,7 @@ def _resonance(frf: FRF) -> dict[str, Any]:
 
 
 def _peaks(held: Comparison) -> dict[str, Any]:
-    """What the fit of the bench alone predicts, and what the hammer finds."""
+    """Return what the fit of the bench alone predicts, and what the hammer finds."""
     return {
         "predicted_Hz": held.predicted_hz,
         "predicted_damping_ratio": held.predicted_damping,

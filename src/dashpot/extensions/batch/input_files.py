@@ -151,7 +151,7 @@ def find_entries(
 
 
 def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
-    """Each file once, by its real path; what is not read by its own, with the reason."""
+    """Return each file once, by its real path; what is not read by its own, with the reason."""
     entries: dict[str, Entry] = {}
     for path, aside in paths:
         place = path if aside else os.path.realpath(validate_path(path))
@@ -163,7 +163,7 @@ def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]
 
 
 def _validate_path_encoding(path: str) -> str:
-    """The path, which a table holds as text."""
+    """Return the path, which a table holds as text."""
     try:
         path.encode()
     except UnicodeEncodeError:
@@ -186,7 +186,7 @@ def refuse_senseless(by: str | None, pair: str | None) -> None:
 
 
 def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
-    """All but the files that are another's hammer."""
+    """Return all but the files that are another's hammer."""
     hammers = {os.path.realpath(path) for entry in every for path in entry.hammer}
     return tuple(entry for entry in every if os.path.realpath(entry.file) not in hammers)
 
@@ -194,7 +194,7 @@ def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
 def _add_hammer_files(
     every: Sequence[Entry], pair: str | None, *, growing: bool
 ) -> Sequence[Entry]:
-    """The entries with their hammers, but for those whose manifest names some."""
+    """Return the entries with their hammers, but for those whose manifest names some."""
     if pair is None:
         return every
     names = _names(pair)
@@ -220,7 +220,7 @@ def _refuse_unpaired(entries: Sequence[Entry], pair: str, names: set[str]) -> No
 
 
 def _names(pair: str) -> set[str]:
-    """What a pattern holds in braces."""
+    """Return what a pattern holds in braces."""
     try:
         names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
     except ValueError as error:
@@ -295,7 +295,7 @@ def _unreadable(error: OSError) -> None:
 
 
 def _result(path: Path) -> bool:
-    """Whether dashpot wrote it as a result, not as a simulated record.
+    """Return whether dashpot wrote it as a result, not as a simulated record.
 
     Parts and logs of a batch bear no byline; tests may lie beside them.
     """
@@ -314,7 +314,7 @@ def _result(path: Path) -> bool:
 def _labels(
     by: str | None, files: Sequence[str], *, growing: bool
 ) -> Callable[[str], dict[str, Any]]:
-    """What an expression says of a file."""
+    """Return what an expression says of a file."""
     if by is None:
         return lambda _: {}
     pattern, named = _groups(by)
@@ -331,7 +331,7 @@ def _labels(
 
 
 def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
-    """A regular expression, and which label each of its groups is."""
+    """Return a regular expression, and which label each of its groups is."""
     try:
         pattern = re.compile(by)
     except re.error as error:
@@ -404,6 +404,6 @@ def _parse_manifest_row(where: str, row: Any) -> tuple[str, dict[str, Any]]:
 
 
 def _parse_text_list(value: object) -> list[str]:
-    """The texts of a list, or between semicolons."""
+    """Return the texts of a list, or between semicolons."""
     several = value if isinstance(value, list) else str(value or "").split(";")
     return [text for name in several if (text := str(name).strip())]

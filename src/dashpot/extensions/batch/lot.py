@@ -262,7 +262,7 @@ class Lot:
         )
 
     def _select_test_values(self, column: str, seals: Sequence[Seal]) -> list[Any]:
-        """What a column has of every test of these seals."""
+        """Return what a column has of every test of these seals."""
         by_file = dict(self.used.select("file", column).iter_rows())
         return [by_file[file] for seal in seals for file in seal.files]
 
@@ -336,7 +336,7 @@ class Lot:
         return Lot(self.table.filter(polars().col("lot") == name), 0)
 
     def outliers(self, name: str = "k_end") -> tuple[tuple[str, float], ...]:
-        """The tests that stand out of their lot: file, and distance in robust deviations.
+        """Return the tests that stand out of their lot: file, and distance in robust deviations.
 
         From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
         :func:`~dashpot.extensions.batch.statistics.variance_components.stands_out`'s, 3.5 in a
@@ -365,7 +365,7 @@ class Lot:
         return f"# {byline('table of a batch of tests')}\n{written}"
 
     def neutral(self) -> pl.DataFrame:
-        """The table with no text that a spreadsheet takes for a formula."""
+        """Return the table with no text that a spreadsheet takes for a formula."""
         made = polars()
         texts = [
             made.Series(column.name, [escape_formula(text) for text in column])
@@ -374,7 +374,7 @@ class Lot:
         return self.table.with_columns(texts)
 
     def to_pandas(self) -> Any:
-        """The table as a :class:`pandas.DataFrame`; it needs no pyarrow.
+        """Return the table as a :class:`pandas.DataFrame`; it needs no pyarrow.
 
         Raises
         ------

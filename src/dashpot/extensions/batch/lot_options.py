@@ -226,13 +226,13 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
 
 
 def _format_unfitted_files(lot: dp.Lot) -> list[str]:
-    """Every file that was not fitted, with its sentence."""
+    """Return every file that was not fitted, with its sentence."""
     columns = lot.table.select("file", "outcome", "reason").iter_rows()
     return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
 
 
 def _out(lot: dp.Lot, quantity: str) -> list[str]:
-    """The tests to look at."""
+    """Return the tests to look at."""
     away = [
         f"  stands out  {file}: {value:+.1f} robust deviations from its lot"
         for file, value in lot.outliers(quantity)

@@ -374,7 +374,7 @@ def _seals(
 
 
 def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
-    """What the tests of a seal found, if one is used."""
+    """Return what the tests of a seal found, if one is used."""
     if seal is None:
         return {"tests": 0, "value": "", "sd": ""}
     sd = quantity.format_value(seal.deviation, digits=2)
@@ -418,7 +418,7 @@ def _join_lot_names(names: Sequence[str], run: int) -> str:
 
 
 def _ends(main: OfQuantity, values: FloatArray) -> str:
-    """The value of a lot, or the least and the largest of several."""
+    """Return the value of a lot, or the least and the largest of several."""
     low, high = (
         main.quantity.format_value(float(values.min())),
         main.quantity.read(float(values.max())),
@@ -448,7 +448,7 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
 def _encode_test_rows(
     tests: Sequence[Mapping[str, Any]], labels: Sequence[str], summary: Summary
 ) -> str:
-    """All rows for the script: no markup can end the element that holds them."""
+    """Return all rows for the script: no markup can end the element that holds them."""
     decided = {(decision.lot, decision.seal): decision.decision for decision in summary.main.judged}
     heads = ["file", *labels, "value", "verdict", "why", "mark"]
     rows = [

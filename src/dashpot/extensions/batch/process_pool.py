@@ -26,7 +26,7 @@ LIVES = 3
 
 
 def processors() -> int:
-    """How many this process may use."""
+    """Return how many this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -128,7 +128,7 @@ class Worker:
         }
 
     def _answer(self, task: Task) -> bytes:
-        """The line of an answer; cut short where the process died."""
+        """Return the line of an answer; cut short where the process died."""
         try:
             process = self._start_process()
             assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101

@@ -67,18 +67,18 @@ class Quantity(NamedTuple):
     def fact(
         self, name: str, value: float, ends: tuple[float, float] | None = None
     ) -> ReportedValue:
-        """A number of this quantity, SI, and its 95 % interval."""
+        """Return a number of this quantity, SI, and its 95 % interval."""
         low, high = ends or (math.nan, math.nan)
         return ReportedValue(
             name, value, low, high, parse_column_title(self.column)[1], read=self.unit
         )
 
     def format_value(self, value: float | None, *, digits: int = 4) -> str:
-        """A value, SI, in that unit without its word; empty where there is none."""
+        """Return a value, SI, in that unit without its word; empty where there is none."""
         return format_cell(value, self.unit or "1", digits=digits)
 
     def read(self, value: float, *, digits: int = 4) -> str:
-        """A value, SI, with its unit."""
+        """Return a value, SI, with its unit."""
         return f"{self.format_value(value, digits=digits)} {self.unit}".strip()
 
 

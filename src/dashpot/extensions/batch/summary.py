@@ -457,14 +457,14 @@ def _check_limits(quantity_summary: OfQuantity, limits: Limits) -> Iterator[Chec
 
 
 def _frequencies(lot: Lot) -> tuple[float, ...]:
-    """Those that were asked for, Hz, by the columns of their loss factors."""
+    """Return those that were asked for, Hz, by the columns of their loss factors."""
     names = (column for column in lot.table.columns if column.startswith("loss_factor_at_"))
     texts = (name.removeprefix("loss_factor_at_").partition("Hz")[0] for name in names)
     return tuple(sorted({float(text) for text in texts}))
 
 
 def _out_of_band(lot: Lot, frequency: float) -> int:
-    """How many tests that are used do not inform a frequency, Hz."""
+    """Return how many tests that are used do not inform a frequency, Hz."""
     bands = lot.used.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
     return sum(not low <= frequency <= high for low, high in bands)
 

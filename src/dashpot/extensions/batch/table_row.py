@@ -83,7 +83,7 @@ def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) ->
 
 
 def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) -> dict[str, Any]:
-    """What a fit says, or what the file is that has none."""
+    """Return what a fit says, or what the file is that has none."""
     specimen = Specimen(temperature=entry.temperature)
     how: dict[str, Any] = {
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
@@ -104,7 +104,7 @@ def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) 
 def _build_other_row(
     seen: Recognised, kind: KindOfTest, entry: Entry, choices: BatchOptions, mass: float | None
 ) -> dict[str, Any]:
-    """The row of what is no test of a bench: its own, or what it is and waits for."""
+    """Return the row of what is no test of a bench: its own, or what it is and waits for."""
     piece = _piece(entry, choices, mass)
     if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
         return _build_kind_row(kind, entry, piece)
@@ -124,7 +124,7 @@ def _piece(entry: Entry, choices: BatchOptions, mass: float | None) -> Piece:
 
 
 def _build_kind_row(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
-    """The row of a kind that has its own."""
+    """Return the row of a kind that has its own."""
     try:
         result, numbers = load_object(kind.row)(entry.file, piece)
     except DashpotError as error:
@@ -225,7 +225,7 @@ def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
 
 
 def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
-    """The verdict, why, and the checks that limit the use, each once."""
+    """Return the verdict, why, and the checks that limit the use, each once."""
     failed = dict.fromkeys(check.name for check in checks if check.failed and check.grade != "note")
     return {
         "verdict": verdict.use,
@@ -241,7 +241,7 @@ def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
 
 
 def _column(fact: ReportedValue, what: str = "") -> str:
-    """The column of a number of a solid, or of what is known of it."""
+    """Return the column of a number of a solid, or of what is known of it."""
     kind, _, place = fact.name.partition("_")
     if kind == "k":
         return format_stiffness_column(f"{place}{what}", fact.unit)
@@ -268,7 +268,7 @@ def _compute_requested_columns(
 
 
 def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
-    """The mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
+    """Return the mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
     if mass is None or fit.unit != "N/m":
         return {}
     rests = find_static_equilibrium(fit, MassOnSeals(mass, seals)).tangent

@@ -126,14 +126,14 @@ def _sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
-    """A row whose intervals are two cells each."""
+    """Return a row whose intervals are two cells each."""
     for name in [name for name, value in row.items() if isinstance(value, list)]:
         row[f"{name}_from"], row[f"{name}_to"] = row.pop(name)
     return row
 
 
 def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
-    """A table of rows, in which no text is a formula."""
+    """Return a table of rows, in which no text is a formula."""
     cells = [
         {name: escape_formula(v) if isinstance(v, str) else v for name, v in row.items()}
         for row in rows

@@ -43,9 +43,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 #
 # with S the power of what the nearest non-negative spectrum leaves, by the rule of noise of every
 # fit (:func:`~dashpot.numerics.inference.correlated_noise.noise_of`), s the size of that spectrum,
-# and h_n
-# straight lines between knots a quarter of a decade apart: what neighbours have in common - a load
-# cell, a thermostat, grips, smoothing - is not seen in a residual.
+# and h_n straight lines between knots a quarter of a decade apart: what neighbours have in common -
+# a load cell, a thermostat, grips, smoothing - is not seen in a residual.
 
 
 #: what neighbours have in common, one standard deviation relative to their size
@@ -158,15 +157,13 @@ def _hats(at: FloatArray) -> FloatArray:
 # Where stiffness and loss factor are known, over every spectrum that a test does not reject.
 #
 # At a line :math:`\omega` the limits of the loss factor :math:`\eta = K''/K'` follow by
-# Dinkelbach's
-# iteration (*Management Science* 13, 1967), which starts from that of the fit. Those of
-# :math:`|K^*|` are of its part along that of the fit,
+# Dinkelbach's iteration (*Management Science* 13, 1967), which starts from that of the fit. Those
+# of :math:`|K^*|` are of its part along that of the fit,
 #
 # .. math:: |K^*| \cos(\phi - \phi_0) = K'\cos\phi_0 + K''\sin\phi_0,
 #
 # which is linear in the spectrum, over the cosine of the widest angle that the loss factor allows.
-# Of
-# creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
+# Of creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
 #
 # The valid band ends where the loss factor is not known to 30 %, above or below a gap of the data,
 # too: there an arm may stand that nothing shows.
@@ -234,7 +231,7 @@ class BeforeCurve:
         return self.data.dof
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
-        """Those of the curve, and one of what may relax before it."""
+        """Return those of the curve, and one of what may relax before it."""
         rows = self.data.rows(log_tau, slopes=slopes)
         start, later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
         weight = 1 / max(start - later, LITTLE * start)
@@ -332,7 +329,7 @@ def end_of_curve(
 
 
 def _compute_curve_limits(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
-    """Limits of k(t), K'(1/t) or 1/J(t)."""
+    """Return limits of k(t), K'(1/t) or 1/J(t)."""
     if ended == "sweep":
         return compute_nonnegative_limits(spectra, spectra.stiffness_at(1 / time)[0])
     if ended == "creep":

@@ -269,7 +269,7 @@ def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
 
 
 def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
-    """The law, unless the best is a straight line in T."""
+    """Return the law, unless the best is a straight line in T."""
     above = shifts.temperature - shifts.reference
     least = max(0.0, -float(above.min(initial=0.0)))
 

@@ -22,7 +22,7 @@ TIME = "time, s"
 
 
 def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
-    """A relaxation modulus over log time with the fit to it, and the residual in per cent.
+    """Return a relaxation modulus over log time with the fit to it, and the residual in per cent.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The rows of tests at several depths."""
+"""Registry rows of tests at several depths."""
 
 from dashpot.registry.row import Extension
 

@@ -43,7 +43,7 @@ def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
 
 
 def _flux(over: FloatArray, denser: FloatArray) -> FloatArray:
-    """The same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
+    """Return the same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
     upstream = np.exp(np.where(over > 0, 0.5 * (over + denser), 0.0))
     fall = np.maximum(-np.abs(over), _LOG_CHOKED)
     # x^(2/g) - x^(1+1/g), without cancellation at x near 1
@@ -100,7 +100,7 @@ def compute_next_density(
 def _implicit(
     mass: FloatArray, volume: FloatArray, step: FloatArray, n: float, guess: FloatArray
 ) -> FloatArray:
-    """The density r with V r + step * flux(r) = mass, near a guess.
+    """Return the density r with V r + step * flux(r) = mass, near a guess.
 
     In z with p/p_a = 1 + z|z| the flux is all but straight, so that Newton does not feel its
     infinite slope at rest; the answer lies between rest and the chamber without its opening.

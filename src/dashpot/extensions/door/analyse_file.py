@@ -99,7 +99,7 @@ def open_door(
 
 
 def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
-    """What the seal of a door answers sideways: ratios, or one metre of what was tested so.
+    """Return what the seal of a door answers sideways: ratios, or one metre of what was tested so.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
 def _intersect_bands(
     first: tuple[float, float] | None, second: tuple[float, float] | None
 ) -> tuple[float, float] | None:
-    """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
+    """Return the frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
     if first is None or second is None:
         return first or second
     low, high = max(first[0], second[0]), min(first[1], second[1])
@@ -223,7 +223,7 @@ def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
 
 
 def _corner(assembly: Assembly) -> DoorPoint:
-    """The point of the door that is farthest from its hinges."""
+    """Return the point of the door that is farthest from its hinges."""
     door, modes = assembly.door, assembly.modes
     held = np.array([hinge.at for hinge in door.hinges] or [assembly.body().at])
     places = door.line.points if door.line else modes.place if modes else held

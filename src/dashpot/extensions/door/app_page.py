@@ -33,7 +33,7 @@ def describe_file(path: Path) -> dict[str, Any]:
 
 
 def page(result: DoorResult) -> KindPage:
-    """What the page of a door tells, in the form of the other kinds."""
+    """Return what the page of a door tells, in the form of the other kinds."""
     rows = tuple(
         Row(
             f"Mode {i}",

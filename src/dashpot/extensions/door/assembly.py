@@ -42,7 +42,7 @@ class Assembly:
     parts: Mapping[str, Solid] | None = None
 
     def body(self) -> Body:
-        """The door by itself: mass and inertia as stated, else those that its modes imply.
+        """Return the door by itself: mass and inertia as stated, else those that its modes imply.
 
         Raises
         ------
@@ -69,7 +69,7 @@ class Assembly:
     def system(
         self, *, sealed: bool = True, pitch: float | None = None, stuck: bool = True
     ) -> System:
-        """The door on its hinges, latch and bumpers, with its seal or without.
+        """Return the door on its hinges, latch and bumpers, with its seal or without.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class Assembly:
 
 
 def _elastic(modes: FreeModes) -> FreeModes | None:
-    """The modes by which a door bends; those at rest must be rigid motions."""
+    """Return the modes by which a door bends; those at rest must be rigid motions."""
     bends = ~modes.rigid
     still = int((modes.frequency[bends] < _STILL).sum())
     if still:

@@ -190,13 +190,13 @@ class _Doors:
         return cls(door, seal, airs, angle)
 
     def copy_state(self) -> _Doors:
-        """The same, which the next step leaves where they are."""
+        """Return the same, which the next step leaves where they are."""
         return replace(
             self, seal=copy(self.seal), chambers=[copy(chamber) for chamber in self.chambers]
         )
 
     def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """What every term would give back of its work in all the steps, J."""
+        """Return what every term would give back of its work in all the steps, J."""
         back = {name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work}
         back |= {
             VISCOUS: self.seal.compute_stored_energy(),
@@ -311,7 +311,7 @@ def _compute_rebound_energy(going: _Doors, angle: FloatArray) -> float:
 
 
 def _seconds(inertia: float, kinetic: FloatArray, taken: FloatArray, turned: float) -> FloatArray:
-    """How long a step takes that takes so much energy, s."""
+    """Return how long a step takes that takes so much energy, s."""
     now = np.nan_to_num(kinetic)
     after = np.maximum(now - np.nan_to_num(taken), 0.0)
     mean = 0.5 * (np.sqrt(2 * now / inertia) + np.sqrt(2 * after / inertia))

@@ -84,7 +84,7 @@ class Scatter(Serialisable):
     contact: FloatArray
 
     def quantile(self, part: float) -> float:
-        """The speed that closes so many of the doors, m/s."""
+        """Return the speed that closes so many of the doors, m/s."""
         return float(np.quantile(self.speed, part, method="higher"))
 
     @property
@@ -157,7 +157,7 @@ class SealDoubt:
     def extremes(
         self, solid: GeneralizedMaxwell, frequency: float
     ) -> tuple[FloatArray, FloatArray]:
-        """The softest and the hardest seal that is left open at a frequency, Hz.
+        """Return the softest and the hardest seal that is left open at a frequency, Hz.
 
         Factors of its force, and dashpots beside it before those, N s/m per m: inf where nothing
         limits it.
@@ -245,7 +245,7 @@ class Closing:
         return 1 / (4 * self.sealing) if self.sealing > 0 else float("inf")
 
     def share(self, name: str) -> Share:
-        """The term of that name, of no work if it is not there."""
+        """Return the term of that name, of no work if it is not there."""
         return next((term for term in self.terms if term.name == name), Share(name, 0.0, 0.0, 0.0))
 
 
@@ -386,7 +386,7 @@ def least_speed(
 
 
 def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
-    """The same door with few stations, and which of them each of its own belongs to."""
+    """Return the same door with few stations, and which of them each of its own belongs to."""
     n = len(door.lever)
     group = np.arange(n) * min(n, _FEW) // n
     length = np.asarray(np.bincount(group, door.length), dtype=float)

@@ -49,7 +49,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
 
 
 def waterfall(done: Closing) -> Panel:
-    """What each term takes of the energy, the largest first, and what is left."""
+    """Return what each term takes of the energy, the largest first, and what is left."""
     rows = [("door", 0.0, done.energy)]
     at = done.energy
     for energy_term in sorted(done.terms, key=lambda term: -abs(term.work)):
@@ -86,7 +86,7 @@ def waterfall(done: Closing) -> Panel:
 
 
 def _way(done: Closing) -> tuple[FloatArray, float]:
-    """Where the edge is, mm to closed, and how far of it is drawn."""
+    """Return where the edge is, mm to closed, and how far of it is drawn."""
     way = convert_to_unit(done.door.edge * done.march.angle, "mm")
     door = done.door
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
@@ -97,7 +97,7 @@ def _way(done: Closing) -> tuple[FloatArray, float]:
 
 
 def moments_panel(done: Closing) -> Panel:
-    """The moment of each term over the last of the way."""
+    """Return the moment of each term over the last of the way."""
     way, most = _way(done)
     middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(done.march.angle)
     on = np.isfinite(done.march.kinetic[1:, 0]) & (middle <= most)
@@ -119,7 +119,7 @@ def moments_panel(done: Closing) -> Panel:
 
 
 def speed_panel(done: Closing) -> Panel:
-    """The speed of the edge over its way."""
+    """Return the speed of the edge over its way."""
     way, _ = _way(done)
     speed = done.door.edge * np.sqrt(2 * done.march.kinetic[:, 0] / done.door.inertia)
     finite = np.isfinite(speed)
@@ -135,7 +135,7 @@ def speed_panel(done: Closing) -> Panel:
 
 
 def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Panel:
-    """The least speeds of doors within their tolerances, those beyond the limit apart."""
+    """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.speed[np.isfinite(scatter.speed)]
     limit, above = scatter.variation.limit, scatter.above
     bars, top = _bars(speed, limit)

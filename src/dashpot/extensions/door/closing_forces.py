@@ -130,6 +130,6 @@ class Chambers:
         return np.asarray(self.pressure.max(axis=1) - air_flow.AMBIENT)
 
     def compute_stored_energy(self) -> FloatArray:
-        """What the air would give back, J, shape (doors,)."""
+        """Return what the air would give back, J, shape (doors,)."""
         row = air_flow.compute_stored_energy(self.density, self.volume, self.kind.exponent)
         return np.asarray(row.sum(axis=1))

@@ -93,7 +93,7 @@ class Vents(Air):
         require_nonnegative("the vents: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """The hollow less what is pressed out of it."""
+        """Return the hollow less what is pressed out of it."""
         hollow = self.section - self.width * door.pressed
         if (hollow <= 0).any():
             raise DataError(
@@ -163,7 +163,7 @@ class Cabin(Air):
         require_nonnegative("the cabin: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """The cabin with what the door still encloses, and its vents with the open gap."""
+        """Return the cabin with what the door still encloses, and its vents with the open gap."""
         volume = self.volume + self.area * self.lever * door.angle
         opening = self.opening + (door.gap @ door.length)[:, None]
         return np.full_like(opening, volume), opening

@@ -20,7 +20,7 @@ def render_closing(closing: ClosingResult) -> Text:
 
 
 def closing_text(value: Closing) -> Text:
-    """The outcome, its energy by terms, the least speed and how it scatters."""
+    """Return the outcome, its energy by terms, the least speed and how it scatters."""
     lines = [
         (
             f"  {format_rounded(value.speed)} m/s at the edge, {format_rounded(value.door.edge)} m "

@@ -62,7 +62,7 @@ _HOLDS = 0.01
 
 
 def door(result: DoorResult, *, stamp: str = "") -> Picture:
-    """The seal line by its compression, the first modes as the line moves, and FRFs.
+    """Return the seal line by its compression, the first modes as the line moves, and FRFs.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class View:
 
 
 def line_panel(result: DoorResult, view: View) -> Panel:
-    """The seal line by its compression, and what holds the door beside it."""
+    """Return the seal line by its compression, and what holds the door beside it."""
     stations, line = result.stations, result.door.line
     marks: list[Mark] = []
     places = [np.zeros((0, 2))]
@@ -193,7 +193,7 @@ def _classes(x: FloatArray, y: FloatArray, mm: FloatArray) -> list[Mark]:
 
 
 def pressed_panel(result: DoorResult) -> Panel:
-    """How far the seal is pressed along its line, and the depth of its test."""
+    """Return how far the seal is pressed along its line, and the depth of its test."""
     stations = result.stations
     along = np.zeros(0) if stations is None else stations.along
     length = 0.0 if result.door.line is None else result.door.line.length
@@ -217,7 +217,7 @@ def pressed_panel(result: DoorResult) -> Panel:
 
 
 def shape_panels(result: DoorResult, view: View) -> list[Panel]:
-    """How the line moves in each of the first modes; nothing is drawn that is not known.
+    """Return how the line moves in each of the first modes; nothing is drawn that is not known.
 
     Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
     goes in; in its plane as the line itself, moved.
@@ -272,7 +272,7 @@ def shape_panels(result: DoorResult, view: View) -> list[Panel]:
 
 
 def _draw_plane_motion(seen: FloatArray, change: FloatArray, size: float) -> list[Mark]:
-    """A motion in the plane: the line at rest, dashed, and moved."""
+    """Return a motion in the plane: the line at rest, dashed, and moved."""
     there = seen + size / float(np.linalg.norm(change, axis=1).max()) * change
     x, y = seen.mean(axis=0).tolist()
     return [
@@ -283,7 +283,7 @@ def _draw_plane_motion(seen: FloatArray, change: FloatArray, size: float) -> lis
 
 
 def _bands(seen: FloatArray, out: FloatArray, size: float) -> list[Mark]:
-    """A motion across the plane as bands on the line, rings where it stands still."""
+    """Return a motion across the plane as bands on the line, rings where it stands still."""
     normal = _outwards(seen)
     scaled = out / float(np.abs(out).max())
     edge = seen + size * scaled[:, None] * normal
@@ -325,13 +325,13 @@ def _outwards(seen: FloatArray) -> FloatArray:
 
 
 def _extract_real_motion(change: ComplexArray) -> FloatArray:
-    """The real motion when most of it is at its largest."""
+    """Return the real motion when most of it is at its largest."""
     top = change.ravel()[int(np.abs(change).argmax())]
     return np.asarray((change / top).real)
 
 
 def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel:
-    """The accelerance of a place with the seal and without, where the seal holds a mode."""
+    """Return the accelerance of a place with the seal and without, where the seal holds a mode."""
     name, sealed, bare = result.frfs[index]
     held = [
         (number, mode.mode.frequency)

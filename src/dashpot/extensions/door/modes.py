@@ -65,7 +65,7 @@ class DoorMode(Serialisable):
 
 
 def oscillations(system: System, below: float = np.inf) -> tuple[ComplexMode, ...]:
-    """The modes of a system that oscillate, up to a frequency, Hz, by rising frequency."""
+    """Return the modes of a system that oscillate, up to a frequency, Hz, by rising frequency."""
     n = len(system.dofs)
     times = {tau for spring in system.springs for tau in spring.felt.maxwell.tau}
     few = 2 * n + len(times) * min(n, len(system.springs)) <= _STATES
@@ -157,7 +157,7 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
 
 
 def _compute_rest_stiffness(system: System) -> FloatArray:
-    """Stiffness at rest by unit masses, 1/s^2, shape (n, n)."""
+    """Return stiffness at rest by unit masses, 1/s^2, shape (n, n)."""
     E = system.stretch / np.sqrt(np.diag(system.mass_matrix))
     k = np.array([spring.felt.k_0 for spring in system.springs])
     return np.asarray((E.T * k) @ E)

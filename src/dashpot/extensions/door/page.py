@@ -95,7 +95,7 @@ def door_html(*results: DoorResult | ClosingResult) -> str:
 
 
 def build_page_contents(result: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
-    """What the page of a door holds: how it vibrates, how it closes, or both."""
+    """Return what the page of a door holds: how it vibrates, how it closes, or both."""
     results = [item for item in (result, closed) if item is not None]
     every = tuple(dict.fromkeys(check for result in results for check in result.checks))
     sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
@@ -123,7 +123,7 @@ def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Chec
 
 
 def format_door_summary(result: DoorResult | ClosingResult) -> str:
-    """The mass, what holds it, and the seal."""
+    """Return the mass, what holds it, and the seal."""
     door = result.door
     sentences = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
     if door.line is not None:
@@ -189,12 +189,12 @@ def _line_says(result: DoorResult | None, closed: ClosingResult | None) -> str:
 
 
 def _select_seal_modes(result: DoorResult) -> list[DoorMode]:
-    """The modes that the seal holds."""
+    """Return the modes that the seal holds."""
     return [mode for mode in result.modes if mode.share(SEAL) >= _HOLDS]
 
 
 def modes_of(result: DoorResult) -> ModesTable:
-    """The table of the modes."""
+    """Return the table of the modes."""
     rows, parts = tuple(_rows(result)), tuple(_colours(result.modes).items())
     return ModesTable(rows, parts, _seal_note(result), len(result.modes) - len(rows))
 
@@ -262,7 +262,7 @@ def _rows(result: DoorResult) -> Iterator[ModeRow]:
 
 
 def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
-    """What each part has, side by side, of all of it."""
+    """Return what each part has, side by side, of all of it."""
     whole, at, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
         width = 100 * shares.get(name, 0.0) / whole if whole > 0 else 0.0

@@ -65,7 +65,7 @@ def run(
 def _merge_door_results(
     result: DoorResult | None, closed: ClosingResult | None, *, every: bool
 ) -> CommandResult:
-    """How it vibrates, how it closes, or both."""
+    """Return how it vibrates, how it closes, or both."""
     if closed is None:
         assert result is not None  # noqa: S101
         return CommandResult(

@@ -88,7 +88,7 @@ class _TableLocation:
         return Section(self.where, entries, known)
 
     def parse_tables(self, entries: Any, *known: str) -> list[Section]:
-        """The tables of an array of them; a single table is one."""
+        """Return the tables of an array of them; a single table is one."""
         rows = [entries] if isinstance(entries, Mapping) else entries
         if not isinstance(rows, list):
             raise ReadError(f"{self.where}: expected tables, such as [[{self.where[:-1]}]]")
@@ -97,7 +97,7 @@ class _TableLocation:
         return [Section(f"{self.where} {i}", row, known) for i, row in enumerate(rows, start=1)]
 
     def path(self, word: str | None) -> str:
-        """A file beside the door's own, or below; a door of others opens nothing else."""
+        """Return a file beside the door's own, or below; a door of others opens nothing else."""
         if not word:
             return ""
         place = self.folder / word
@@ -196,7 +196,7 @@ def _support(here: _TableLocation, section: Section, name: str) -> Support:
 def _read_directional_values(
     section: Section, name: Literal["stiffness", "damping"], ways: int
 ) -> tuple[float, ...]:
-    """Stiffness or damping along each way; one number is that of all."""
+    """Return stiffness or damping along each way; one number is that of all."""
     values = section.quantities(name, name) or ()
     if any(not 0 <= value < 1e12 for value in values):
         raise ReadError(f"{section.where}: a stiffness or a damping is below 0 or beyond any part")
@@ -297,7 +297,7 @@ def _refuse_more(where: str, count: float, what: str) -> None:
 def _compression(
     section: Section, columns: Mapping[str, FloatArray], count: int
 ) -> FloatArray | None:
-    """How far the seal is pressed at each point: as stated, or its height less the gap."""
+    """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
     stated = section.find_single_key("compression", "gap")
     names = [*filter(columns.__contains__, _PRESSED), *filter(None, [stated])]
     if len(names) > 1:
@@ -341,7 +341,7 @@ def _shear(here: _TableLocation, entries: Any) -> ShearChoice:
 
 
 def _friction(here: _TableLocation, entries: Any) -> LineFriction | None:
-    """What rubs sideways beside the arms."""
+    """Return what rubs sideways beside the arms."""
     if entries is None:
         return None
     row = Section(f"{here.where[:-1]}.friction]", entries, ("mu", "across", "along"))

@@ -53,7 +53,7 @@ def closing_of(
     )  # fmt: skip
 
     def sub(made: Callable[[Section], T], name: str, *known: str) -> T | None:
-        """What a table within makes, if it stands there."""
+        """Return what a table within makes, if it stands there."""
         table = section.entries.get(name)
         return None if table is None else made(Section(f"{where[:-1]}.{name}]", table, known))
 

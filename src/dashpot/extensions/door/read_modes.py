@@ -87,7 +87,7 @@ def read_modes(
 
 
 def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> IndexArray:
-    """The rows of each mode, all at the same points, shape (modes, points)."""
+    """Return the rows of each mode, all at the same points, shape (modes, points)."""
     counts = np.unique(number, return_counts=True)[1]
     if np.ptp(counts):
         raise ReadError(

@@ -174,7 +174,7 @@ class SealLine(EqualByValue):
         return np.clip(np.searchsorted(self.along, along, "right") - 1, 0, len(self.points) - 2)
 
     def _breaks(self, cell: float) -> FloatArray:
-        """Where no cell may reach across, from end to end, m; points of a curve are none."""
+        """Return where no cell may reach across, from end to end, m; points of a curve are none."""
         runs, lengths = np.diff(self.points, axis=0), _lengths(self.points)
         ways = runs / lengths[:, None]
         turned = (ways[1:] * ways[:-1]).sum(axis=1) < _BENDS
@@ -185,7 +185,7 @@ class SealLine(EqualByValue):
         return np.unique(np.concatenate(([0.0, self.length], corners, inside)))
 
     def _touching(self) -> list[float]:
-        """Where the seal begins or ends to touch, m along the line."""
+        """Return where the seal begins or ends to touch, m along the line."""
         if self.compression is None:
             return []
         first, last = self.compression[:-1], self.compression[1:]

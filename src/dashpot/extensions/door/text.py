@@ -18,7 +18,7 @@ _ROUNDING = 1e-9
 
 
 def door(result: DoorResult, *, every: bool = False) -> Text:
-    """The seal line, the modes with what shares them, and what a shaken base does.
+    """Return the seal line, the modes with what shares them, and what a shaken base does.
 
     Of many modes those of which the seal has most; `every` tells what each part has of them.
     """
@@ -62,12 +62,12 @@ def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> l
 
 
 def _part(value: float) -> str:
-    """A share, %: to a tenth below ten."""
+    """Return a share, %: to a tenth below ten."""
     return f"{value:.1f}" if value < 10 else f"{value:.0f}"
 
 
 def _format_damping(value: float) -> str:
-    """A damping; what is rounding is none."""
+    """Return a damping; what is rounding is none."""
     return format_rounded(value, digits=3) if value > _ROUNDING else "0"
 
 

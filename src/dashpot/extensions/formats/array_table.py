@@ -99,7 +99,7 @@ def window_line(name: str, value: object) -> str:
 
 
 def _window_lines(arrays: Sequence[NamedArray]) -> list[str]:
-    """What single numbers say of a window."""
+    """Return what single numbers say of a window."""
     single = [
         array
         for array in arrays
@@ -120,7 +120,7 @@ def _column(array: NamedArray, factor: str) -> Column:
 def _stated_factors(
     arrays: Sequence[NamedArray], columns: Sequence[NamedArray]
 ) -> tuple[list[str], list[Caution]]:
-    """What is stated of each column that would change its numbers, and what of none of them.
+    """Return what is stated of each column that would change its numbers, and what of none of them.
 
     A single number named for a factor belongs to the column that it is named for (``force_gain``),
     or inside whose struct or dataset it stands (``force.gain``).
@@ -150,7 +150,7 @@ def _stated_factors(
 
 
 def _meant(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
-    """The columns that a factor is stated of, by its name and where it stands."""
+    """Return the columns that a factor is stated of, by its name and where it stands."""
     words = select_channel_words(last)
     if words:
         return [
@@ -275,7 +275,7 @@ def names_start(name: str) -> bool:
 
 
 def _parted_name(name: str) -> tuple[str, str | None]:
-    """The name of a rate or a step, and the unit behind it."""
+    """Return the name of a rate or a step, and the unit behind it."""
     stem, inner = split_unit(name)
     if inner:
         return stem, inner

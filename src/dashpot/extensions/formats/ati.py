@@ -107,7 +107,7 @@ def read_calibration(path: str | Path) -> Calibration:
 
 
 def _parse_calibration(content: bytes) -> tuple[ET.Element, ET.Element]:
-    """The root of a calibration file and its calibration."""
+    """Return the root of a calibration file and its calibration."""
     no = "not an ATI calibration file"
     if len(content) > _LARGEST or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
         raise ReadError(no)
@@ -129,7 +129,7 @@ def _factor(word: str | None, dimension: units.Dimension) -> float:
 
 
 def _rows(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
-    """The matrix in the file's units, the ranges, and whether it is the scaled form."""
+    """Return the matrix in the file's units, the ranges, and whether it is the scaled form."""
     users = {entry.get("Name"): entry for entry in sensor.findall("UserAxis")}
     elements = users or {entry.get("Name"): entry for entry in sensor.findall("Axis")}
     matrix, limits = np.empty((6, 6)), np.empty(6)
@@ -220,7 +220,7 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
 
 
 def _gauges(table: FileTable) -> tuple[list[int], float]:
-    """The six gauge columns in the order of their numbers, and the factor to volts."""
+    """Return the six gauge columns in the order of their numbers, and the factor to volts."""
     new_units = [units.find_unit(column.unit or "", "voltage") for column in table.columns]
     volts = {i: unit.factor for i, unit in enumerate(new_units) if unit is not None}
     gauges = _find_numbered_gauges(table) or list(volts)
@@ -238,7 +238,7 @@ def _gauges(table: FileTable) -> tuple[list[int], float]:
 
 
 def _find_numbered_gauges(table: FileTable) -> list[int]:
-    """The six columns that are called gauges by number, in that order; none if not six."""
+    """Return the six columns that are called gauges by number, in that order; none if not six."""
     entries: dict[int, int] = {}
     for i, column in enumerate(table.columns):
         numbers = _GAUGE.findall(column.name)

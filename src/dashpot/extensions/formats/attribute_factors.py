@@ -55,7 +55,7 @@ def words_of_name(name: str) -> list[str]:
 
 @lru_cache(maxsize=4096)
 def names_factor(name: str) -> bool:
-    """Whether a name is that of a factor or a summand of numbers.
+    """Return whether a name is that of a factor or a summand of numbers.
 
     >>> names_factor("gain"), names_factor("full_scale"), names_factor("serial")
     (True, False, False)

@@ -96,7 +96,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _get_group_member(group: Any, key: str) -> Any:
-    """The member of a group, or None; what a soft link names has a place of its own."""
+    """Return the member of a group, or None; what a soft link names has a place of its own."""
     h5py = extra("h5py", "h5py", "HDF5 files")
     link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
     if isinstance(link, h5py.ExternalLink):
@@ -139,7 +139,7 @@ def _take(node: Any, name: str, walk: _Walked) -> None:
 
 
 def _dataset(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
-    """The numbers of one dataset, parted where its columns or fields have names."""
+    """Return the numbers of one dataset, parted where its columns or fields have names."""
     if node.dtype.kind in _INSTANTS:
         return _instants(node, name, walk)
     whole = _columns_of(node, name, walk)
@@ -244,7 +244,7 @@ def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
 
 
 def _numbers_of(value: Any) -> tuple[float, ...]:
-    """The numbers of an attribute, in its own order."""
+    """Return the numbers of an attribute, in its own order."""
     array = np.ravel(np.asarray(value))
     return tuple(array.astype(float).tolist()) if array.dtype.kind in "iufb" else ()
 
@@ -283,7 +283,7 @@ def _start(node: Any) -> str:
 
 
 def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedArray]:
-    """The attributes of a node that state a rate, a step or a factor, as single numbers."""
+    """Return the attributes of a node that state a rate, a step or a factor, as single numbers."""
     arrays = []
     for key in node.attrs:
         names_rate = stated_rate(key, 1.0) > 0
@@ -317,7 +317,7 @@ def _instants(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
 def _split_named_columns(
     node: Any, name: str, values: FloatArray | ComplexArray
 ) -> list[NamedArray]:
-    """The columns of a matrix by the names in an attribute, if it has one for each."""
+    """Return the columns of a matrix by the names in an attribute, if it has one for each."""
     names: Any = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
     if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
@@ -327,7 +327,7 @@ def _split_named_columns(
 
 
 def _stem(name: str) -> str:
-    """The struct that ``struct.data`` is the numbers of."""
+    """Return the struct that ``struct.data`` is the numbers of."""
     stem, _, last = name.rpartition(".")
     return stem if stem and last in _INNER else name
 
@@ -348,7 +348,7 @@ def _unit(node: Any) -> str | None:
 
 
 def _units(node: Any, count: int) -> list[str | None]:
-    """The units of the columns or fields in an attribute, if it has one for each."""
+    """Return the units of the columns or fields in an attribute, if it has one for each."""
     words: Any = next((node.attrs[key] for key in _UNIT if key in node.attrs), None)
     one_each = np.ndim(words) == 1 and len(words) == count
     return [_word(word) or None for word in words] if one_each else [None] * count

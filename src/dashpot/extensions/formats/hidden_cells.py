@@ -43,7 +43,7 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
 
 
 def _sheets(book: zipfile.ZipFile, names: set[str]) -> dict[str, str]:
-    """The part of each sheet by its name."""
+    """Return the part of each sheet by its name."""
     links = dict(_attributes(book, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target"))
     listed = _attributes(book, "xl/workbook.xml", b"sheet", "name", "id")
     parts = {name: links.get(link, "").removeprefix("/xl/") for name, link in listed}
@@ -65,7 +65,7 @@ def _attributes(
 
 
 def _words(text: bytes) -> dict[str, str]:
-    """The attributes of a tag, without the prefixes of their names."""
+    """Return the attributes of a tag, without the prefixes of their names."""
     return {
         word.rpartition(b":")[2].decode(): value.decode("utf-8", "replace")
         for word, value in _WORD.findall(text)
@@ -87,7 +87,7 @@ def _tags(book: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str
 
 
 def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[int], list[int]]:
-    """The hidden rows and columns of one sheet of an xlsx file, counted from 1."""
+    """Return the hidden rows and columns of one sheet of an xlsx file, counted from 1."""
     rows: list[int] = []
     columns: list[int] = []
     row = 0
@@ -129,7 +129,7 @@ def _parse_whole_number(text: str) -> int:
 
 
 def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
-    """What is hidden, in words; "" if nothing is."""
+    """Return what is hidden, in words; "" if nothing is."""
     parts = [
         _format_places("row", [str(row) for row in rows]),
         _format_places("column", [_letters(column) for column in columns]),
@@ -145,7 +145,7 @@ def _format_places(what: str, places: list[str]) -> str:
 
 
 def _letters(column: int) -> str:
-    """The letters over a column of a sheet."""
+    """Return the letters over a column of a sheet."""
     letters = ""
     while column > 0:
         column, place = divmod(column - 1, 26)

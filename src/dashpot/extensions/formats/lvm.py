@@ -125,7 +125,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _top(lines: Sequence[str]) -> int:
-    """The line of the first row: two below the end of the second header."""
+    """Return the line of the first row: two below the end of the second header."""
     ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
     if len(ends) < 2 or ends[1] + 1 >= len(lines):
         raise ReadError(f"an LVM file without two '{_END}' lines and channel names")
@@ -133,7 +133,7 @@ def _top(lines: Sequence[str]) -> int:
 
 
 def _names(line: str, sign: str) -> tuple[list[str], list[int]]:
-    """The names of the columns, without the comment, and which are clocks."""
+    """Return the names of the columns, without the comment, and which are clocks."""
     names = cell.split(line, sign)
     if names and names[-1].casefold() == "comment":
         names.pop()
@@ -141,7 +141,7 @@ def _names(line: str, sign: str) -> tuple[list[str], list[int]]:
 
 
 def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Mark:
-    """The decimal mark stated, or else (old writers) the one that the rows use."""
+    """Return the decimal mark stated, or else (old writers) the one that the rows use."""
     if options.decimal is not None:
         return "," if options.decimal == "," else "."
     stated = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
@@ -168,7 +168,7 @@ def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_LvmHead]:
 
 
 def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
-    """What each header says: the cells after its keys."""
+    """Return what each header says: the cells after its keys."""
     headers: list[dict[str, list[str]]] = [{}]
     with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
     for key, rest in chain.from_iterable(map(_KEYS.findall, with_keys)):
@@ -206,7 +206,7 @@ def _half_digit(text: str) -> float:
 
 
 def _unlike(segment: _LvmHead, columns: int) -> bool:
-    """Whether the channels that hold samples differ in their step."""
+    """Return whether the channels that hold samples differ in their step."""
     filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
     return len(set(segment.step[:columns])) > 1 and len(filled) > 1
 
@@ -219,7 +219,7 @@ def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
 def _contents(
     names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, mark: Mark
 ) -> tuple[Content, ...]:
-    """What each column holds; one that is blank in every row holds nothing."""
+    """Return what each column holds; one that is blank in every row holds nothing."""
     cut = [cell.split(row, sign) for row in rows if row.strip()]
     contents: list[Content] = []
     for i in range(len(names)):
@@ -248,7 +248,7 @@ def _columns(
 
 
 def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
-    """A note where the step is printed with so few digits that the rate is uncertain."""
+    """Return a note where the step is printed with so few digits that the rate is uncertain."""
     if not segment.step or segment.step[0] <= 0:
         says = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
         return (), (Question(says, "--rate RATE"),)
@@ -265,7 +265,7 @@ def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
 
 
 def _round_sampling_rate(rate: float) -> int:
-    """The power of two nearby, which samplers love, else the whole number."""
+    """Return the power of two nearby, which samplers love, else the whole number."""
     power = 2 ** round(np.log2(rate)) if rate > 1 else 1
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 

@@ -87,7 +87,7 @@ def _flatten(name: str, value: Any, arrays: list[NamedArray], depth: int = 0) ->
 
 
 def _extract_struct_array(name: str, fields: dict[str, Any]) -> NamedArray | None:
-    """The array of a struct that holds numbers and their unit."""
+    """Return the array of a struct that holds numbers and their unit."""
     folded = {str(key).casefold(): value for key, value in fields.items()}
     data = next((folded[key] for key in _DATA if key in folded), None)
     unit = next((folded[key] for key in _UNITS if key in folded), None)
@@ -171,7 +171,7 @@ def _tag(
 
 
 def _content(take: Take, file: _MatFile, space: int, kinds: frozenset[int]) -> tuple[int, bytes]:
-    """How many bytes the next element took, and its data."""
+    """Return how many bytes the next element took, and its data."""
     _, size, short = _tag(take, file, space, kinds)
     if short is not None:
         return 8, short

@@ -113,7 +113,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _chosen(new_channels: _Groups, sheet: str | None) -> _Groups:
-    """The groups that hold numbers, or the one named; all with the same channels."""
+    """Return the groups that hold numbers, or the one named; all with the same channels."""
     groups = {name: channels for name, channels in new_channels.items() if channels}
     if sheet is not None:
         if sheet not in groups:
@@ -130,7 +130,7 @@ def _chosen(new_channels: _Groups, sheet: str | None) -> _Groups:
 
 
 def _is_scaled(objects: Mapping[str, Any]) -> bool:
-    """Whether a channel, its group or the file says that what is stored is to be scaled."""
+    """Return whether a channel, its group or the file says that what is stored is to be scaled."""
     return any(
         item.scaler_data_types or any(key.startswith(_SCALED) for key in item.properties)
         for item in objects.values()
@@ -152,7 +152,7 @@ def _refuse_unknown_scales(objects: Mapping[str, Any]) -> None:
 
 
 def _is_stamped(item: Any) -> bool:
-    """Whether a channel holds instants."""
+    """Return whether a channel holds instants."""
     return getattr(item.data_type, "__name__", "") == "TimeStamp"
 
 
@@ -167,7 +167,7 @@ def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
 
 
 def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
-    """What properties beside the format's own state of the sampling rate."""
+    """Return what properties beside the format's own state of the sampling rate."""
     return [
         NamedArray(f"{path}.{key}", np.array(float(value)))
         for path, item in objects.items()
@@ -177,7 +177,7 @@ def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
 
 
 def _factors(properties: Mapping[str, Any]) -> str:
-    """What properties state of a factor, without those that the format itself defines."""
+    """Return what properties state of a factor, without those that the format itself defines."""
     entries = {
         key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))
     }
@@ -185,7 +185,7 @@ def _factors(properties: Mapping[str, Any]) -> str:
 
 
 def _read_stored_channels(file: Any) -> _Groups:
-    """The channels of a file as they are stored.
+    """Return the channels of a file as they are stored.
 
     npTDMS's own objects cost twice as much as what they hold: of tens of thousands of channels they
     are not made.
@@ -211,7 +211,7 @@ def _read_stored_channels(file: Any) -> _Groups:
 
 
 def _names(path: str) -> list[str]:
-    """The names of a channel's group and its own."""
+    """Return the names of a channel's group and its own."""
     match = _PATH.fullmatch(path)
     if match is None:
         raise ReadError(f"this TDMS file keeps numbers under '{path}', which names no channel")
@@ -219,7 +219,7 @@ def _names(path: str) -> list[str]:
 
 
 def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
-    """The channels of a file as npTDMS scales them, instants as seconds since the first."""
+    """Return the channels of a file as npTDMS scales them, instants as seconds since the first."""
     from nptdms import TdmsFile
 
     stream.seek(0)
@@ -261,7 +261,7 @@ def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _T
 
 
 def _start(stated: Any) -> int | None:
-    """A stated start, ns since 1970; None of none, and of the zero of LabVIEW's clock."""
+    """Return a stated start, ns since 1970; None of none, and of the zero of LabVIEW's clock."""
     if hasattr(stated, "as_datetime64"):
         stated = stated.as_datetime64("ns")
     if not isinstance(stated, np.datetime64) or np.isnat(stated):
@@ -271,7 +271,7 @@ def _start(stated: Any) -> int | None:
 
 
 def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
-    """The channels, each later by as much as its stated start is after the first one's.
+    """Return the channels, each later by as much as its stated start is after the first one's.
 
     One that states none began with the first.
     """
@@ -319,7 +319,7 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
-    """The times at which every channel was sampled."""
+    """Return the times at which every channel was sampled."""
     start = max(channel.offset for channel in channels)
     end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
     count = int(np.floor((end - start) / step + 1e-6)) + 1
@@ -331,7 +331,7 @@ def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
 def _align_channel(
     channel: _TdmsChannel, time: FloatArray, step: float, notes: list[str]
 ) -> FloatArray:
-    """A channel's samples at the common times; its own where they fall together."""
+    """Return a channel's samples at the common times; its own where they fall together."""
     shift = (time[0] - channel.offset) / step
     whole = round(shift)
     if abs(shift - whole) <= _WHOLE:

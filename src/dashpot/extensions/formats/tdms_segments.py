@@ -68,7 +68,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
             self._changed[owner] = (key, "nothing" if old is None else old, new)
 
     def _goes_on(self, value: Any, key: str, old: Any, new: Any, before: int) -> bool:
-        """Whether a segment says that it starts where the one before it ended."""
+        """Return whether a segment says that it starts where the one before it ended."""
         step = float(value.get("wf_increment") or 0.0)
         if old is None or not step:
             return False
@@ -78,7 +78,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         return abs(difference - before * step) <= _CONTIGUOUS * step
 
     def _without_starts(self, properties: Any) -> Any:
-        """The properties of a segment without a start that the first segment has stated."""
+        """Return the properties of a segment without a start that the first segment has stated."""
         if properties is None or self._number == 1:
             return properties
         return {
@@ -99,12 +99,12 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         return int(result.num_values) if result else 0
 
     def _values_until_now(self, path: str) -> int:
-        """The values of a channel before the segment that is being read."""
+        """Return the values of a channel before the segment that is being read."""
         return self._values_before.get(path, self._values(path))
 
 
 def _owns(owner: str, path: str) -> bool:
-    """Whether the properties of a channel, a group or the file are those of a channel."""
+    """Return whether the properties of a channel, a group or the file are those of a channel."""
     return owner in {path, "/"} or path.startswith(f"{owner}/")
 
 

@@ -92,7 +92,7 @@ def _readable_path(raw: RawFile) -> Iterator[Path]:
 
 
 def _with_windows(sets: Sequence[_Set]) -> list[_Set]:
-    """The datasets; each 58 with the 1858 that follows it under ``qualifiers``."""
+    """Return the datasets; each 58 with the 1858 that follows it under ``qualifiers``."""
     entries: list[_Set] = []
     for entry in sets:
         if entry.get("type") == 1858 and entries and entries[-1].get("type") == 58:
@@ -246,7 +246,7 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
 
 
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
-    """The coherence of the same two points on the same lines; or the only one there is."""
+    """Return the coherence of the same two points on the same lines; or the only one there is."""
     same = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
     items = [e for e in same if _ends(e) == _ends(frf)]
     return items[0] if len(items) == 1 else same[0] if len(same) == 1 else None
@@ -264,7 +264,7 @@ def _end(entry: _Set, end: str) -> str:
 
 
 def _points(frfs: Sequence[_Set]) -> list[str]:
-    """What the columns of each FRF are called behind their role; of a single one nothing."""
+    """Return what the columns of each FRF are called behind their role; of a single one nothing."""
     if len(frfs) == 1:
         return [""]
     # values are along the axes: a direction against one was turned
@@ -274,7 +274,7 @@ def _points(frfs: Sequence[_Set]) -> list[str]:
 
 
 def _per(above: str | None, below: str | None) -> str | None:
-    """The unit of a ratio, unless the upper label holds the lower one already."""
+    """Return the unit of a ratio, unless the upper label holds the lower one already."""
     if not above or not below or f"/{below}" in above or "(1/" in above:
         return above
     return f"({above})/{below}"
@@ -329,7 +329,7 @@ def _table(
 
 
 def _stating(table: FileTable, lines: Sequence[str]) -> FileTable:
-    """The table with more lines in its header."""
+    """Return the table with more lines in its header."""
     return replace(table, header=(*table.header, *(f"# {line}" for line in lines)))
 
 
@@ -415,7 +415,7 @@ def _title(entry: _Set) -> str:
 
 
 def _label(word: Any) -> str | None:
-    """A label, None if blank; a superscript two lost in a foreign encoding is put back."""
+    """Return a label, None if blank; a superscript two lost in a foreign encoding is put back."""
     text = str(word).strip()
     return (
         None if text.upper() in _BLANK else text.replace("s\ufffd", "s^2").replace("g\ufffd", "g^2")
@@ -423,7 +423,7 @@ def _label(word: Any) -> str | None:
 
 
 def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
-    """The unit on an axis' label, else what dataset 164 says, if its factors are SI's."""
+    """Return the unit on an axis' label, else what dataset 164 says, if its factors are SI's."""
     label = _label(entry[f"{axis}_axis_units_lab"])
     if label or units is None:
         return label

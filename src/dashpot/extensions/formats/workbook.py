@@ -54,7 +54,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
-    """The table of a sheet, with a note of what is hidden in it: it was read, too."""
+    """Return the table of a sheet, with a note of what is hidden in it: it was read, too."""
     content = entries.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
@@ -78,7 +78,7 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
 
 
 def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
-    """The cells of a sheet, text with decimal commas as numbers with points, and how many.
+    """Return the cells of a sheet, text with decimal commas as numbers with points, and how many.
 
     A cell that is a number has a point here, so that what has a comma is text. ``1,234`` is taken
     for one and a bit beside others in its column that cannot be thousands, or where the user says

@@ -66,7 +66,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
 
 
 def _get_unpacked_size(stream: BinaryIO) -> int:
-    """The bytes of a workbook, unpacked; refuse one that has more than any test needs."""
+    """Return the bytes of a workbook, unpacked; refuse one that has more than any test needs."""
     if stream.read(2) == b"PK":
         with zipfile.ZipFile(stream) as packed:
             size = sum(entry.file_size for entry in packed.infolist())
@@ -97,7 +97,7 @@ def _lines(rows: list[list[Any]]) -> Iterator[str]:
 
 
 def _columns_of_days(rows: list[list[Any]]) -> set[int]:
-    """The columns that count days, some of whose cells calamine takes for dates."""
+    """Return the columns that count days, some of whose cells calamine takes for dates."""
     kinds: dict[int, set[str]] = {}
     for row in rows:
         for j, value in enumerate(row):
@@ -109,7 +109,7 @@ def _columns_of_days(rows: list[list[Any]]) -> set[int]:
 
 
 def _since(value: Any) -> Any:
-    """A date of a calendar's first year as the time since its zero."""
+    """Return a date of a calendar's first year as the time since its zero."""
     if not isinstance(value, dt.date):
         return value
     at = (

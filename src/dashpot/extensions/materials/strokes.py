@@ -77,7 +77,7 @@ def strokes_of(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
 
 
 def _turning_points(x: FloatArray, least: float) -> IndexArray:
-    """The first and last sample, and between them the extremes `least` or more apart."""
+    """Return the first and last sample, and between them the extremes `least` or more apart."""
     level = np.floor(x / (least / _LEVELS))
     # few of many samples change the level: the walk below visits those alone
     at = np.union1d(np.flatnonzero(np.diff(level)) + 1, [0, len(x) - 1])
@@ -100,7 +100,7 @@ def _turning_points(x: FloatArray, least: float) -> IndexArray:
 
 
 def _refine_turning_points(x: FloatArray, rough: IndexArray) -> IndexArray:
-    """Each turning point at the extreme sample between its neighbours."""
+    """Return each turning point at the extreme sample between its neighbours."""
     indices = []
     for i, here in enumerate(rough):
         first = int(rough[i - 1]) if i else 0

@@ -89,7 +89,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
 
 
 def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
-    """The FRF under each mass with its mode, and the stiffness of one seal at the poles.
+    """Return the FRF under each mass with its mode, and the stiffness of one seal at the poles.
 
     Beside what was measured stands the linear solid that comes closest to all of them.
 

@@ -130,7 +130,7 @@ def _ratios(modes: Sequence[Mode]) -> FloatArray:
 
 
 def _spread(mode: Mode, mass: float) -> tuple[float, float]:
-    """Standard errors of the real and imaginary part of m p^2, N/m."""
+    """Return standard errors of the real and imaginary part of m p^2, N/m."""
     zeta, size = mode.damping_ratio, mass * abs(mode.pole) ** 2
     along, across = 1 - 2 * zeta**2, 2 * zeta * float(np.sqrt(1 - zeta**2))
     by_frequency = 2 * mode.frequency_se / mode.frequency

@@ -266,7 +266,7 @@ def _check_modes(
 
 
 def _is_driven(name: str) -> bool:
-    """Whether a point such as 1+Z/1+Z is struck where it is measured."""
+    """Return whether a point such as 1+Z/1+Z is struck where it is measured."""
     moves, slash, struck = name.rpartition(" ")[2].partition("/")
     return bool(slash) and moves == struck
 

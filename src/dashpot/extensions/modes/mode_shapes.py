@@ -21,7 +21,7 @@ def phase_collinearity(shape: ComplexArray) -> float:
 
 
 def phase_deviation(shape: ComplexArray) -> float:
-    """Mean phase deviation, rad: how far the points are off the phase that fits them best.
+    """Return mean phase deviation, rad: how far the points are off the phase that fits them best.
 
     Each of shape (points,) counts by its magnitude; the best phase is that of the total least
     squares line through 0 (Heylen, Lammens and Sas, *Modal analysis theory and testing*).

@@ -26,7 +26,7 @@ from dashpot.workflow.job import ModesJob
 
 
 def masses_page(modes: ModesByMass) -> KindPage:
-    """What the page of one solid under several masses holds."""
+    """Return what the page of one solid under several masses holds."""
     of = modes.together
     facts = tuple(
         Group(format_with_error(mass, "g", digits=4), tuple(mode_rows(mode)))
@@ -88,7 +88,7 @@ def list_mode_facts(named: Iterable[tuple[str, Mode]]) -> tuple[ReportedValue, .
 
 
 def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
-    """What each mode is beside its pole; of several points shapes and how alike they are."""
+    """Return what each mode is beside its pole; of several points shapes and how alike they are."""
     if not measured_modes.modes:
         return []
     last = ["MPC", "MPD, °"] if measured_modes.points else ["modal mass, kg"]
@@ -112,7 +112,7 @@ def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
 
 
 def _shapes(measured_modes: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:
-    """The shapes of the modes, and how alike they are: title, head and rows."""
+    """Return the shapes of the modes, and how alike they are: title, head and rows."""
     numbers = [str(i + 1) for i in range(len(measured_modes.modes))]
     parts = [complex(p.real, p.imag) for mode in measured_modes.modes for p in mode.shape]
     sizes = np.array(parts).reshape(len(numbers), -1).T
@@ -130,5 +130,5 @@ def _shapes(measured_modes: MeasuredModes) -> list[tuple[str, list[str], list[li
 
 
 def _degrees(value: complex) -> str:
-    """The phase in whole degrees, 0 without a sign."""
+    """Return the phase in whole degrees, 0 without a sign."""
     return f"{round(math.degrees(cmath.phase(value))):d}".replace("-", "−")

@@ -103,7 +103,7 @@ def _groups(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
 def _group_repeated_pairs(
     columns: Sequence[Column], of: Mapping[str, list[int]], pair: tuple[Role, Role]
 ) -> list[tuple[str, dict[int, str]]]:
-    """The groups of a pair of parts that stands there several times."""
+    """Return the groups of a pair of parts that stands there several times."""
     first = of[pair[0]]
     # what does not stand there once for each is of none
     roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
@@ -115,7 +115,7 @@ def _group_repeated_pairs(
 
 
 def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
-    """The columns that name each role, and those of standard deviations."""
+    """Return the columns that name each role, and those of standard deviations."""
     entries: dict[str, list[int]] = {
         role: [i for i, c in enumerate(columns) if score(c, role, options) >= _NAMED]
         for role in ("frequency", "coherence", *chain(*PAIRS))
@@ -125,14 +125,14 @@ def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[
 
 
 def _point(column: Column, role: Role) -> str:
-    """What a column's name says besides its role: its point."""
+    """Return what a column's name says besides its role: its point."""
     words = column.name.split()
     retained = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
     return " ".join(retained) if len(retained) < len(words) else ""
 
 
 def _build_subset_frf(file: OpenedFile, chosen: dict[int, str]) -> FRF:
-    """The FRF in some of a table's columns, as if there were no others."""
+    """Return the FRF in some of a table's columns, as if there were no others."""
     indexes = list(chosen)
     columns = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
     table = replace(

@@ -154,7 +154,7 @@ def _fractions(
 def _states(
     poles: ComplexArray, residues: ComplexArray, before: tuple[ComplexArray, ComplexArray] | None
 ) -> list[int]:
-    """What of each pole was there at the order before."""
+    """Return what of each pole was there at the order before."""
     if before is None or not len(before[0]) or not len(poles):
         return [NEW] * len(poles)
     old, old_residues = before

@@ -48,7 +48,7 @@ def modes(modes: MeasuredModes) -> Text:
 
 
 def _shapes(measured_modes: MeasuredModes) -> list[str]:
-    """Every point's part in every mode, as magnitude and phase."""
+    """Return every point's part in every mode, as magnitude and phase."""
     rows = [["point", *(f"mode {i + 1}" for i in range(len(measured_modes.modes)))]]
     for i, point in enumerate(measured_modes.points):
         values = [complex(mode.shape[i].real, mode.shape[i].imag) for mode in measured_modes.modes]
@@ -68,7 +68,7 @@ def _macs(measured_modes: MeasuredModes) -> list[str]:
 
 
 def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
-    """The modes that another test has too."""
+    """Return the modes that another test has too."""
     rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
     for mode in measured_modes.against:
         change = mode.frequency_hz / measured_modes.modes[mode.mode - 1].frequency_hz - 1

@@ -71,7 +71,7 @@ class Coefficients:
         return np.asarray(speed * (self.k_inf * c - arms))
 
     def hereditary(self, t: float, *, speed: float, c: float) -> float:
-        r"""The integral that eqs. (1) to (5) solve, by Gauss's rule, N.
+        r"""Return the integral that eqs. (1) to (5) solve, by Gauss's rule, N.
 
         .. math:: \int_0^{\min(t, c)} A \Big[k_\infty + \sum_j k_j e^{-(t - s)/\tau_j}\Big] ds
         """
@@ -103,7 +103,7 @@ class Coefficients:
         return np.asarray(np.polyval(above, s) / np.polyval(below, s))
 
     def poles(self, *, mass: float) -> ComplexArray:
-        """The zeros of the denominator of eq. (6), 1/s."""
+        """Return the zeros of the denominator of eq. (6), 1/s."""
         return np.asarray(np.roots(self._polynomials(mass)[1]), dtype=complex)
 
     def eq_7(self, omega: FloatArray, *, mass: float) -> FloatArray:

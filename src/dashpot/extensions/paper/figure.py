@@ -19,7 +19,7 @@ BINS = 500
 
 
 def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Picture:
-    """Displacement and force of the ramp and hold, one below the other (paper Fig. 2).
+    """Return displacement and force of the ramp and hold, one below the other (paper Fig. 2).
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def figure_4(
     *,
     stamp: str = "",
 ) -> Picture:
-    """The hold and the solids fitted to it, and what each leaves (paper Fig. 4).
+    """Return the hold and the solids fitted to it, and what each leaves (paper Fig. 4).
 
     Parameters
     ----------

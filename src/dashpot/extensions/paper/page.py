@@ -55,7 +55,7 @@ def paper_page(reproduction: Reproduction) -> str:
 
 
 def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
-    """The paper's figures by file name: 2, 4 and 6."""
+    """Return the paper's figures by file name: 2, 4 and 6."""
     fits = [
         (f"N = {hold_fit.solid.arms}", hold_fit.time, hold_fit.force)
         for hold_fit in (reproduction.one_arm, reproduction.two_arms)

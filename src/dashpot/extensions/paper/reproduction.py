@@ -265,7 +265,7 @@ def reproduce(seed: int = 0) -> Reproduction:
 
 
 def ideal_test() -> RelaxationTest:
-    """The paper's test without a rig: eq. (1) on Table 1, free of noise."""
+    """Return the paper's test without a rig: eq. (1) on Table 1, free of noise."""
     steps = int(BEFORE * RATE), int((RAMP + HOLD) * RATE)
     t = np.arange(-steps[0], steps[1] + 1) / RATE
     force = np.where(t >= 0, _ramp(np.maximum(t, 0.0)), 0.0)
@@ -275,12 +275,12 @@ def ideal_test() -> RelaxationTest:
 
 
 def quantise_force(test: RelaxationTest) -> RelaxationTest:
-    """The same as the paper's load cell resolves it."""
+    """Return the same as the paper's load cell resolves it."""
     return replace(test, force=QUANTUM * np.round(test.force / QUANTUM))
 
 
 def paper_records(reproduction: Reproduction) -> dict[str, str]:
-    """The records by file name, each with what it is, and the truths of the virtual ones."""
+    """Return the records by file name, each with what it is, and the truths of the virtual ones."""
     what = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = reproduction.rig, reproduction.hammer
     return {
@@ -335,7 +335,7 @@ def _ramp(t: FloatArray) -> FloatArray:
 
 
 def _compute_largest_deviation(first: FloatArray, second: FloatArray) -> float:
-    """The largest difference, as a part of the value."""
+    """Return the largest difference, as a part of the value."""
     return float(np.max(np.abs(first - second) / np.abs(second)))
 
 
@@ -396,7 +396,7 @@ def _equations() -> Iterator[Statement]:
 
 
 def _transfer(two: Coefficients, s: np.ndarray) -> float:
-    """How far eq. (6) is from 1 / (m s^2 + K(s)) at complex frequencies, as a part of it."""
+    """Return how far eq. (6) is from 1 / (m s^2 + K(s)) at complex frequencies, as a part of it."""
     shift, lines = float(s.real[0]), s.imag / (2 * np.pi)
     ours = predict_frf(
         SEALS * PAPER, mass=PAPER_MASS, frequency=lines, kind=Kind.RECEPTANCE, shift=shift
@@ -508,14 +508,14 @@ def _misprints(top: float) -> Iterator[Statement]:
 
 
 def _peak_with_damping(factor: float) -> float:
-    """The accelerance's peak, 1/kg, with every b_j, and so every tau_j, that many times."""
+    """Return the accelerance's peak, 1/kg, with every b_j, and so every tau_j, that many times."""
     solid = SEALS * replace(PAPER, tau=tuple(factor * tau for tau in PAPER.tau))
     lines = np.linspace(PRINTED_HZ - 0.2, PRINTED_HZ + 0.2, 4001)
     return find_peak(predict_frf(solid, mass=PAPER_MASS, frequency=lines)).height
 
 
 def peak_on_grid(step: float) -> float:
-    """The highest accelerance at lines so far apart, Hz: what is read off, 1/kg."""
+    """Return the highest accelerance at lines so far apart, Hz: what is read off, 1/kg."""
     lines = step * np.arange(1, int(50 / step) + 1)
     return float(np.abs(predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=lines).value).max())
 
@@ -560,6 +560,6 @@ def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:
 
 
 def is_within_interval(fact: ReportedValue, value: float) -> bool:
-    """Whether the interval of a number holds a value."""
+    """Return whether the interval of a number holds a value."""
     low = -math.inf if math.isnan(fact.low) else fact.low
     return bool(low <= value <= fact.high)

@@ -1,1 +1,1 @@
-"""What plug-ins read, fit and write: plain data go in and come out, held to the contract."""
+"""File formats, kinds of tests and solver inputs of plug-ins: plain data in and out, validated."""

@@ -1,4 +1,4 @@
-"""What a plug-in returns, item by item, held to the contract."""
+"""Contract of plug-ins: validation of what they return, item by item."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ _HEIGHT = 60.0
 
 
 def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
-    """Every number of a plug-in with its interval, one below the other.
+    """Return every number of a plug-in with its interval, one below the other.
 
     Parameters
     ----------

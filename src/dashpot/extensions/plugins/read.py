@@ -56,7 +56,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
 
 
 def _roles(file: OpenedFile) -> dict[int, Role]:
-    """The columns that surely play a role, by index; the likelier role comes first."""
+    """Return the columns that surely play a role, by index; the likelier role comes first."""
     entries: dict[int, Role] = {}
     for role in RECOGNISED["plug-in"].roles:
         answer = assign(file.table, role, file.options)

@@ -80,7 +80,7 @@ def _column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
 
 
 def _values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
-    """The numbers of a column; None and nan are blank cells."""
+    """Return the numbers of a column; None and nan are blank cells."""
     name = get_text(plugin, item, "name")
     try:
         values = np.asarray(item.get("values"), dtype=float)

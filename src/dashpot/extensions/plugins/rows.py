@@ -1,4 +1,4 @@
-"""Registry row of the kinds of tests, formats and solver inputs that plug-ins bring."""
+"""Registry row of the kinds of tests, formats and solver inputs of plug-ins."""
 
 from dashpot.registry.row import Extension, FileFormat, KindOfTest
 

@@ -1,4 +1,4 @@
-"""A deck that a plug-in writes: the solid goes in as plain numbers, its cards come out as text."""
+"""Decks of plug-ins: the solid as plain numbers in, cards as text out."""
 
 from __future__ import annotations
 

@@ -113,12 +113,12 @@ class History:
 
 
 def file_of(folder: Path) -> Path:
-    """The append-only log."""
+    """Return the append-only log."""
     return folder / "history.jsonl"
 
 
 def head_of(folder: Path) -> Path:
-    """The file that says how many lines were written, and the hash of the last."""
+    """Return the file that says how many lines were written, and the hash of the last."""
     return folder / "history.head"
 
 
@@ -196,7 +196,7 @@ def _end(mark: str) -> bytes:
 
 
 def _as_written(text: bytes, mark: str) -> bool:
-    """Whether the bytes of a line are those that its hash is of."""
+    """Return whether the bytes of a line are those that its hash is of."""
     if text.endswith(_end(mark)) and sha256(text.removesuffix(_end(mark))) == mark:
         return True
     return _as_written_before(text, mark)

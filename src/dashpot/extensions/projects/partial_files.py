@@ -14,7 +14,7 @@ _ABANDONED_AFTER = 60.0
 
 
 def is_partial_file(name: str) -> bool:
-    """Whether a file is called as one that :func:`write_atomic` has not finished."""
+    """Return whether a file is called as one that :func:`write_atomic` has not finished."""
     return _PARTIAL_NAME.fullmatch(name) is not None
 
 

@@ -110,7 +110,7 @@ def _file(project: Project, listed: FileEntry, number: int) -> Check:
 
 
 def _find_unlisted_files(project: Project, history: History) -> list[str]:
-    """The files of the project's folder that no line lists."""
+    """Return the files of the project's folder that no line lists."""
     names = {*OWN} | {
         entry.file for line in history.lines for entry in (*line.inputs, *line.outputs)
     }
@@ -167,7 +167,7 @@ _NAMED = re.compile(rf"/([0-9a-f]{{{NAME}}})\.")
 
 
 def _kind(place: str) -> str:
-    """A place without the name of the result: ``records/0123456789abcdef.fit.json``."""
+    """Return a place without the name of the result: ``records/0123456789abcdef.fit.json``."""
     return _NAMED.sub("/.", place)
 
 
@@ -203,7 +203,7 @@ def find_largest_difference(retained: Any, again: Any, where: str = "") -> tuple
 
 
 def _compute_relative_difference(text: Any, again: Any) -> float:
-    """Relative difference of two values; of texts that of the numbers in them, if any."""
+    """Return relative difference of two values; of texts that of the numbers in them, if any."""
     if repr(text) == repr(again):  # as NaN equals nothing
         return 0.0
     if _is_number(text) and _is_number(again) and text != again:
@@ -236,7 +236,7 @@ def same_page(content: bytes, again: bytes) -> bool:
 
 
 def _decode_embedded_files(page: str) -> str:
-    """A page with the files that its links hold as text."""
+    """Return a page with the files that its links hold as text."""
     return re.sub(
         r"(?<=;base64,)[A-Za-z0-9+/=]+",
         lambda link: base64.b64decode(link[0]).decode(errors="backslashreplace"),

@@ -50,7 +50,7 @@ def random_base(
     frequency: npt.ArrayLike | None = None,
     coupled: float = 0.0,
 ) -> RandomResponse:
-    r"""Standard deviations of a mass on a base whose acceleration is stationary noise.
+    r"""Return standard deviations of a mass on a base whose acceleration is stationary noise.
 
     White noise: from the Lyapunov equation of position, velocity and the arms,
 
@@ -108,7 +108,7 @@ def random_limits(
     frequency: npt.ArrayLike | None = None,
     coupled: float = 0.0,
 ) -> RandomLimits:
-    r"""Limits of :func:`random_base` from those of the response, line by line.
+    r"""Return limits of :func:`random_base` from those of the response, line by line.
 
     .. math:: \int |T|_{low}^2 S\,df \le \sigma_a^2 \le \int |T|_{high}^2 S\,df
 
@@ -215,7 +215,7 @@ def random_response(
 
 
 def _spread(solids: Iterable[Solid]) -> bool:
-    """Whether arms reach over more decades than a first-order form can hold."""
+    """Return whether arms reach over more decades than a first-order form can hold."""
     times = [tau for solid in solids for tau in solid.maxwell.tau]
     return bool(times) and max(times) > _DECADES * min(times)
 
@@ -300,7 +300,7 @@ def _over_base(
 
 
 def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LINES) -> FloatArray:
-    """Frequencies over a table, dense about the resonances."""
+    """Return frequencies over a table, dense about the resonances."""
     grids = [np.geomspace(f[0], f[-1], count), f]
     for mode in modes:
         width = mode.frequency * max(mode.damping_ratio, 1e-6)

@@ -79,7 +79,7 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
 
 
 def _factor(word: str, what: str) -> float:
-    """What one of a unit is in (m/s^2)^2/Hz."""
+    """Return what one of a unit is in (m/s^2)^2/Hz."""
     plain = word.strip()
     if plain in _CUBED:
         return _CUBED[plain]

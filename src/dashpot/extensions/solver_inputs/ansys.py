@@ -15,7 +15,7 @@ from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.unit_systems import format_tbdata, text
 from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
 
-# How temperature moves a solid, in the words and the cards of solvers.
+# Temperature dependence.
 
 
 def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
@@ -75,7 +75,7 @@ def ansys(
 def _table(
     deck: Deck, row: SpringRow, requested: tuple[tuple[float, float], float], first_id: int
 ) -> DeckText:
-    """An element type for each way, a real constant of two tables for each share of it."""
+    """Return an element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
     constants: dict[tuple[int, float], int] = {}
     for way in range(row.ways):

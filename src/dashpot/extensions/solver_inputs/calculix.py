@@ -125,7 +125,7 @@ def calculix(
 
 
 def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckText:
-    """A spring of K' for each way of each station, along an axis of its frame."""
+    """Return a spring of K' for each way of each station, along an axis of its frame."""
     cards, element = pairs_of_nodes(row, first_id), first_id
     for number, (_, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
         for way, solid in row.springs(shares):

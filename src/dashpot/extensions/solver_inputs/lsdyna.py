@@ -72,7 +72,7 @@ _Material: TypeAlias = tuple[str, list[float | int]]
 
 
 def _linear(deck: Deck) -> list[_Material]:
-    """A material for the spring, the dashpot and each arm."""
+    """Return a material for the spring, the dashpot and each arm."""
     materials: list[_Material] = []
     if deck.k_inf > 0:
         materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
@@ -108,7 +108,7 @@ def _part(number: int, section: int, material: _Material) -> list[str]:
 def _parts(
     deck: Deck, row: SpringRow, first_id: int
 ) -> tuple[dict[tuple[int, float], list[int]], list[str]]:
-    """The numbers of the parts of each way and share, and their cards, each written once."""
+    """Return the numbers of the parts of each way and share, and their cards, each written once."""
     numbers = itertools.count(first_id)
     parts: dict[tuple[int, float], list[int]] = {}
     cards: list[str] = []
@@ -125,7 +125,7 @@ def _parts(
 
 
 def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
-    """The network of each way of each station, along a vector of its own."""
+    """Return the network of each way of each station, along a vector of its own."""
     cards = ["*KEYWORD", "*NODE"]
     for i, station in enumerate(row.stations):
         place = "".join(f"{format_fixed_width(value, 16):>16}" for value in station.place)

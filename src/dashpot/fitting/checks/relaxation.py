@@ -451,7 +451,7 @@ def filter_bias(
 
 
 def _is_outside_limits(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
-    """True if eq. 5 has another stiffness at the end of the hold than the records allow."""
+    """Return whether eq. 5 has another stiffness at the end of the hold than the records allow."""
     ours, theirs = (float(model.relaxation(end.time)) for model in (full, hold))
     low, high = end.k_end
     return max(low - theirs, theirs - high) > SAME_STIFFNESS * ours

@@ -86,7 +86,7 @@ class ArmColumns:
         )
 
     def weights(self, at: FloatArray) -> Weights:
-        """Weights of the arms that stand for an element."""
+        """Return weights of the arms that stand for an element."""
         return weights_at(self.log_tau - at[0], float(at[1]))
 
     @cached_property
@@ -102,11 +102,11 @@ class ArmColumns:
         return Problem(model, [*map(Parameter, low, high, _SIZES)], self.restricted)
 
     def best(self) -> Optimum:
-        """The element that leaves least, from the best of a grid of starts."""
+        """Return the element that leaves least, from the best of a grid of starts."""
         return require_optimum(self.problem, [start.theta for start in self.starts(_STARTS)])
 
     def starts(self, count: int) -> list[Optimum]:
-        """The best points of a grid, no two of nearly the same relaxation time."""
+        """Return the best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
         times = np.arange(low[0], high[0], 1 / _PER_FOLD)
         tried = [self.problem.at(np.array([t, slope])) for t in times for slope in _SLOPES]
@@ -119,7 +119,7 @@ class ArmColumns:
         return optima
 
     def solution(self, best: Optimum) -> Solution:
-        """An element as the arms that stand for it, in the engine's own terms."""
+        """Return an element as the arms that stand for it, in the engine's own terms."""
         arms = best.beta[-1] * self.weights(best.theta).value
         low, high = self.bounds
         # an edge of tau or of alpha is one of all its arms
@@ -163,11 +163,10 @@ def element_jacobian(blocks: Sequence[DataBlock], columns: ArmColumns, best: Opt
 # The fractional solid of some data beside their arms: which to take, and where the two part.
 #
 # A fractional Zener solid has three parameters and a spring, arms two each. Both families are
-# solved
-# on the same rows with the same nuisance terms, and BIC with the effective number of residuals
-# decides; arms keep their place unless it falls by more than 10, which is very strong evidence
-# (R. E. Kass and A. E. Raftery, *J. Am. Stat. Assoc.* 90, 1995). Where the residuals of the other
-# are within what chance allows, it is kept: the two may part where no test has looked.
+# solved on the same rows with the same nuisance terms, and BIC with the effective number of
+# residuals decides; arms keep their place unless it falls by more than 10, which is very strong
+# evidence (R. E. Kass and A. E. Raftery, *J. Am. Stat. Assoc.* 90, 1995). Where the residuals of
+# the other are within what chance allows, it is kept: the two may part where no test has looked.
 
 
 # fall of BIC below which arms keep their place
@@ -321,14 +320,14 @@ class FamilySelection:
     other: AlternativeFamily | None = None
 
     def alternative(self, band: tuple[float, float], extra: str = RAMPS) -> Alternative | None:
-        """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
+        """Return the other family, as a fit keeps it; `band` is what the data inform, Hz."""
         if self.other is None:
             return None
         solid, _, rise, explains = self.other
         return build_alternative(self.best.solid, solid, rise, band, explains=explains, extra=extra)
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
-        """What to ask of a solid that was taken beside another family."""
+        """Return what to ask of a solid that was taken beside another family."""
         if self.other is None:
             return ()
         check = families_told_apart(alternative)
@@ -406,7 +405,7 @@ def _candidate(selection: SelectedModel) -> _Contender:
 
 
 def _list_orders(arms: SelectedModel) -> list[_Contender]:
-    """The number of arms that was taken, and the larger ones that were tried."""
+    """Return the number of arms that was taken, and the larger ones that were tried."""
     contender = _candidate(arms)
     more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
     count = 1 + len(arms.solution.groups)
@@ -476,7 +475,7 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
 
 
 def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray:
-    """Where two solids differ by more than is worth telling."""
+    """Return where two solids differ by more than is worth telling."""
     a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, second))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth

@@ -170,7 +170,7 @@ def explain_discrepancy(
 def _rank_causes(
     plain: Candidate, refit: Callable[[IdentificationProblem], Candidate]
 ) -> tuple[Candidate, float, list[tuple[DiscrepancyCause, Candidate]]]:
-    """The plain optimum, up to which criterion two causes are alike, and the causes by rank.
+    """Return the plain optimum, up to which criterion two causes are alike, and the causes by rank.
 
     All are by the line scale of the closest; two causes at once are tried where none alone does.
     """
@@ -206,7 +206,7 @@ def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
 
 
 def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
-    """The optimum of a problem from that of another."""
+    """Return the optimum of a problem from that of another."""
     return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 
 
@@ -220,7 +220,7 @@ def _find_failed_checks(candidate: Candidate) -> set[str]:
 
 
 def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list[Check]:
-    """Every check of whether one seal explains all tests under what is known of the rig.
+    """Return every check of whether one seal explains all tests under what is known of the rig.
 
     `known` is that, where the candidate was found with a cause free.
     """
@@ -255,7 +255,7 @@ def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
 
 
 def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Check]:
-    """How far each nuisance had to go from what was known of it."""
+    """Return how far each nuisance had to go from what was known of it."""
     mass = priors.mass
     pairs = [
         (checks.gain_believable, float(np.log(point.gain)), priors.gain.sd),
@@ -279,7 +279,7 @@ def _free_quantity(
 
 
 def _refit_at_scale(candidate: Candidate, scale: float) -> Candidate:
-    """The same optimum, its lines weighted alike."""
+    """Return the same optimum, its lines weighted alike."""
     return descend(replace(candidate.problem, scale=scale), candidate.theta, tolerance=TOLERANCE)
 
 
@@ -315,14 +315,14 @@ def _build_explanation(
 
 
 def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, float]:
-    """What a free quantity came to, and its standard error."""
+    """Return what a free quantity came to, and its standard error."""
     place = candidate.problem.at[quantity]
     value = float(getattr(candidate.point, quantity))
     return value, value * float(np.sqrt(candidate.covariance[place, place]))
 
 
 def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate) -> str:
-    """The stiffness that goes with a mass or a gain, where it is another one at all."""
+    """Return the stiffness that goes with a mass or a gain, where it is another one at all."""
     if not cause.beside:
         return ""
     value, error = _read_free_quantity(candidate, cause.beside)

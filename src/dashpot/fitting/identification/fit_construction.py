@@ -84,7 +84,7 @@ class AlternativeCandidate(NamedTuple):
         return float(np.sqrt(np.max(mine / np.maximum(other, 1e-300))))
 
     def alternative(self, band: tuple[float, float]) -> Alternative:
-        """The other family as a fit keeps it; `band` is what the tests inform, Hz."""
+        """Return the other family as a fit keeps it; `band` is what the tests inform, Hz."""
         problem, rise = self.best.problem, self.other.bic - self.best.bic
         single = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
@@ -124,7 +124,7 @@ def reselect_family(
 
 
 def is_at_bound(candidate: Candidate) -> bool:
-    """True if a relaxation time or a slope stands at an end of what is sought."""
+    """Return whether a relaxation time or a slope stands at an end of what is sought."""
     problem = candidate.problem
     numbers = candidate.theta[: problem.sought.size]
     return is_at_edge(problem.sought, numbers, problem.log_tau_range)
@@ -164,8 +164,7 @@ def _explains(other: Candidate, best: Candidate) -> bool:
 # with the cables of accelerometers :math:`\epsilon K'` and, for their own loss,
 # :math:`j\epsilon\eta_c K'`, both of the seals at the resonance; a table that gives,
 # :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
-# :data:`~dashpot.datamodel.machine.USUAL`. A window whose decay a is known to :math:`\sigma_a`
-# adds
+# :data:`~dashpot.datamodel.machine.USUAL`. A window whose decay a is known to :math:`\sigma_a` adds
 # :math:`\sigma_a\,\partial A/\partial a`.
 #
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
@@ -197,7 +196,7 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
 
 
 def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
-    """What each doubt adds to the predicted lines, one standard deviation a column."""
+    """Return what each doubt adds to the predicted lines, one standard deviation a column."""
     data, point = best.problem.frf_data, best.point
     response = data.response(point.seal_under_hammer, point.mass)
     s, accelerance = response.s, response.accelerance
@@ -230,7 +229,7 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     return np.column_stack((shown, error * (after - before) / (2 * step)))
 
 
-# From an optimum to what a reader needs: a Fit with its errors, its nuisances, what moved.
+# Construction of a fit: errors, nuisances, changes.
 
 
 # arms nearer than this in ln tau are the same arm
@@ -253,7 +252,7 @@ def build_identified_fit(
     dashpot: tuple[Check, ...],
     rig: HammerRig,
 ) -> Fit:
-    """The fit of one seal, with everything needed to judge it.
+    """Return the fit of one seal, with everything needed to judge it.
 
     `before` is what was known of the seal before the hammer, `fit` that of the same family;
     `doubtful` are its tests with all that their rigs may have done unseen.
@@ -347,13 +346,13 @@ def end_of_data(
 
 
 def _shifts(before: Fit) -> TemperatureShifts | None:
-    """How the solid of the relaxation tests moves with temperature; the hammer is of one."""
+    """Return how the solid of the relaxation tests moves with temperature; the hammer is of one."""
     shifts = before.temperatures
     return None if shifts is None else replace(shifts, cross=shifts.cross[-1:])
 
 
 def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
-    """The piece that the relaxation tests were made on."""
+    """Return the piece that the relaxation tests were made on."""
     if before is not None and before.temperatures is not None:
         return before.specimen
     if tests:
@@ -406,7 +405,7 @@ def _compute_rig_sensitivity(
 
 
 def _slope_of_physical(best: Candidate) -> FloatArray:
-    """Derivative of the solid's parameters by the flat vector."""
+    """Return derivative of the solid's parameters by the flat vector."""
     problem, sought = best.problem, best.problem.sought
     slope = np.zeros((sought.size + problem.dashpot, len(best.theta)))
     slope[: sought.size, : sought.size] = sought.physical(best.theta[: sought.size])[2]
@@ -536,7 +535,7 @@ def _compare_parameters(
     covariance: FloatArray,
     end: EndOfHold | None,
 ) -> tuple[ParameterChange, ...]:
-    """Each parameter before and after; arms are matched by their relaxation times."""
+    """Return each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
     of_noise = before.estimate.noise_alone.covariance
     old, new = (

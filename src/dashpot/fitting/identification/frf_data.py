@@ -63,7 +63,7 @@ class FRFData:
         return replace(self, reach=float(reach))
 
     def response(self, model: Solid, mass: float) -> Response:
-        """The mass on seals, one of which is `model`, to the end of the record."""
+        """Return the mass on seals, one of which is `model`, to the end of the record."""
         lines = self.lines
         return Response(self.seals * model, mass, lines.s, lines.record, lines.pulse)
 
@@ -84,7 +84,7 @@ class FRFData:
     def slopes(
         self, response: Response, gain: float, delay: float, by: ComplexArray
     ) -> tuple[ComplexArray, ...]:
-        """Derivative of :meth:`predict` by some parameters, and by ln m beside, ln g and d.
+        """Return derivative of :meth:`predict` by some parameters, and by ln m beside, ln g and d.
 
         `by` is that of the accelerance by those parameters, shape (n, q).
         """
@@ -107,7 +107,7 @@ class FRFData:
         return stack_real_rows((predicted - self.lines.value) / self.sd)
 
     def stiffness_block(self, mass: float | None, *, dashpot: bool) -> DataBlock:
-        r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
+        r"""Return the same lines as a linear problem in the stiffnesses of one seal, for starts.
 
         .. math:: s^2/A - m s^2 = n\left[k_\infty + \sum_j k_j \frac{s\tau_j}{1+s\tau_j}
                   + b s\right]

@@ -248,7 +248,7 @@ def _best(
 
 
 def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
-    """The best fractional element, from the linear start of dynamic stiffness."""
+    """Return the best fractional element, from the linear start of dynamic stiffness."""
     sought, tries = FractionalElement.from_relaxations(before.relaxations), []
     for problem in (
         replace(identification_problem, sought=sought) for identification_problem in problems
@@ -284,7 +284,7 @@ def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> C
 def _solve_every_order(
     problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Fit | None
 ) -> list[Candidate]:
-    """The optimum for every number of arms, or for fewer where the data reject so many."""
+    """Return the optimum for every number of arms, or for fewer where the data reject so many."""
     candidates = [best for problem in problems for best in _candidates(problem, numbers, before)]
     fewer = 0 if problems[0].constraints.before is not None else min(numbers)
     while not candidates and fewer > 0:
@@ -304,7 +304,7 @@ def _candidates(
     *,
     start: Parameters | None = None,
 ) -> list[Candidate]:
-    """The optimum for each number of arms that keeps all its arms.
+    """Return the optimum for each number of arms that keeps all its arms.
 
     From a `start` in place of the linear ones, which know of no difference between the tests.
     """
@@ -326,7 +326,7 @@ def _candidates(
 
 
 def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
-    """The lowest optimum from several starts, or the first that nothing is left of."""
+    """Return the lowest optimum from several starts, or the first that nothing is left of."""
     tries: list[Candidate] = []
     for start in starts:
         tries.append(descend(problem, problem.pack(start), tolerance=LOOSE))
@@ -338,7 +338,7 @@ def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Can
 def _solve_from_start(
     problem: IdentificationProblem, start: Parameters, numbers: Sequence[int], before: Fit | None
 ) -> Candidate:
-    """The best of a problem with no more arms than a start has, from there."""
+    """Return the best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, FractionalElement):
         return descend(problem, problem.pack(start), tolerance=LOOSE)
     most = start.model.maxwell.arms
@@ -381,7 +381,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
 def _arms_enough(
     best: Candidate, request: int | Literal["auto"], before: Fit | None
 ) -> tuple[Check, ...]:
-    """Whether the data support no further arm, where their number was asked for."""
+    """Return whether the data support no further arm, where their number was asked for."""
     sought = best.problem.sought
     if request == "auto" or not isinstance(sought, Arms) or best.exact:
         return ()
@@ -434,7 +434,7 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
 
 
 def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:
-    """Every test as a linear problem in the stiffnesses of the solid."""
+    """Return every test as a linear problem in the stiffnesses of the solid."""
     blocks = [
         relaxation.build_weighted_block(i) for i, relaxation in enumerate(problem.relaxations)
     ]
@@ -444,7 +444,7 @@ def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:
 
 
 def _mass(problem: IdentificationProblem, fixed: Mapping[str, float]) -> float:
-    """The mass that is known, or that a linear solution found."""
+    """Return the mass that is known, or that a linear solution found."""
     prior = problem.priors.mass
     return fixed["mass@frf"] if prior is None else prior.mean
 
@@ -520,7 +520,7 @@ def _start(problem: IdentificationProblem, model: Solid, mass: float) -> Paramet
 
 
 def _add_parallel_dashpot(problem: IdentificationProblem, model: Solid) -> Solid:
-    """The solid with a dashpot beside it, where one is sought."""
+    """Return the solid with a dashpot beside it, where one is sought."""
     if not problem.dashpot or model.maxwell.b > 0:
         return model
     # two percent of the stiffness at the peak

@@ -193,13 +193,13 @@ class IdentificationProblem:
     # -- parameters ---------------------------------------------------------------------------
 
     def pack(self, point: Parameters) -> FloatArray:
-        """The vector of a point."""
+        """Return the vector of a point."""
         of = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
         rest = [of[name] / DELAY_UNIT if name == "delay" else np.log(of[name]) for name in self.at]
         return np.append(self.sought.pack(point.model), rest)
 
     def unpack(self, theta: FloatArray) -> Parameters:
-        """The point of a vector."""
+        """Return the point of a vector."""
         entries = {
             name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
             for name, i in self.at.items()

@@ -62,20 +62,20 @@ class Arms:
         return 1 + 2 * self.count
 
     def pack(self, solid: Solid) -> FloatArray:
-        """The numbers of a solid."""
+        """Return the numbers of a solid."""
         model = solid.maxwell
         k_inf = max(model.k_inf, FADED * max(model.k_0, 1e-300))
         return np.log([k_inf, *model.k, *model.tau])
 
     def unpack(self, numbers: FloatArray, b: float) -> GeneralizedMaxwell:
-        """The solid of the numbers, beside a dashpot b."""
+        """Return the solid of the numbers, beside a dashpot b."""
         solid, N = np.exp(numbers), self.count
         return GeneralizedMaxwell(
             float(solid[0]), tuple(solid[1 : 1 + N]), tuple(solid[1 + N :]), b
         )
 
     def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
-        """What it makes of a relaxation test."""
+        """Return what it makes of a relaxation test."""
         N = self.count
         rows = relaxation.rows(numbers[1 + N :])
         k_inf, k = np.exp(numbers[0]), np.exp(numbers[1 : 1 + N])
@@ -88,7 +88,7 @@ class Arms:
         return np.tile(log_tau, (self.count, 1))
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
-        """Names and values of a fit's parameters, and their derivative by the numbers."""
+        """Return names and values of a fit's parameters, and their derivative by the numbers."""
         N = self.count
         order = np.argsort(numbers[1 + N :], kind="stable")
         rows = np.array([0, *(1 + order), *(1 + N + order)])
@@ -101,7 +101,7 @@ class Arms:
         return self.physical(numbers)[2]
 
     def differentiate_stiffness(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
-        """Derivative of the stiffness by the numbers, shape (n, size)."""
+        """Return derivative of the stiffness by the numbers, shape (n, size)."""
         return differentiate_poles(self, numbers, s)[0]
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
@@ -114,11 +114,11 @@ class Arms:
         return dict(zip(names, values.tolist(), strict=True)), places
 
     def is_identified(self, error: FloatArray) -> bool:
-        """True if standard errors of the numbers leave none unknown."""
+        """Return whether standard errors of the numbers leave none unknown."""
         return bool(self.find_identified_arms(error).all())
 
     def find_identified_arms(self, error: FloatArray) -> BoolArray:
-        """Which arms those leave known, in the order of the numbers."""
+        """Return which arms those leave known, in the order of the numbers."""
         N = self.count
         return is_well_determined(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
 
@@ -127,11 +127,11 @@ class Arms:
         return numbers[1 + self.count : 1 + 2 * self.count]
 
     def is_complete(self, solid: Solid) -> bool:
-        """True if no part of the solid has left it."""
+        """Return whether no part of the solid has left it."""
         return all(k > GONE * solid.k_0 for k in solid.maxwell.k)
 
     def format_model_order(self) -> str:
-        """What is sought, in words."""
+        """Return what is sought, in words."""
         return f"{self.count} arm{'s' * (self.count != 1)}"
 
 
@@ -155,7 +155,7 @@ class FractionalElement:
 
     @classmethod
     def from_relaxations(cls, relaxations: Sequence[RelaxationData]) -> FractionalElement:
-        """An element beside these tests."""
+        """Return an element beside these tests."""
         grids = {}
         for relaxation in relaxations:
             low, high = np.log(relaxation.window)
@@ -165,19 +165,19 @@ class FractionalElement:
         return cls(MappingProxyType(grids))
 
     def pack(self, solid: Solid) -> FloatArray:
-        """The numbers of a solid."""
+        """Return the numbers of a solid."""
         assert isinstance(solid, FractionalZener)  # noqa: S101  # nothing else is an element
         k_inf, value = solid.k_inf, solid.k_0 - solid.k_inf
         ends = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
         return np.array([*np.log(ends), np.log(solid.tau), solid.alpha])
 
     def unpack(self, numbers: FloatArray, b: float) -> FractionalZener:
-        """The solid of the numbers, beside a dashpot b."""
+        """Return the solid of the numbers, beside a dashpot b."""
         k_inf, value, tau = np.exp(numbers[:3]).tolist()
         return FractionalZener(k_inf + value, k_inf, tau, float(numbers[3]), b)
 
     def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
-        """What it makes of a relaxation test."""
+        """Return what it makes of a relaxation test."""
         log_tau, rows = self.grids[relaxation]
         k_inf, value = np.exp(numbers[:2])
         weights = weights_at(log_tau - numbers[2], float(numbers[3]))
@@ -202,7 +202,7 @@ class FractionalElement:
         return self.unpack(numbers, 0.0).arm_gradient() @ self.physical(numbers)[2]
 
     def differentiate_stiffness(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
-        """Derivative of its own stiffness."""
+        """Return derivative of its own stiffness."""
         (k_inf, value, tau), alpha = np.exp(numbers[:3]), numbers[3]
         power = (s * tau) ** alpha
         column = value * (1 - 1 / (1 + power))
@@ -211,16 +211,16 @@ class FractionalElement:
         return np.column_stack((spring, column, alpha * turned, np.log(s * tau) * turned))
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
-        """What an earlier fit found."""
+        """Return what an earlier fit found."""
         values = self.physical(self.pack(before.solid))[1]
         return dict(zip(ELEMENT, values.tolist(), strict=True)), [*range(4)]
 
     def is_identified(self, error: FloatArray) -> bool:
-        """True if no number is unknown."""
+        """Return whether no number is unknown."""
         return not slope_known(float(error[3]), edge=False).failed
 
     def is_complete(self, solid: Solid) -> bool:
-        """True if no part has left it."""
+        """Return whether no part has left it."""
         return solid.k_0 - solid.k_inf > GONE * solid.k_0
 
     def format_model_order(self) -> str:
@@ -242,14 +242,14 @@ def differentiate_poles(
 
 
 def is_at_edge(sought: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
-    """True if a relaxation time or a slope stands at an end of what is sought."""
+    """Return whether a relaxation time or a slope stands at an end of what is sought."""
     low, high = (ends := sought.ends(log_tau)).T
     last = numbers[len(numbers) - len(ends) :]
     return bool(np.any((last < low + _AT_EDGE) | (last > high - _AT_EDGE)))
 
 
 def on_another_spring(solid: Solid, times: float) -> Solid:
-    """A solid whose k_inf alone is so many times as large."""
+    """Return a solid whose k_inf alone is so many times as large."""
     if isinstance(solid, FractionalZener):
         k_inf = times * solid.k_inf
         return replace(solid, k_inf=k_inf, k_0=solid.k_0 - solid.k_inf + k_inf)
@@ -257,5 +257,5 @@ def on_another_spring(solid: Solid, times: float) -> Solid:
 
 
 def with_dashpot(solid: Solid, b: float) -> Solid:
-    """A solid beside a dashpot of b in all, N s/m."""
+    """Return a solid beside a dashpot of b in all, N s/m."""
     return replace(solid if isinstance(solid, FractionalZener) else solid.maxwell, b=b)

@@ -50,7 +50,7 @@ class HammerRig:
         return USUAL["cable"].size if self.cable is None else self.cable
 
     def on(self, machine: Machine | None) -> HammerRig:
-        """The rig, and what a user says of its cable among what is known of the machines."""
+        """Return the rig, and what a user says of its cable among what is known of the machines."""
         if machine is None or machine.cable is None:
             return self
         return replace(self, cable=machine.cable)

@@ -57,7 +57,7 @@ def before_hammer(
     family: str,
     bench: FitOptions,
 ) -> PriorTests:
-    """The earlier fits, at the temperature of the hammer, and the tests that they are of.
+    """Return the earlier fits, at the temperature of the hammer, and the tests that they are of.
 
     Tests that no earlier fit is of are fitted as `bench` says.
 
@@ -127,7 +127,7 @@ def point_of(
 
 
 def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
-    """The numbers of arms to try: from those of the earlier fit on, or as asked."""
+    """Return the numbers of arms to try: from those of the earlier fit on, or as asked."""
     least = 0 if before is None else before.model.arms
     if arms == "auto":
         return list(range(least, least + MOST_ARMS + 1))
@@ -142,14 +142,14 @@ def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
 
 
 def seals_of(seals: float) -> float:
-    """How many seals there are, > 0."""
+    """Return how many seals there are, > 0."""
     if not (np.isfinite(seals) and seals > 0):
         raise DataError(f"seals = {seals!r}; expected a number > 0")
     return seals
 
 
 def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
-    """What is known of mass, rig and seals before the hammer."""
+    """Return what is known of mass, rig and seals before the hammer."""
     factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
     return NuisancePriors(
         _mass_of(mass, rig.mass_sd), Prior(1.0, rig.gain_sd), Prior(0.0, rig.delay_sd), factor
@@ -172,7 +172,7 @@ def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
 
 
 def _mass_of(mass: float | None, sd: float | None) -> Prior | None:
-    """What is known of a mass, kg."""
+    """Return what is known of a mass, kg."""
     if mass is None:
         return None
     if not (np.isfinite(mass) and mass > 0):

@@ -47,7 +47,7 @@ from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# The elastic law that ramps support as a value, and how well it is known.
+# Elastic law as a value, with its uncertainty.
 
 
 # a law that lowers BIC by less is as good
@@ -61,7 +61,7 @@ class KnotSpacing(NamedTuple):
     power: int = 1
 
     def at(self, depth: float) -> FloatArray:
-        """The knots down to a depth, m."""
+        """Return the knots down to a depth, m."""
         return np.asarray(depth * np.linspace(0.0, 1.0, self.knots) ** float(self.power))
 
 
@@ -169,7 +169,7 @@ def build_ramp_law(
     first = len(optimum.optimum.theta)
 
     def seal(values: FloatArray) -> FloatArray:
-        """The solid's parameters, then the law's shape, whose mean is 1."""
+        """Return the solid's parameters, then the law's shape, whose mean is 1."""
         log_tau, shape = solid.split_parameters(values[:first])
         k = values[first : first + 1 + len(log_tau)]
         return np.concatenate(
@@ -210,7 +210,7 @@ def build_ramp_law(
 def _residual(
     test: RampHold, i: int, model: GeneralizedMaxwell, optimum: RampHoldOptimum
 ) -> FloatArray:
-    """Every sample less the model and the load cell."""
+    """Return every sample less the model and the load cell."""
     priors = optimum.weighted.solid.rows.known[i]
     path = elastic_law_of(optimum).path(denoise_displacement(test)[0])
     time = test.time[: len(path)] - test.time[0]
@@ -231,13 +231,12 @@ def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
     return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), k_inf)
 
 
-# Which elastic law the ramps of prepared tests support.
+# Selection of the elastic law.
 #
 # A record that a linear solid explains to its noise, ramp and hold alike, is *sound*: it keeps the
 # linear law and the full information of its ramp. Any other is fitted hold first
 # (:mod:`~dashpot.fitting.nonlinear_ramp.hold_then_ramp`) with every law of a short ladder, and
-# takes
-# the one that BIC prefers if it also matters.
+# takes the one that BIC prefers if it also matters.
 
 
 # a law that moves the path by less than this part of the depth is not worth having: behind one of

@@ -131,7 +131,7 @@ def _add_test_errors(
 
 
 def _shape_error(law: RampLaw) -> tuple[float, ...]:
-    """Standard errors of the law's shape at its knots; none of a straight line."""
+    """Return standard errors of the law's shape at its knots; none of a straight line."""
     if law.law.kind == "linear":
         return ()
     shape = np.diag(law.law_covariance)[-len(law.law.knots) :]
@@ -205,7 +205,7 @@ def ramp_checks(
 
 
 def _select_nuisances(kind: str, law: RampLaw) -> list[Nuisance]:
-    """The nuisances of a kind, in the order of the tests, where they were fitted."""
+    """Return the nuisances of a kind, in the order of the tests, where they were fitted."""
     return [nuisance for nuisance in law.estimate.nuisance if nuisance.name.startswith(kind)]
 
 

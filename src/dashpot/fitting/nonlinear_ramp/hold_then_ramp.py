@@ -149,7 +149,7 @@ def fit_hold_only(
 
 
 def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
-    r"""What relaxes, and what answers at once to a plate that has not settled.
+    r"""Return what relaxes, and what answers at once to a plate that has not settled.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
     """

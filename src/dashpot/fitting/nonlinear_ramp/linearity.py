@@ -40,7 +40,7 @@ from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.noise import evenly_sampled
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# Whether a linear solid explains a record to its noise, ramp and hold alike.
+# Test of linearity on one record.
 
 
 # a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
@@ -143,7 +143,7 @@ def judge_linear_residuals(
 
 
 def _compute_motion_residual(test: RampHold, ramp: slice) -> float:
-    """Standard deviation of what the encoder leaves of the motion on the ramp, m."""
+    """Return standard deviation of what the encoder leaves of the motion on the ramp, m."""
     _, residual = denoise_displacement(test)
     return float(np.sqrt(np.mean(residual[ramp] ** 2)))
 
@@ -156,7 +156,7 @@ def sample_noise(scatter: float, rms: float) -> float:
     return max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
 
 
-# Whether any linear solid explains relaxation tests to their noise, ramp and hold alike.
+# Test of linearity on several tests.
 
 
 # arms that a hold alone is given at least: what it leaves is noise
@@ -229,7 +229,7 @@ class HoldBlocks:
 
 
 def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
-    """What a hold is given beside arms: of one that stands, an offset is as its spring."""
+    """Return what a hold is given beside arms: of one that stands, an offset is as its spring."""
     return ("offset",) if abs(record.hold_creep) > MAX_CREEP else ()
 
 
@@ -260,7 +260,7 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
 
 
 def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
-    """How well the best arms explain every record to its noise, ramp and hold alike."""
+    """Return how well the best arms explain every record to its noise, ramp and hold alike."""
     least = _AS_GOOD * first.solutions[-1].sse
     near = next(solution for solution in first.solutions if solution.sse <= least)
     return _find_worst_record(holds, first.residuals, near.log_tau)
@@ -269,7 +269,7 @@ def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | 
 def _find_worst_record(
     holds: HoldBlocks, residuals: Sequence[FloatArray], log_tau: FloatArray
 ) -> LinearFitQuality | None:
-    """The first record that is not explained, or the ramp that is left with most.
+    """Return the first record that is not explained, or the ramp that is left with most.
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
@@ -284,10 +284,9 @@ def _find_worst_record(
     return worst
 
 
-# A force that comes too late for a tangent: its solid answers the motion as late as it is.
+# Large delay of the force: the motion is delayed alike.
 #
-# To first order a delay adds :math:`-\delta\dot F`. Of 10 ms at a corner of the ramp that is off
-# by
+# To first order a delay adds :math:`-\delta\dot F`. Of 10 ms at a corner of the ramp that is off by
 # :math:`\delta^2\ddot F/2`, which looks like a bent law. So where no linear solid is sound and the
 # force lags, the solid is asked again of a motion that is late by whole samples, and of one behind
 # a low-pass of that time constant. What is left of the delay stays a nuisance term.
@@ -320,7 +319,7 @@ class DelayedMotion(NamedTuple):
         *,
         filtered: bool = False,
     ) -> DelayedMotion:
-        """The data of records; as they are where no lags are said."""
+        """Return the data of records; as they are where no lags are said."""
         still = (0.0,) * len(records)
         return cls(HoldBlocks(records), data_of(records, design), lags or still, filtered)
 

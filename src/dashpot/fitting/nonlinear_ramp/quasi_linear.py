@@ -18,7 +18,7 @@ from dashpot.numerics.design_matrices.recorded_motion import recursion
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 from dashpot.preprocessing.denoising import denoise_displacement
 
-# Prepared tests as few rows: every sample near a corner, means of blocks away from it.
+# Downsampled rows: every sample near a corner, block means elsewhere.
 #
 # A mean of c neighbours of a smooth curve is its value at their mean time, to a relative
 # :math:`w^2/(24\,\tau^2)` for a block of width w, and it is worth c samples. Blocks widen in
@@ -87,11 +87,11 @@ class DownsampledRows:
         return np.flatnonzero(np.diff(self.record, prepend=-1))
 
     def peak(self, record: int) -> float:
-        """The largest force of one record, N."""
+        """Return the largest force of one record, N."""
         return float(np.abs(self.force[self.record == record]).max())
 
     def held(self, record: int) -> BoolArray:
-        """The rows of one record's hold."""
+        """Return the rows of one record's hold."""
         return np.asarray((self.record == record) & ~self.ramp)
 
 
@@ -165,7 +165,7 @@ def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDA
 
 
 def relaxes_from(test: RampHold) -> int:
-    """The sample from which the force falls: the first of the hold, or the peak behind it.
+    """Return the sample from which the force falls: the first of the hold, or the peak behind it.
 
     A force that rises on after the plate is said to stand belongs to the ramp.
     """
@@ -180,7 +180,7 @@ def relaxes_from(test: RampHold) -> int:
 
 
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
-    """Where blocks start that widen from both corners of a ramp."""
+    """Return where blocks start that widen from both corners of a ramp."""
     half = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
     rising = _place_hold_blocks(time[:half], interval, _IN_RAMP)
     falling = len(time) - _place_hold_blocks(-time[half:][::-1], interval, _IN_RAMP)[1:]
@@ -188,7 +188,7 @@ def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
 
 
 def _place_hold_blocks(time: FloatArray, interval: float, blocks: int) -> IndexArray:
-    """Where blocks start that widen with the time since the first sample."""
+    """Return where blocks start that widen with the time since the first sample."""
     span = float(time[-1] - time[0]) if len(time) else 0.0
     last = np.ceil(blocks * np.log1p(span / (blocks * interval)))
     edges = blocks * interval * np.expm1(np.arange(last + 1) / blocks)
@@ -196,7 +196,7 @@ def _place_hold_blocks(time: FloatArray, interval: float, blocks: int) -> IndexA
     return np.asarray(cuts[cuts < len(time)])
 
 
-# The force of a quasi-linear solid, linear in its stiffnesses and in the shape of its law.
+# Force of a quasi-linear solid, linear in its stiffnesses and in the shape of its law.
 #
 # All arms answer the same elastic path p(x) (Y. C. Fung, *Biomechanics*, 1993, ch. 7):
 #
@@ -235,11 +235,11 @@ class QuasiLinear:
         return slice(0, len(self.knots) if len(self.knots) > 2 else 0)
 
     def theta(self, log_tau: FloatArray, shape: FloatArray) -> FloatArray:
-        """Every ln tau, and the shape of a law that is not straight, (N + P,)."""
+        """Return every ln tau, and the shape of a law that is not straight, (N + P,)."""
         return np.concatenate((log_tau, shape[self.bends]))
 
     def split_parameters(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Every ln tau, and the shape at every knot."""
+        """Return every ln tau, and the shape at every knot."""
         arms = len(theta) - self.bends.stop
         return theta[:arms], theta[arms:] if self.bends.stop else np.ones(2)
 
@@ -250,7 +250,7 @@ class QuasiLinear:
         return np.concatenate((self.hats[:, None, :], arms), axis=1)
 
     def slopes(self, log_tau: FloatArray, shape: FloatArray, arms: FloatArray) -> FloatArray:
-        """Derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
+        """Return derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
         z, mean, passed = self._steps(log_tau)
         before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
         change = (self._moved @ shape)[:, None]
@@ -289,7 +289,7 @@ def _run_recursion(decay: FloatArray, increments: FloatArray) -> FloatArray:
     return recursion(decay[1:], increments[1:], increments[0])
 
 
-# Weighted least squares of a quasi-linear solid: stiffnesses solved, ln tau and shape descended.
+# Weighted least squares: stiffnesses solved, descent in ln tau and shape.
 #
 # .. math:: \min_{\tau,\,s,\,k \ge 0,\,z}\; \sum_i \frac{c_i}{\sigma_i^2}
 #     \Bigl(F_i - \Phi_i(\tau, s)\,k - Z_i z\Bigr)^2 + \sum_q \frac{(z_q - \mu_q)^2}{\sigma_q^2}
@@ -364,13 +364,13 @@ class Weighted:
         return best.beta[: len(best.beta) - len(self.nuisances.names)].reshape(self.sets, -1)
 
     def force(self, best: Optimum) -> FloatArray:
-        """Force of the solid alone, N, shape (M,)."""
+        """Return force of the solid alone, N, shape (M,)."""
         log_tau, shape = self.solid.split_parameters(best.theta)
         columns = self.solid.columns(log_tau) @ shape
         return np.asarray(np.sum(columns * self._expand_by_row(self.stiffnesses(best)), axis=1))
 
     def problem(self, arms: int) -> Problem:
-        """The problem of so many arms, their ln tau inside the window of the rows."""
+        """Return the problem of so many arms, their ln tau inside the window of the rows."""
         solid, stiff = self.solid, self.sets * (1 + arms)
         bends = solid.weights[solid.bends]
 
@@ -405,7 +405,7 @@ class Weighted:
         )
 
     def _normalise_shape(self, theta: FloatArray) -> FloatArray:
-        """The length of the shape is no parameter."""
+        """Return the length of the shape is no parameter."""
         log_tau, shape = self.solid.split_parameters(theta)
         return np.concatenate((log_tau, shape / float(self.solid.weights @ shape)))
 

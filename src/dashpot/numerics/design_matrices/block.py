@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
 
-# Arms of a recorded displacement on an even clock, a stretch of samples at a time.
+# Arms under a recorded displacement on a uniform clock, block by block.
 #
 # With d_i = x_i - x_{i-1}, z = h/tau, a = e^{-z}, G = (1 - e^{-z})/z, sample i of a stretch is
 #
@@ -80,7 +80,7 @@ def compute_arm_elongations(
 
 
 def _answers(kernel: FloatArray) -> FloatArray:
-    """A row of answers to each step of a stretch, and one to the end before it."""
+    """Return a row of answers to each step of a stretch, and one to the end before it."""
     return np.concatenate((_triangle(kernel[:STRETCH]), kernel[None, 1:]))
 
 
@@ -98,7 +98,7 @@ def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
 
 
 def _triangle(kernel: FloatArray) -> FloatArray:
-    """The matrix whose row j holds kernel[i - j] at every i >= j."""
+    """Return the matrix whose row j holds kernel[i - j] at every i >= j."""
     lag, later = _lags(len(kernel))
     return np.where(later, kernel[lag], 0.0)
 
@@ -109,7 +109,7 @@ def _lags(size: int) -> tuple[IndexArray, BoolArray]:
     return np.maximum(lag, 0), lag >= 0
 
 
-# The column of a force that comes late, and its correlation with the motion in closed form.
+# Column of a delayed force, and its closed-form correlation with the motion.
 #
 # .. math:: c = -\dot F = \sum_j \frac{k_j}{\tau_j}\,q_j - k_g\,\dot x
 #
@@ -123,7 +123,7 @@ def _lags(size: int) -> tuple[IndexArray, BoolArray]:
 
 
 class DelayedForce(NamedTuple):
-    """A force that comes late, sample by sample.
+    """Delayed force, sample by sample.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class DelayedForce(NamedTuple):
 
 
 class MotionSteps(NamedTuple):
-    """The steps of a motion from its first sample to the end of a window, and the one after.
+    """Steps of a motion from its first sample to the end of a window, and the next one.
 
     Attributes
     ----------
@@ -204,7 +204,7 @@ Without the derivative `d_arms` is not read and may be `arms` itself.
 
 
 class Evaluation(NamedTuple):
-    r"""A block at one set of relaxation times.
+    r"""Evaluation of a block at one set of relaxation times.
 
     .. math:: \mathrm{SSE}(g, k, \tau) = \mathrm{floor} + |y - G g - \Phi(\tau) k|^2
 
@@ -226,7 +226,7 @@ class Evaluation(NamedTuple):
     d_arms: FloatArray
 
     def map_parts(self, change: Callable[[FloatArray], FloatArray]) -> Evaluation:
-        """The same change made to every part."""
+        """Return the same change made to every part."""
         target, fixed, arms = change(self.target), change(self.fixed), change(self.arms)
         return Evaluation(
             target, fixed, arms, arms if self.d_arms is self.arms else change(self.d_arms)
@@ -242,7 +242,7 @@ Rows: TypeAlias = Callable[[FloatArray, bool], Evaluation]
 
 @dataclass(frozen=True, eq=False)
 class DataBlock:
-    """One data set in a separable stack: rows, the names of their fixed columns, a window.
+    """Data set of a separable stack: rows, names of their fixed columns, and a window.
 
     Attributes
     ----------
@@ -303,17 +303,17 @@ class DataBlock:
         return self if self.full is None else self.full()
 
     def with_column(self, name: str, column: FloatArray) -> DataBlock:
-        """The block with one more fixed column, given at every sample."""
+        """Return the block with one more fixed column, given at every sample."""
         return self.widen(name, column) if self.widen else self.append_column(name, column)
 
     def with_delay(self, name: str, late: DelayedForce) -> DataBlock:
-        """The block with the column of a force that comes late."""
+        """Return the block with the column of a force that comes late."""
         return self.delayed(name, late) if self.delayed else self.with_column(name, late.column)
 
     def append_column(
         self, name: str, column: FloatArray, *, full: Callable[[], DataBlock] | None = None
     ) -> DataBlock:
-        """The block with one more fixed column in its own coordinates, which are steady."""
+        """Return the block with one more fixed column in its own coordinates, which are steady."""
         fixed = self.rows(np.zeros(0), False).fixed
         wider = np.concatenate((fixed.T, column[None])).T
 
@@ -361,7 +361,7 @@ class DataBlock:
         stretch: float = 1.0,
         window: tuple[float, float],
     ) -> DataBlock:
-        """The same data of a solid whose relaxation times and stiffnesses were others.
+        """Return the same data of a solid whose relaxation times and stiffnesses were others.
 
         Rows at ``log_tau(...)`` of the times asked for, springs and arms times `factor`; `stretch`
         is the slope of that map, `window` that of the times asked for.
@@ -377,7 +377,7 @@ class DataBlock:
         return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
 
     def scale_rows(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> DataBlock:
-        """Every row times one factor, 1/sd; with other names, if they are given."""
+        """Return every row times one factor, 1/sd; with other names, if they are given."""
         full, names = self.full, fixed_names or self.fixed_names
         return self.transform_rows(
             lambda part: factor * part,
@@ -389,7 +389,7 @@ class DataBlock:
 
 
 def design_rows(target: FloatArray, fixed: FloatArray, columns: Columns) -> Rows:
-    """Rows of a design matrix whose arms' columns come from a function of tau.
+    """Return rows of a design matrix whose arms' columns come from a function of tau.
 
     The columns are returned in the coordinates of `target`: weighted, and projected if the
     data were.
@@ -411,7 +411,7 @@ def design_block(
     columns: Columns,
     window: tuple[float, float],
 ) -> DataBlock:
-    """A block of every sample as a row; see :class:`DataBlock` and :func:`design_rows`."""
+    """Return a block of every sample as a row; see :class:`DataBlock` and :func:`design_rows`."""
     rows = len(target)
     if fixed.shape != (rows, len(fixed_names)):
         raise DataError(
@@ -431,7 +431,7 @@ def prior_block(
     *,
     unit: float,
 ) -> DataBlock:
-    r"""What is known of fixed coefficients before the data, as rows beside those of a block.
+    r"""Return what is known of fixed coefficients before the data, as rows beside those of a block.
 
     .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
 
@@ -460,5 +460,5 @@ def prior_block(
 
 
 def stiffnesses(names: Sequence[str]) -> BoolArray:
-    """Which fixed coefficients are those of a spring or a dashpot and never negative."""
+    """Return which fixed coefficients are those of a spring or a dashpot and never negative."""
     return np.array([name.partition("@")[0] in _NEVER_NEGATIVE for name in names], dtype=bool)

@@ -13,7 +13,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.numerics.design_matrices.block import Columns, DataBlock, Rows, design_rows
 
-# Many samples of a decaying signal as a few hundred weighted ones, on which a fit is the same.
+# Weighted samples: a few hundred in place of many, with the same fit.
 #
 # A sum of exponentials is smooth on every block [a, 2a) counted from the first sample. On a
 # block of m samples with weights, let P_0 ... P_12 be the polynomials orthonormal over the
@@ -54,7 +54,7 @@ class _RecordSection(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DataCompression:
-    """What a sampling needs to be compressed: made once, used for every record on it.
+    """Compression of a sampling, made once and used for every record on it.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ def _squares(values: FloatArray) -> FloatArray:
 
 
 def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
-    """A section's pieces, (..., pieces, length), and their projections, (..., points)."""
+    """Return a section's pieces, (..., pieces, length), and their projections, (..., points)."""
     part = values[..., section.start : section.stop]
     length = len(section.basis)
     if length == 1:
@@ -193,7 +193,7 @@ def compression(
 def make_identity_plan(
     position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
 ) -> DataCompression:
-    """Every sample its own node."""
+    """Return every sample its own node."""
     root = np.ones(len(position)) if weights is None else weights
     return DataCompression(position, root, (), step or uniform_step(position), weights is not None)
 
@@ -312,7 +312,7 @@ def gauss(
     return middle + half * value, total * vector[0], q @ vector
 
 
-# The space of all relaxation kernels of a window.
+# Space of all relaxation kernels of a window.
 #
 # With K fixed relaxation times, the kernels at them sampled at some 300 lags as the columns of
 # :math:`E = U S V'`, and :math:`e(\tau)` any other sampled at the same lags,
@@ -321,14 +321,12 @@ def gauss(
 #     c(\tau) = V S^{-1} U' e(\tau)
 #
 # A column that is a linear image of its kernel is then the same sum of the images at the fixed
-# times,
-# computed once:
+# times, computed once:
 #
 # .. math:: \varphi(\tau) = \Phi V S^{-1} U' e(\tau)
 #
 # Over all relaxation times of a window the kernels span, to rounding, about sixty dimensions, so
-# that
-# any long record, whatever its clock, weights and history, is a block of some seventy rows.
+# that any long record, whatever its clock, weights and history, is a block of some seventy rows.
 
 
 LAGS = 300
@@ -341,7 +339,7 @@ ROWS_AT_ONCE = 2048
 
 
 class Kernels(NamedTuple):
-    """Fixed relaxation times and what turns their columns into any other's.
+    """Kernels of fixed relaxation times, and the matrix from their columns to any other's.
 
     Attributes
     ----------
@@ -376,7 +374,7 @@ class Kernels(NamedTuple):
     def space(
         self, exact: DataBlock, change: Callable[[FloatArray], FloatArray] = np.asarray
     ) -> FloatArray:
-        r"""The space :math:`\Phi V` of a block that has every sample as a row, shape (n, r).
+        r"""Return the space :math:`\Phi V` of a block that has every sample as a row, shape (n, r).
 
         `change` is a linear one of the rows.
         """
@@ -388,7 +386,7 @@ class Kernels(NamedTuple):
         return out
 
     def columns(self, operator: FloatArray) -> Columns:
-        r"""Columns :math:`A\, S^{-1} U' e(\tau)` and their slopes, for A of shape (n, r)."""
+        r"""Return columns :math:`A\, S^{-1} U' e(\tau)` and their slopes, for A of shape (n, r)."""
         full = operator @ self.left
 
         def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -416,7 +414,7 @@ def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
 
 
 def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None) -> DataBlock:
-    r"""The same data in orthogonal coordinates, one row per dimension of the kernels' space.
+    r"""Return the same data in orthogonal coordinates, one row per dimension of the kernels' space.
 
     One triangular factor of :math:`[\Phi V, G, y]` turns every later trial into a product of small
     matrices.
@@ -447,13 +445,13 @@ def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None)
 
 
 def _to_its_floor(factor: FloatArray) -> FloatArray:
-    """The factor whose last row is what no column reaches: nothing, where rows are few."""
+    """Return the factor whose last row is what no column reaches: nothing, where rows are few."""
     rows, columns = factor.shape
     return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
 
 
 def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
-    r"""A block in as few rows as its kernels span, for many trials that need few digits.
+    r"""Return a block in as few rows as its kernels span, for many trials that need few digits.
 
     The columns at fixed relaxation times come from the block itself, whatever its form, and all
     others from theirs.

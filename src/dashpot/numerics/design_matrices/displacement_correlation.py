@@ -56,7 +56,7 @@ MANY = 24
 
 @dataclass(frozen=True, eq=False)
 class ConvolvedMotion(EqualByValue):
-    """A displacement convolved with decays: all it says of its arms, whatever force goes with it.
+    """Displacement convolved with decays, independent of the force.
 
     Attributes
     ----------
@@ -193,7 +193,7 @@ def _correlate_window_steps(bare: ConvolvedMotion, d: FloatArray, moving: int) -
 
 
 class Force(NamedTuple):
-    """One force, or a stack of them, correlated with a motion: y of the Gram matrix."""
+    """Force, or a stack of forces, correlated with a motion: y of the Gram matrix."""
 
     sequence: FloatArray  # (..., m) compressed correlation with the displacement
     fixed: FloatArray  # (..., q) inner products with the fixed columns
@@ -207,7 +207,7 @@ class Force(NamedTuple):
 
 
 def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) -> Rows:
-    """Rows whose inner products are closed forms in tau, in the coordinates of their factor.
+    """Return rows whose inner products are closed forms in tau, in the coordinates of their factor.
 
     Where rounding takes more of them than a factor bears, that of every sample serves.
     """
@@ -430,7 +430,7 @@ def _correlate_column(
 def correlation_block(
     exact: DataBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
 ) -> DataBlock:
-    """The block of one force: its record correlated, every sample kept in `exact`.
+    """Return the block of one force: its record correlated, every sample kept in `exact`.
 
     Its Gram matrix resolves an SSE to 1e-14 of the data's own sum of squares.
     """

@@ -59,7 +59,7 @@ def hold_block(
     weights: FloatArray | None = None,
     compress: bool = True,
 ) -> DataBlock:
-    r"""The hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
+    r"""Return the hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
 
     .. math:: F = x_h \Bigl[k_\infty + \sum_j k_j\, g(c/\tau_j)\, e^{-s/\tau_j}\Bigr],
         \qquad g(x) = (1 - e^{-x})/x
@@ -140,7 +140,7 @@ def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float
 
 
 def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock:
-    """The block, able to take a fixed column that is smooth as its arms are."""
+    """Return the block, able to take a fixed column that is smooth as its arms are."""
 
     def widen(name: str, column: FloatArray) -> DataBlock:
         at_nodes, _ = project_values(plans, column)
@@ -158,7 +158,7 @@ def _plans(
     *,
     compress: bool,
 ) -> tuple[DataCompression, ...]:
-    """The hold's compression, after the ramp's if the record has it."""
+    """Return the hold's compression, after the ramp's if the record has it."""
     plan = compression if compress else make_identity_plan
     if not ideal.ramp:
         return (plan(time, weights, step=step),)
@@ -223,7 +223,7 @@ def _hold(
 def _validate_samples(
     time: FloatArray, values: FloatArray, weights: FloatArray | None
 ) -> tuple[FloatArray, float | None]:
-    """The times and, if they are uniform, their interval."""
+    """Return the times and, if they are uniform, their interval."""
     time = np.asarray(time, dtype=float)
     for name, array in (("values", values), ("weights", weights)):
         if array is not None and np.shape(array) != time.shape:
@@ -237,7 +237,7 @@ def _validate_samples(
     return time, step
 
 
-# Blocks of a recorded displacement, any history on any grid.
+# Blocks of a recorded displacement on any grid.
 #
 # The force is that of displacement straight between its samples, which the recursion gives
 # exactly, with z = h/tau and a = e^{-z}:
@@ -247,8 +247,7 @@ def _validate_samples(
 #         = a\, p_{i-1} + a z\, q_{i-1} + (G - a)(x_i - x_{i-1})
 #
 # On a uniform grid without weights the correlation form
-# (:mod:`dashpot.numerics.design_matrices.displacement_correlation`) costs one Fourier transform
-# and
+# (:mod:`dashpot.numerics.design_matrices.displacement_correlation`) costs one Fourier transform and
 # then nothing that grows with the record.
 
 
@@ -273,7 +272,7 @@ def recorded_block(
     weights: FloatArray | None = None,
     reach: tuple[float, float] | None = None,
 ) -> DataBlock:
-    r"""Force under a recorded displacement that is straight between its samples.
+    r"""Return force under a recorded displacement that is straight between its samples.
 
     .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_0)
 
@@ -375,7 +374,7 @@ def recursion_block(
     step: float | None = None,
     weights: FloatArray | None = None,
 ) -> DataBlock:
-    """The full record, every sample a row, arms by recursion: any grid, any weights.
+    """Return the full record, every sample a row, arms by recursion: any grid, any weights.
 
     `step` is the interval of a grid known to be uniform.
     """

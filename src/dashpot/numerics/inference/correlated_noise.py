@@ -28,7 +28,7 @@ from dashpot.numerics.design_matrices.data_compression import (
 from dashpot.numerics.exponential_fit import Solution, full_jacobian
 from dashpot.numerics.log_tau_descent import Stack
 
-# How well least-squares parameters are known when neighbouring residuals say the same thing.
+# Parameter covariance under correlated residuals.
 #
 # The covariance of a least-squares estimate whose noise has the autocovariance
 # :math:`\gamma_l`, constant in time, is the Toeplitz sandwich
@@ -62,7 +62,7 @@ _MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    r"""What the residuals of one record say about its noise.
+    r"""Noise of one record, estimated from its residuals.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Noise:
 
 
 class ResidualSeries:
-    """What a fit leaves of one record, in order of time, and its correlations, found once.
+    """Residual of one record in order of time, with its correlations.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class ResidualSeries:
 
 
 class JacobianColumns:
-    """What a model can change in one record, column by column, and its Fourier transforms.
+    """Derivatives of one record by the parameters, column by column, with Fourier transforms.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class JacobianColumns:
         return JacobianColumns(np.sqrt(few) * short if self.shared else short, shared=self.shared)
 
     def spectra(self, least: int) -> tuple[int, ComplexArray]:
-        """The transforms, a row each, padded to `least` samples or more, and to how many."""
+        """Return the transforms, a row each, padded to `least` samples or more, and to how many."""
         if self._size < least:
             self._size = find_fast_length(least)
             rows = np.ascontiguousarray(self.matrix.T)
@@ -215,7 +215,7 @@ def _join_noise_scales(fine: Noise, slow: FloatArray, few: int) -> Noise:
 def _estimate_noise(
     series: ResidualSeries, columns: JacobianColumns | None, *, rounding: float = 0.0
 ) -> Noise:
-    """What the correlations of neighbours say, up to the lag at which chance takes over."""
+    """Return what the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(series.values)
     retained, gamma = series.sequence
     parameters = 0.0 if columns is None else columns.absorbed_count
@@ -399,13 +399,13 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
 
 
 def _is_power(gamma: FloatArray) -> bool:
-    """True if a few lags are those of a positive power spectrum."""
+    """Return whether a few lags are those of a positive power spectrum."""
     power = np.fft.rfft(gamma, 64 * len(gamma)).real
     return bool((2.0 * power > gamma[0]).all())
 
 
 class Directions(NamedTuple):
-    """The directions of the parameters that the data know, and what each does to the data.
+    """Directions of the parameters that the data determine, and the change of the data by each.
 
     Attributes
     ----------
@@ -425,7 +425,7 @@ class Directions(NamedTuple):
     lost: BoolArray
 
     def sum_noise_gain(self, noises: Sequence[Noise]) -> FloatArray:
-        """The noise along the directions, shape (r, r)."""
+        """Return the noise along the directions, shape (r, r)."""
         return np.asarray(
             np.sum([*map(self.compute_record_gain, range(len(noises)), noises)], axis=0)
         )
@@ -437,7 +437,7 @@ class Directions(NamedTuple):
     def covariance(
         self, gained: FloatArray, *, others: Sequence[Callable[[FloatArray], FloatArray]] = ()
     ) -> FloatArray:
-        """The covariance of the parameters (p, p), infinite where the data say nothing."""
+        """Return the covariance of the parameters (p, p), infinite where the data say nothing."""
         middle = gained.copy()
         for shares, columns in zip(others, self.columns, strict=False):
             row = shares(columns.matrix)
@@ -496,10 +496,9 @@ def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
     return turn, ~value | (dull > np.sqrt(_SINGULAR))
 
 
-# A record in the metric of its own noise.
+# Whitening of a record by its own noise.
 #
-# Every model of a record lies, to seven digits, in the span of its fixed columns G and of the
-# space
+# Every model of a record lies, to seven digits, in the span of its fixed columns G and of the space
 # :math:`\Phi V` of its kernels (:mod:`dashpot.numerics.design_matrices.data_compression`),
 # :math:`[\Phi V,\, G] = QR`; what the data hold outside the span of Q no model can answer. With
 # :math:`\Gamma` the Toeplitz matrix of the noise's autocovariance,
@@ -508,17 +507,13 @@ def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
 #     \chi^2(\theta) = \sum_i \frac{\bigl(V'Q'(y - m(\theta))\bigr)_i^2}{\max(c_i, \gamma_0)}
 #
 # is the deviance of a model m in units of chi-square, and its least value is that of generalised
-# least squares: fast detail counts for more where the noise is slow. No direction is trusted
-# better
+# least squares: fast detail counts for more where the noise is slow. No direction is trusted better
 # than white noise of the same variance would let it be: a filter leaves next to nothing above its
-# cut-off, and to believe that would let its transients decide.
-# So slow noise is as good as white above some frequency, and means over a few neighbours, which
-# keep
-# what is below it, stand for the record.
-# What a record holds beside the model, columns that are free or known to within a standard
-# deviation,
-# adds to that covariance too, and is taken out likewise (``marginal``).
-# Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
+# cut-off, and to believe that would let its transients decide. So slow noise is as good as white
+# above some frequency, and means over a few neighbours, which keep what is below it, stand for the
+# record. What a record holds beside the model, columns that are free or known to within a standard
+# deviation, adds to that covariance too, and is taken out likewise (``marginal``). Source: A. C.
+# Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 
 
 # rows of a tall matrix that a cache holds
@@ -564,7 +559,7 @@ def marginal(free: FloatArray, doubts: FloatArray) -> Callable[[FloatArray], Flo
 
 
 class ReducedBasis(NamedTuple):
-    """A record in the coordinates of its models.
+    """Record in the coordinates of its models.
 
     Attributes
     ----------
@@ -621,7 +616,7 @@ def compute_blockwise_qr(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 class NoiseGain:
-    r"""The noise that meets a change d of the model, :math:`d'\Gamma d / d'd`.
+    r"""Noise power along a change d of the model, :math:`d'\Gamma d / d'd`.
 
     Parameters
     ----------
@@ -666,7 +661,7 @@ class NoiseGain:
 
 
 def compute_averaging_length(noise: Noise) -> int:
-    r"""How many neighbours may count as one, a power of two.
+    r"""Return how many neighbours may count as one, a power of two.
 
     Noise of correlation :math:`\kappa` falls to the power of white noise of its variance at some
     :math:`1/(\pi\sqrt\kappa)` of a sample's frequency, for an autoregressive one: means over a

@@ -30,7 +30,7 @@ _SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
 
 
 class DerivedQuantity(NamedTuple):
-    """What follows from an estimate.
+    """Quantity derived from an estimate.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class DerivedQuantity(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """An optimum with the covariance of theta and beta.
+    """Optimum with the covariance of theta and beta.
 
     Attributes
     ----------
@@ -91,11 +91,11 @@ class Estimate:
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     def quantile(self, level: float = 0.95) -> float:
-        """Standard errors in half a two-sided interval: Student's t."""
+        """Return standard errors in half a two-sided interval: Student's t."""
         return t_quantile(level, self.dof)
 
     def derive_quantity(self, what: Callable[[FloatArray], FloatArray]) -> DerivedQuantity:
-        """What follows from theta and beta, by its gradient (delta method)."""
+        """Return what follows from theta and beta, by its gradient (delta method)."""
         here, steps = self.optimum.values, self.optimum.steps
         values = np.asarray(what(here))
         G = np.zeros((len(values), len(here)))
@@ -138,7 +138,7 @@ class Estimate:
         first = reach * width / _SLICES if sized else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
-            """What is held has no error; None where the model says nothing."""
+            """Return what is held has no error; None where the model says nothing."""
             try:
                 optimum = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
                 return None if optimum is None else slice_of(value, optimum)
@@ -199,7 +199,7 @@ def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatA
 
 
 class ProfileSlice(NamedTuple):
-    """An estimate with one theta held at a value other than its best.
+    """Estimate with one theta held at a value other than its optimum.
 
     Attributes
     ----------

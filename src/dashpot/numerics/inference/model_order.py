@@ -47,7 +47,7 @@ DECISIVE = 50.0
 
 
 class OrderChoice(NamedTuple):
-    """The chosen number of arms, and what each rule would have chosen.
+    """Chosen number of arms, with the choice of each rule.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class OrderChoice(NamedTuple):
 
 
 class Shortage(NamedTuple):
-    """A number of arms that was asked for, where the data support more.
+    """Requested number of arms below the number that the data support.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.numerics.exponential_fit import Solution
 from dashpot.numerics.log_tau_descent import Stack
 
-# One side of one profile: the values to try, and when enough is known.
+# One side of one profile: trial values, and the end of the search.
 
 
 #: points of a walk, and how many of them may be too far: beyond there is a cliff
@@ -25,7 +25,7 @@ _RISE, _RISES = 0.7, 5.0
 
 
 class Coordinate(Enum):
-    """What is held while everything else is fitted again."""
+    """Coordinate that is held while everything else is fitted again."""
 
     LINEAR = "a linear parameter"
     LOG_TAU = "ln tau of an arm"
@@ -34,7 +34,7 @@ class Coordinate(Enum):
 
 @dataclass(frozen=True)
 class ProfileTarget:
-    """A parameter whose profile is asked for.
+    """Parameter whose profile is requested.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class ProfileTarget:
 
 
 class ProfileTrace:
-    """One side of one profile: where it stands and where it goes next."""
+    """State of one side of one profile: its current point and its next."""
 
     def __init__(
         self,
@@ -123,14 +123,12 @@ class ProfileTrace:
         self.trials += 1
 
 
-# Descents of many small reduced least-squares problems, side by side.
+# Simultaneous descents of many small least-squares problems.
 #
 # Each is of a few ln tau, everything linear solved. Gauss and Newton's curvature J'J leaves out
-# what
-# the residual adds, :math:`\sum_i r_i \nabla^2 r_i`, and descends slowly where the residual is no
-# noise. With it the step is Newton's; it is believed where it is a moderate part of J'J, so that
-# the
-# sum is a parabola that opens upward.
+# what the residual adds, :math:`\sum_i r_i \nabla^2 r_i`, and descends slowly where the residual is
+# no noise. With it the step is Newton's; it is believed where it is a moderate part of J'J, so that
+# the sum is a parabola that opens upward.
 
 
 _ITERATIONS = 8
@@ -145,7 +143,7 @@ _LEAST_PROMISE = 50.0
 
 
 class SolvedTrials(NamedTuple):
-    """Trials of ln tau with everything linear solved.
+    """Trial values of ln tau with all linear parameters solved.
 
     SSE (A,), linear parameters (A, p), gradient J'r (A, N) and curvature J'J (A, N, N) of the
     reduced residual by the free ln tau, and what the residual adds to the curvature (A, N, N).
@@ -159,7 +157,7 @@ class SolvedTrials(NamedTuple):
 
 
 class BatchedDescent:
-    """Where each of A descents stands, and where it goes next.
+    """State of A simultaneous descents: current points and next steps.
 
     Parameters
     ----------
@@ -223,7 +221,7 @@ class BatchedDescent:
         )
 
     def _step(self, on: IndexArray) -> tuple[FloatArray, FloatArray]:
-        """The next move (A, N), and by how much the SSE would fall if it were parabolic."""
+        """Return the next move (A, N), and by how much the SSE would fall if it were parabolic."""
         curvature, gradient = self.known.curvature[on], self.known.gradient[on]
         if not curvature.shape[1]:
             return gradient, np.zeros(len(on))
@@ -247,7 +245,7 @@ class BatchedDescent:
 
 
 def _moderate(share: FloatArray) -> BoolArray:
-    """Which of some curvatures of residuals, in parts of J'J, are moderate."""
+    """Return which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
     least, most = _BENT
     believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-least, most) ** 2
@@ -257,7 +255,7 @@ def _moderate(share: FloatArray) -> BoolArray:
     return np.asarray(believed)
 
 
-# Profile likelihood: how bad the best fit becomes when one parameter is held at a value.
+# Profile likelihood.
 #
 # .. math:: D(v) = \frac{\min_{\theta:\,g(\theta)=v} \mathrm{SSE}(\theta) - \mathrm{SSE}_{\min}}
 #                       {\kappa s^2}
@@ -266,14 +264,12 @@ def _moderate(share: FloatArray) -> BoolArray:
 # skewed, or open on one side. Source: D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
 # and Its Applications* (1988), ch. 6.
 #
-# The noise of a correlated record has its own gain for each change of the model, and a profile
-# that
-# bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
-# the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
-# model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
+# The noise of a correlated record has its own gain for each change of the model, and a profile that
+# bends walks from one kind of change to another: with :math:`d(v)` the change of the model on the
+# way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear model
+# that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
 #
-# Everything else is fitted by variable projection: the linear parameters are solved exactly at
-# each
+# Everything else is fitted by variable projection: the linear parameters are solved exactly at each
 # trial of the relaxation times. Both sides of every profile asked for walk together, so that one
 # trial of all of them costs about what one of one costs; their columns are interpolated from a
 # table.
@@ -366,7 +362,7 @@ class _Together:
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
     def value(self, target: ProfileTarget) -> float:
-        """The held coordinate at the optimum."""
+        """Return the held coordinate at the optimum."""
         beta, log_tau = self.optimum.beta, self.optimum.log_tau
         if target.coordinate is Coordinate.LINEAR:
             return float(beta[target.index])
@@ -376,7 +372,7 @@ class _Together:
         return float(log_tau[arm] + np.log(beta[self.fixed + target.index]))
 
     def range(self, target: ProfileTarget) -> tuple[float, float]:
-        """How far the held coordinate goes."""
+        """Return how far the held coordinate goes."""
         if target.coordinate is Coordinate.LOG_TAU:
             return self.window
         if target.coordinate is Coordinate.LINEAR:
@@ -570,13 +566,13 @@ class _Sides:
         self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
 
     def set_fixed_times(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
-        """The trials with a held relaxation time at its goal."""
+        """Return the trials with a held relaxation time at its goal."""
         there = np.flatnonzero(self.log_tau[on])
         log_tau[there, self.arm[on][there]] = goal[on][there]
         return log_tau
 
     def amount(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
-        """The coefficient that is held, zero where none is."""
+        """Return the coefficient that is held, zero where none is."""
         values = log_tau[np.arange(len(on)), self.arm[on]]
         of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - values, 0.0), 600.0))
         return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goal))

@@ -12,7 +12,7 @@ from dashpot.base.units import Dimension, Unit
 from dashpot.datamodel.frf import Kind
 from dashpot.reading.columns import vocabulary
 
-# What the unit of a frequency response says: motion over force or over motion, and its size.
+# Units of a frequency response.
 
 
 _BARE_RATIOS = {"": 1.0, "1": 1.0, "-": 1.0, "db": 1.0, "%": 0.01}
@@ -32,7 +32,7 @@ _LONGEST_UNIT = 60
 
 
 class Ratio(NamedTuple):
-    """What a response relates, its factor to SI, and how often it is yet to be differentiated.
+    """Ratio of a response: its kind, its factor to SI, and the derivatives still to be taken.
 
     A motion over another is a transmissibility times s to a power: ``mm/g`` wants s^2.
     """
@@ -90,7 +90,7 @@ def undecibel(word: str) -> str | None:
 
 
 def _parse_unit_ratio(top: str, bottom: str) -> Ratio | None:
-    """What the unit `top` over the unit `bottom` says."""
+    """Return what the unit `top` over the unit `bottom` says."""
     top, bottom = top.strip("() "), bottom.strip("() ")
     for upper, lower, kind in _RESPONSE_KINDS:
         a, b = units.find_unit(top, upper), units.find_unit(bottom, lower)
@@ -111,7 +111,7 @@ def _find_motion_unit(word: str) -> tuple[int, float] | None:
     return None
 
 
-# A factor beside a unit, as in ``x 1000 N`` or ``10 mN``: it multiplies the numbers, or did.
+# Factors beside a unit, as in ``x 1000 N`` or ``10 mN``.
 
 
 _FACTOR = (
@@ -189,7 +189,7 @@ def format_unit_multiple(unit: Unit, factor: float) -> str:
     return f"{factor:g}{unit.word}"
 
 
-# A column's name and its unit, where one cell holds both.
+# Name and unit in one cell.
 
 
 _LONGEST_HEADING = 500
@@ -290,7 +290,7 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
 
 
 def is_unit_of(stem: str, word: str) -> bool:
-    """Whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
+    """Return whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
     if word.isdigit():  # as thousands of channels are counted
         return False
     for role in vocabulary.matches(stem):

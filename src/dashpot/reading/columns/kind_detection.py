@@ -31,7 +31,7 @@ from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import FileTable
 from dashpot.registry import find_handler
 
-# Two signals over frequency, each by its amplitude and its phase: their ratio is a response.
+# Amplitude and phase of two signals, whose ratio is a response.
 
 
 _PAIRED_MOTIONS: tuple[Dimension, ...] = ("acceleration", "length", "velocity")
@@ -41,7 +41,7 @@ _FEWEST_COLUMNS, _MOST_COLUMNS = 5, 64
 
 
 class AmplitudePhaseColumns(NamedTuple):
-    """A signal by the columns of its amplitude and its phase; whether it is a force."""
+    """Columns of a signal's amplitude and phase, and whether it is a force."""
 
     size: int
     phase: int
@@ -86,7 +86,7 @@ def find_amplitude_phase_pairs(
 
 
 def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) -> bool:
-    """Whether the names say that the first phase is that of the second amplitude."""
+    """Return whether the names say that the first phase is that of the second amplitude."""
     words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*sizes, *phases)}
     entries = {i: words[i] - words[j] for i, j in (sizes, sizes[::-1])}
     straight, across = (
@@ -109,7 +109,7 @@ SWEEPS: tuple[FileKind, ...] = (
 
 
 class KindOfFile(NamedTuple):
-    """What a file of a kind is called and is for, and what its columns play.
+    """Kind of file: its name, its purpose, and the roles of its columns.
 
     Attributes
     ----------
@@ -206,14 +206,14 @@ class _NamedColumns:
         )
 
     def _best(self, role: Role) -> float:
-        """How well the likeliest column suits a role."""
+        """Return how well the likeliest column suits a role."""
         if role not in self.known:
             scores = score_columns(self.table, role, self.options).values()
             self.known[role] = max(scores, default=0.0)
         return self.known[role]
 
     def has(self, *roles: Role, least: float = 1.5) -> bool:
-        """Whether each role is named by the user, or suits a column that well."""
+        """Return whether each role is named by the user, or suits a column that well."""
         return all(self.names(option_of(role)) or self._best(role) >= least for role in roles)
 
     def names(self, *fields: str) -> bool:
@@ -230,7 +230,7 @@ class _NamedColumns:
         return self.has("time", least=least) or self.options.rate is not None
 
     def has_ramp_columns(self) -> bool:
-        """Whether there are the columns of a ramp and hold, be it by their units alone."""
+        """Return whether there are the columns of a ramp and hold, be it by their units alone."""
         return self.has_time(least=1.0) and self.has("force", "displacement", least=1.0)
 
     def has_acceleration(self) -> bool:
@@ -243,7 +243,7 @@ class _NamedColumns:
         return sized and self.has("frequency", "phase") and not self.has_motion_as_magnitude()
 
     def has_partial_response(self) -> bool:
-        """Whether there is one part of a complex value over frequency, and no time."""
+        """Return whether there is one part of a complex value over frequency, and no time."""
         parts: tuple[Role, ...] = ("magnitude", "phase", "real")
         return (
             not self.has_time() and self.has("frequency") and any(self.has(part) for part in parts)
@@ -294,7 +294,7 @@ class _NamedColumns:
         return parts or (ratio and self.has("complex_modulus") and not self.has("coherence"))
 
     def has_signal_pair(self, *, pushed: bool) -> bool:
-        """Whether there are two amplitudes with two phases, one of them a force or none."""
+        """Return whether there are two amplitudes with two phases, one of them a force or none."""
         pair = find_amplitude_phase_pairs(self.table, self.options)
         return pair is not None and pushed == any(columns.pushes for columns in pair)
 
@@ -311,7 +311,7 @@ class _NamedColumns:
         return named or (stated and not self.names("displacement", "force"))
 
     def has_indenter_motion(self) -> bool:
-        """Whether an indenter is named beside its motion, or a velocity stands alone."""
+        """Return whether an indenter is named beside its motion, or a velocity stands alone."""
         if not self.has_time():
             return False
         names = " ".join((*self.table.header, *self.unique_names)).casefold()
@@ -323,13 +323,13 @@ class _NamedColumns:
         )
 
     def has_slam(self) -> bool:
-        """Whether a slam is named beside a force or the motion of its mass."""
+        """Return whether a slam is named beside a force or the motion of its mass."""
         text = " ".join((*self.table.header, *self.unique_names))
         named = not _SLAM.isdisjoint(vocabulary.tokens(text))
         return named and self.has_time() and (self.has("force") or self.has_acceleration())
 
     def has_coordinates(self, *more: str) -> bool:
-        """Whether the columns are named x, y and z, and so."""
+        """Return whether the columns are named x, y and z, and so."""
         return {"x", "y", "z", *more} <= self._plain_names
 
     @cached_property
@@ -337,7 +337,7 @@ class _NamedColumns:
         return frozenset(map(vocabulary.normalise_name, self.unique_names))
 
     def ruled(self, kind: FileKind) -> bool:
-        """Whether the rule of a kind finds its columns."""
+        """Return whether the rule of a kind finds its columns."""
         find_columns = find_handler("table rule", kind)
         return find_columns is not None and find_columns(self.table, self.options) is not None
 
@@ -516,7 +516,7 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
 
 
 def is_motion_ratio(table: FileTable) -> bool:
-    """Whether a response is of a motion to another, as under base excitation."""
+    """Return whether a response is of a motion to another, as under base excitation."""
     stated = any("transmissib" in line.casefold() for line in table.header)
     return stated or any(
         "transmissib" in column.name.casefold() or _over_motion(column.unit or "")
@@ -525,7 +525,7 @@ def is_motion_ratio(table: FileTable) -> bool:
 
 
 def is_relative_transmissibility(table: FileTable) -> bool:
-    """Whether a name or the header says a relative transmissibility."""
+    """Return whether a name or the header says a relative transmissibility."""
     sentences = (*table.header, *(column.name for column in table.columns))
     return any(
         "relative transmissib" in sentence.casefold().replace("_", " ") for sentence in sentences
@@ -539,13 +539,13 @@ ONE_FREQUENCY = 0.02
 
 
 def _over_motion(unit: str) -> bool:
-    """Whether a unit is that of a motion over a motion, such as g/g or mm/g."""
+    """Return whether a unit is that of a motion over a motion, such as g/g or mm/g."""
     new_ratio = parse_response_unit(unit)
     return new_ratio is not None and new_ratio.kind.over_base
 
 
 def _numbers(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
-    """The numbers of the column likeliest in a role; none if there is no such column."""
+    """Return the numbers of the column likeliest in a role; none if there is no such column."""
     indexes = _columns(table, (role,), options)
     values = table.load(indexes).values[:, 0] if indexes else np.empty(0)
     return values[np.isfinite(values)]
@@ -578,7 +578,7 @@ def _varies(table: FileTable, role: Role, options: ReadOptions) -> bool:
 
 
 def _swept(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
-    """What a table of storage and loss was swept over."""
+    """Return what a table of storage and loss was swept over."""
     decades = _decades(table, "frequency", options)
     if decades >= MASTER:
         return "master-curve", f"{reason}, over {decades:.0f} decades"
@@ -628,7 +628,7 @@ def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
 
 
 def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
-    """Whether most frequencies were met at several amplitudes at one temperature."""
+    """Return whether most frequencies were met at several amplitudes at one temperature."""
     amplitudes = _columns(table, ("strain", "displacement"), options)
     if not amplitudes:
         return False

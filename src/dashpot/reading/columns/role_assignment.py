@@ -66,7 +66,7 @@ _ROUNDED = 1e-3
 
 @dataclass(frozen=True)
 class RoleAssignment:
-    """A column in a role, and the reason why."""
+    """Column with its role, and the reason."""
 
     role: Role
     index: int
@@ -75,7 +75,7 @@ class RoleAssignment:
 
 
 def option_of(role: Role) -> str:
-    """The field of the options that names the column of a role."""
+    """Return the field of the options that names the column of a role."""
     return {"complex_modulus": "magnitude", "loss_angle": "phase"}.get(role, role)
 
 
@@ -120,14 +120,14 @@ def join_words(words: Sequence[str], last: str = "and") -> str:
 
 
 def _word(role: Role) -> str:
-    """A role as people say it."""
+    """Return a role as people say it."""
     return {"hammer": "hammer force"}.get(role, role.replace("_", " "))
 
 
 def _same_numbers(
     table: FileTable, indexes: Sequence[int], role: Role, options: ReadOptions
 ) -> bool:
-    """Whether columns hold one signal, in SI: written twice, or in two units."""
+    """Return whether columns hold one signal, in SI: written twice, or in two units."""
     dimension = DIMENSION.get(role)
     columns = [table.columns[i] for i in indexes]
     words = [get_unit_word(column, role, options) for column in columns]
@@ -146,7 +146,7 @@ def _same_numbers(
 
 
 def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
-    """The columns that could play a role with their scores, the best first."""
+    """Return the columns that could play a role with their scores, the best first."""
     scored = (
         (value, -i) for i, value in score_columns(table, role, options).items() if value >= 1.0
     )
@@ -208,12 +208,12 @@ def score_columns(table: FileTable, role: Role, options: ReadOptions) -> Mapping
 
 
 def score(column: Column, role: Role, options: ReadOptions) -> float:
-    """How well a column's name and unit suit a role; 0 if it cannot play it."""
+    """Return how well a column's name and unit suit a role; 0 if it cannot play it."""
     return scores(column, options).get(role, 0.0)
 
 
 def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
-    """How well a column's name and unit suit each of the roles that it can play."""
+    """Return how well a column's name and unit suit each of the roles that it can play."""
     if options.units:
         return _scores(column, options)
     return _compute_file_scores(vocabulary.telling(column.name), column.unit, column.content)
@@ -234,7 +234,7 @@ def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
 
 @lru_cache(maxsize=1024)
 def _measured_by(word: str) -> tuple[Role, ...]:
-    """The roles that a unit word fits."""
+    """Return the roles that a unit word fits."""
     return tuple(role for role in _ROLES if _fits(word, role))
 
 
@@ -272,7 +272,7 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
 
 
 def _fits(word: str, role: Role) -> bool | None:
-    """Whether a unit word is one of a role: None where it measures something else."""
+    """Return whether a unit word is one of a role: None where it measures something else."""
     dimension = DIMENSION.get(role)
     if role == "magnitude":
         return parse_response_unit(word) is not None
@@ -284,7 +284,7 @@ def _fits(word: str, role: Role) -> bool | None:
 
 
 def _find_part_unit(word: str, role: Role) -> Unit | None:
-    """The unit of a part's stiffness or compliance, where the role may be one of a part."""
+    """Return the unit of a part's stiffness or compliance, where the role may be one of a part."""
     return units.find_unit(word, OF_A_PART[role]) if role in OF_A_PART else None
 
 
@@ -325,7 +325,7 @@ def acceleration_question(table: FileTable) -> Question:
 
 
 def _says(column: Column) -> bool:
-    """Whether a name surely says something."""
+    """Return whether a name surely says something."""
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 
@@ -366,7 +366,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
 
 
 def ask(table: FileTable, questions: Sequence[Question]) -> str:
-    """All questions in one sentence each; what no column was found for, in one for all."""
+    """Return all questions in one sentence each; what no column was found for, in one for all."""
     lacking = [question for question in questions if question.role]
     if len(lacking) < 2:
         return ". ".join(item.says for item in questions)
@@ -380,7 +380,7 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
-    """Whether the name says the role best, but the unit suits nothing that the name says."""
+    """Return whether the name says the role best, but the unit suits nothing that the name says."""
     word = column.unit
     if not word:
         return False
@@ -398,7 +398,7 @@ def _all_say_something(table: FileTable) -> bool:
 
 
 def _example(table: FileTable, role: Role) -> str:
-    """A column that could be meant: one whose name says nothing else."""
+    """Return a column that could be meant: one whose name says nothing else."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
     place = _PLACE.get(role, 0)
     at = numbers[min(place, len(numbers) - 1)]
@@ -407,7 +407,7 @@ def _example(table: FileTable, role: Role) -> str:
 
 
 def format_wrong_unit(column: Column, role: Role) -> str:
-    """The sentence for a column whose label is no unit of its role."""
+    """Return the sentence for a column whose label is no unit of its role."""
     dimension = DIMENSION[role]
     example = EXAMPLE.get(role, "")
     sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
@@ -542,12 +542,12 @@ def _label(column: Column, number: int, role: Role) -> str:
 
 
 def _with_unit(column: Column, role: Role) -> str:
-    """What may be written over a column that has no unit."""
+    """Return what may be written over a column that has no unit."""
     return f"{column.name or role} [{_unit_like(column, role)}]"
 
 
 def _unit_like(column: Column, role: Role) -> str:
-    """The likeliest unit of a column in a role."""
+    """Return the likeliest unit of a column in a role."""
     if role == "frequency" and _angular(column):
         return "rad/s"
     return EXAMPLE.get(role, "UNIT")
@@ -596,7 +596,7 @@ def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Uni
 
 
 def format_column(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
-    """A column as the user sees it: its name and unit in quotes, or its number."""
+    """Return a column as the user sees it: its name and unit in quotes, or its number."""
     column = columns[index]
     unit = f" [{column.unit}]" if column.unit else ""
     if handle(columns, index, names) == column.name:
@@ -606,7 +606,7 @@ def format_column(columns: Sequence[Column], index: int, names: Counter[str] | N
 
 
 def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
-    """What names one column and no other: its name, or its number where names repeat.
+    """Return what names one column and no other: its name, or its number where names repeat.
 
     Who asks it of many columns counts their names once.
     """
@@ -646,7 +646,7 @@ def _all_columns(table: FileTable) -> str:
 
 
 def list_columns(columns: Sequence[Column]) -> str:
-    """All columns with their numbers, for a message."""
+    """Return all columns with their numbers, for a message."""
     filled, names = (
         [i for i, c in enumerate(columns) if c.content != "blank"],
         _count_column_names(columns),

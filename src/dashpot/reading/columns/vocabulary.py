@@ -237,12 +237,12 @@ _NUMBER = re.compile(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 
 def tokens(name: str) -> list[str]:
-    """The words of a name."""
+    """Return the words of a name."""
     return normalise_name(name).split()
 
 
 def has_word(name: str, words: tuple[str, ...]) -> bool:
-    """Whether one of the words stands in the name, alone or (CJK) as a part."""
+    """Return whether one of the words stands in the name, alone or (CJK) as a part."""
     name = replace_channel_number(name)
     single, inside = _split_search_words(words)
     return not single.isdisjoint(_split_name_words(name)) or any(word in name for word in inside)
@@ -250,19 +250,19 @@ def has_word(name: str, words: tuple[str, ...]) -> bool:
 
 @lru_cache(maxsize=1 << 16)
 def _split_name_words(name: str) -> frozenset[str]:
-    """The words of a name, with their numbers and without."""
+    """Return the words of a name, with their numbers and without."""
     names = tokens(name)
     return frozenset((*names, *(word.rstrip("0123456789") for word in names)))
 
 
 @lru_cache(maxsize=64)
 def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[str, ...]]:
-    """What a name may hold as a word of its own, and what as a part of one."""
+    """Return what a name may hold as a word of its own, and what as a part of one."""
     return frozenset(words), tuple(word for word in words if ord(word[0]) > 0x3000)
 
 
 def _may_mean(spelling: str) -> bool:
-    """Whether a word is worth a look at its roles: of thousands of names most are not."""
+    """Return whether a word is worth a look at its roles: of thousands of names most are not."""
     certain = spelling in FIRST or spelling in SECOND
     return certain or spelling[-2:] in _ENDS or not spelling.isascii()
 
@@ -284,7 +284,7 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
 
 
 def says_size(name: str) -> bool:
-    """Whether a name says the size of a complex modulus or stiffness, and not a part of it.
+    """Return whether a name says the size of a complex modulus or stiffness, and not a part of it.
 
     >>> says_size("|K*|"), says_size("Dynamic stiffness"), says_size("Dynamic storage modulus")
     (True, True, False)
@@ -295,7 +295,7 @@ def says_size(name: str) -> bool:
 
 
 def over_amplitude(name: str) -> tuple[float, str]:
-    """What a name says its numbers are over the amplitude of a cycle, and in which words.
+    """Return what a name says its numbers are over the amplitude of a cycle, and in which words.
 
     >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
     ((2.0, 'peak to peak'), 2.0)
@@ -320,7 +320,7 @@ def replace_channel_number(name: str) -> str:
 
 @lru_cache(maxsize=1 << 16)
 def telling(name: str) -> str:
-    """A name without its own number, "" if none of its words says anything.
+    """Return a name without its own number, "" if none of its words says anything.
 
     >>> telling("Force 0017"), telling("ceoeeaa")
     ('Force 00', '')
@@ -330,7 +330,7 @@ def telling(name: str) -> str:
 
 
 def matches(name: str) -> MappingProxyType[Role, float]:
-    """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
+    """Return how well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
     return _matches(replace_channel_number(name))
 
 

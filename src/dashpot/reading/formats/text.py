@@ -104,7 +104,7 @@ def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
 
 
 def _lines(raw: RawFile, encoding: str, size: int, *, detected: bool) -> tuple[list[str], bool]:
-    """The lines of the first bytes, and whether that is the whole file."""
+    """Return the lines of the first bytes, and whether that is the whole file."""
     head = raw.head(size)
     whole = len(head) == raw.size
     if b"\0" in head.rstrip(b"\0\r\n ") and not encoding.startswith(
@@ -184,7 +184,7 @@ def _table(
 
 
 def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
-    """Whether a few long rows, each behind its name, are what should be columns."""
+    """Return whether a few long rows, each behind its name, are what should be columns."""
     filled = sum(1 for line in lines if line.strip())
     words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
     return words and filled < _FEW <= len(dialect.numbers) // _FEW
@@ -252,7 +252,7 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
 
 
 def _multiplies(line: str, dialect: Dialect) -> bool:
-    """Whether a row has a number for each column that counts neither columns nor rows."""
+    """Return whether a row has a number for each column that counts neither columns nor rows."""
     numbers = [cells.number(part, dialect.mark) for part in cells.split(line, dialect.delimiter)]
     values = [number for number in numbers if number is not None]
     if len(values) < len(dialect.numbers) or not all(values):
@@ -296,7 +296,7 @@ _INTERVAL = re.compile(
 
 
 def _interval_hints(header: Sequence[str]) -> list[str]:
-    """What the header says about the time between two samples."""
+    """Return what the header says about the time between two samples."""
     for line in header:
         match = _INTERVAL.search(line[:500])
         unit = match and units.find_unit(match[2] or "s", "time")
@@ -308,7 +308,7 @@ def _interval_hints(header: Sequence[str]) -> list[str]:
 
 
 def _hints(header: Sequence[str]) -> list[str]:
-    """What the header says about the sampling rate, for a table without time."""
+    """Return what the header says about the sampling rate, for a table without time."""
     names = []
     for line in header:
         match = _RATE.search(line[:500])
@@ -322,7 +322,7 @@ def _hints(header: Sequence[str]) -> list[str]:
 
 
 def _with_units(line: str) -> bool:
-    """Whether each of several cells holds a number and its unit."""
+    """Return whether each of several cells holds a number and its unit."""
     matches = [_MEASURED.match(part.strip()) for part in re.split(r"[;\t|]|,\s", line)]
     return len(matches) > 1 and all(match and units.find_unit(match[1]) for match in matches)
 

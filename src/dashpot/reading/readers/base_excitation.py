@@ -81,7 +81,7 @@ def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
 
 
 def _channels(file: OpenedFile) -> list[Channel]:
-    """Time unless a rate is given, the base, and the one other motion."""
+    """Return time unless a rate is given, the base, and the one other motion."""
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
     ticks = channels.chosen(file, channels.add_time_role(file))

@@ -53,7 +53,7 @@ _FAR = 5.0
 
 @dataclass(frozen=True, eq=False)
 class OpenedFile:
-    """A file, the table found in it, and what the user says of it."""
+    """File with its table and the user's reading options."""
 
     raw: RawFile
     table: FileTable
@@ -62,7 +62,7 @@ class OpenedFile:
     """Whether the columns read last are kept."""
 
     def column(self, role: Role) -> RoleAssignment | None:
-        """The column that plays a role, if one alone does."""
+        """Return the column that plays a role, if one alone does."""
         answer = assign(self.table, role, self.options)
         return answer if isinstance(answer, RoleAssignment) else None
 
@@ -87,13 +87,13 @@ class OpenedFile:
         return unit_for(self.table.columns[index], index + 1, role, self.options)
 
     def unit_word(self, index: int, role: Role) -> str | None:
-        """What the user, or else the file, says is the unit of a column, if either does."""
+        """Return what the user, or else the file, says is the unit of a column, if either does."""
         return get_unit_word(self.table.columns[index], role, self.options)
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A column chosen for a role, with its unit and a line that says so."""
+    """Column chosen for a role, with its unit and a note."""
 
     role: Role
     index: int
@@ -152,7 +152,7 @@ def pop_cached_file(path: str | Path, options: ReadOptions) -> OpenedFile | None
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:
-    """What one file with one set of options is known by, as long as it is not written to."""
+    """Return what one file with one set of options is known by, as long as it is not written to."""
     try:
         stat = Path(path).stat()
     except (OSError, ValueError):  # stdin, or no such file

@@ -18,7 +18,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.table import FileTable, LoadedColumns, Question
 from dashpot.signals.recording_faults import CLOCK_LEAP, CLOCK_NEIGHBOURS, find_clock_jumps
 
-# Faults of a recorded clock and its samples: mended with a note where harmless, else refused.
+# Faults of one clock and its samples.
 
 
 _LAST = 5.0
@@ -114,7 +114,7 @@ def without_padding(loaded: LoadedColumns) -> LoadedColumns:
 
 
 def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
-    """Where the loading and the first ten ramp times of the hold are, roughly.
+    """Return where the loading and the first ten ramp times of the hold are, roughly.
 
     The fastest relaxation that a ramp shows has about the time of the ramp, so the arms are
     determined within ten ramp times of hold.
@@ -318,7 +318,7 @@ def _creeps(values: FloatArray) -> float:
     return float(np.ptp(away[int(0.5 * len(away)) :]) / away.max())
 
 
-# Signals that each have a clock of their own: columns in pairs, time and signal, side by side.
+# Signals with their own clocks: pairs of columns, time and signal.
 
 
 def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAssignment, ...]:

@@ -59,7 +59,7 @@ OWN: Mapping[str, KindOfFile] = MappingProxyType({
 
 @dataclass(frozen=True)
 class Recognised:
-    """What a file is.
+    """Recognised kind of a file.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
 
 
 def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
-    """Whether a unit is known, and of no such quantity."""
+    """Return whether a unit is known, and of no such quantity."""
     return (
         word is not None and bool(units.dimensions(word)) and not units.find_unit(word, dimension)
     )
@@ -221,7 +221,7 @@ def _load_signals_by_row(file: OpenedFile) -> tuple[FloatArray, FloatArray, Floa
 
 
 def _record(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
-    """Time and signals; nothing of a record that asks or is broken: its reader says so."""
+    """Return time and signals; nothing of a record that asks or is broken: its reader says so."""
     try:
         chosen, clocks = moving_columns(file, *pair)
         values, _ = load_signals(file, chosen, clocks)
@@ -254,7 +254,7 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
 
 
 def _toml(path: str | Path) -> Recognised | None:
-    """What a file that is called TOML states; None of one that is not."""
+    """Return what a file that is called TOML states; None of one that is not."""
     if Path(path).suffix.casefold() != ".toml":
         return None
     from dashpot.reading.toml import tables_of
@@ -268,7 +268,7 @@ def _toml(path: str | Path) -> Recognised | None:
 
 
 def _document(raw: RawFile) -> Recognised | None:
-    """The word of a document's schema; None of JSON that is not dashpot's own."""
+    """Return the word of a document's schema; None of JSON that is not dashpot's own."""
     match = _SCHEMA.search(raw.head(_HEAD))
     if match is None:
         return None

@@ -38,7 +38,7 @@ from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.header_metadata import refuse_unknown_window_rate, window_rate
 from dashpot.reading.table import Column, FileTable, LoadedColumns
 
-# From two amplitudes with two phases, as a shaker's controller writes them, to their ratio.
+# FRF as the ratio of two signals by amplitude and phase.
 
 
 _SEVERAL = 8
@@ -98,7 +98,7 @@ def as_a_ratio(file: OpenedFile) -> OpenedFile:
 def _sort_signal_pair(
     file: OpenedFile, pair: tuple[AmplitudePhaseColumns, AmplitudePhaseColumns]
 ) -> tuple[AmplitudePhaseColumns, AmplitudePhaseColumns]:
-    """The signal above and the one below: a force, or the motion of the base."""
+    """Return the signal above and the one below: a force, or the motion of the base."""
     first, second = pair
     if first.pushes or second.pushes:
         return (second, first) if first.pushes else (first, second)
@@ -136,7 +136,7 @@ def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float)
         )
 
 
-# From a file to an FRF.
+# FRF of a file.
 
 
 PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
@@ -206,7 +206,7 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
 def _shift(
     file: OpenedFile, stated: Mapping[str, float], frequency: FloatArray
 ) -> tuple[float, list[str]]:
-    """The decay of the exponential window that the values carry, 1/s, and notes.
+    """Return the decay of the exponential window that the values carry, 1/s, and notes.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def _deviation(table: FileTable) -> tuple[int | None, list[str]]:
 
 
 class FRFColumns(NamedTuple):
-    """Which columns an FRF stands in, what it relates, and the factors of its units to SI."""
+    """Columns of an FRF, its kind, and the factors of its units to SI."""
 
     columns: dict[Role, int]
     ratio: Ratio
@@ -295,7 +295,7 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
 
 
 def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
-    """What to say of columns that make no FRF."""
+    """Return what to say of columns that make no FRF."""
     listed = list_columns(file.table.columns)
     parts = {"magnitude", "phase"} & index.keys()
     if "frequency" in index and len(parts) == 1:
@@ -330,7 +330,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
 
 
 def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
-    """What the FRF relates, from the unit, held against a ``kind:`` comment."""
+    """Return what the FRF relates, from the unit, held against a ``kind:`` comment."""
     column, word = file.table.columns[index], file.unit_word(index, role) or ""
     new_ratio = parse_response_unit(word)
     if new_ratio is None and is_motion_ratio(file.table):

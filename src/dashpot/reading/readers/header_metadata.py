@@ -24,7 +24,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.table import LoadedColumns
 
-# What the header of a file states of the specimen.
+# Specimen.
 
 
 _NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
@@ -84,7 +84,7 @@ def _rest_before(name: str) -> bool:
 def _merge_stated_temperature(
     file: OpenedFile, specimen: Specimen, recorded: FloatArray | None
 ) -> tuple[Specimen, list[str]]:
-    """The specimen with the temperature of a column, K, or else of the header, and notes."""
+    """Return the specimen with the temperature of a column, K, or else of the header, and notes."""
     where = "the header"
     entries = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
@@ -199,7 +199,7 @@ def _quantities(
 
 
 def _is_test_temperature(name: str) -> bool:
-    """Whether a name is a temperature and no more than that of the test."""
+    """Return whether a name is a temperature and no more than that of the test."""
     words = vocabulary.tokens(name)
     heads = [word for word in words if word not in _BESIDES]
     return len(heads) == 1 and any(
@@ -208,7 +208,7 @@ def _is_test_temperature(name: str) -> bool:
     )
 
 
-# What the header of a file states of an exponential window.
+# Exponential window.
 #
 # Analysers multiply a response by :math:`e^{-at}` so that it dies within the record. A header says
 # so by the time constant 1/a, by the decay rate a, or by what the window leaves at the end of the
@@ -233,7 +233,7 @@ _END = re.compile(r"end[ _]?value|endwert|%", re.IGNORECASE)
 
 
 class StatedWindow(NamedTuple):
-    """An exponential window that a file states.
+    """Exponential window stated in a file.
 
     Attributes
     ----------
@@ -305,13 +305,13 @@ def refuse_unknown_window_rate(says: str) -> None:
 
 
 def _strip_comment_marks(line: str) -> str:
-    """A line without its marks."""
+    """Return a line without its marks."""
     marks = " \t#%$!/*;'"
     return " ".join(line[:_LONGEST_COMMENT].replace('"', " ").lstrip(marks).rstrip(" \t;'").split())
 
 
 def _decaying_window(line: str) -> bool:
-    """Whether a line gives a window a decay, which an exponential one alone has."""
+    """Return whether a line gives a window a decay, which an exponential one alone has."""
     return bool(_WINDOW.search(line) and _DECAY.search(line) and _DECAY_NUMBER.search(line))
 
 

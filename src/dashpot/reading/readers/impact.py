@@ -123,7 +123,7 @@ def _join_tests(tests: Sequence[ImpactTest]) -> ImpactTest:
 
 
 def _joined_rate(tests: Sequence[ImpactTest]) -> float | None:
-    """The window of tests of one set-up.
+    """Return the window of tests of one set-up.
 
     Raises
     ------
@@ -192,13 +192,13 @@ def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
 
 
 def _names(file: OpenedFile, chosen: Sequence[Channel]) -> tuple[str, ...]:
-    """What the accelerations are called."""
+    """Return what the accelerations are called."""
     names = [file.table.columns[c.index].name for c in chosen if c.role == "acceleration"]
     return tuple(name or f"acceleration {k}" for k, name in enumerate(names, start=1))
 
 
 def _channels(file: OpenedFile) -> list[Channel]:
-    """Time unless a rate is given, the hammer, and every acceleration."""
+    """Return time unless a rate is given, the hammer, and every acceleration."""
     shown = accelerations(file.table, (), file.options)
     questions = [] if shown else [acceleration_question(file.table)]
     chosen = channels.chosen(file, channels.add_time_role(file, "hammer"), besides=questions)

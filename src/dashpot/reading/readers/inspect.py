@@ -62,7 +62,7 @@ _UNCLOCKED = ("cld", "stress-strain")
 
 @dataclass(frozen=True)
 class InspectedColumn:
-    """One column: what it is called, its unit, the role it would play and why.
+    """Column: its name and unit, its role, and the reason.
 
     `first` holds the first few numbers as they stand, in the file's own unit; None
     where there is none.
@@ -78,7 +78,7 @@ class InspectedColumn:
 
 @dataclass(frozen=True)
 class Segment:
-    """A run of rows: its name, number of rows, and first and last time, s, if known."""
+    """Segment of rows: its name, number of rows, and first and last time, s, if known."""
 
     name: str
     rows: int
@@ -88,7 +88,7 @@ class Segment:
 
 @dataclass(frozen=True, repr=False)
 class Inspection(Plottable):
-    """What a file holds and what it leaves open.
+    """Contents of a file, and the questions that they leave open.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class Inspection(Plottable):
 
     @property
     def described(self) -> tuple[str, ...]:
-        """What the file is, its columns, and what is to be answered."""
+        """Summary of the file: its columns and open questions."""
         return (
             f"{self.file}: {self.kind} ({self.reason}), {self.rows} rows",
             *(
@@ -172,7 +172,7 @@ class Inspection(Plottable):
 
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
-    """Return what is in a file: columns with roles and reasons, sampling, open questions.
+    """Return the inspection of a file: columns, roles, reasons, sampling, open questions.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def inspect_other_path(path: str | Path, detection: Recognised) -> Inspection:
 
 
 def inspect_opened(file: OpenedFile) -> Inspection:
-    """Return what is in a file that is open."""
+    """Return the inspection of an open file."""
     raw, table, options = file.raw, file.table, file.options
     kind, reason = recognise_opened(file)
     roles, questions = _proposal(file, kind)
@@ -276,7 +276,7 @@ def _columns(
 
 
 def _first(numbers: Sequence[int], values: FloatArray) -> _First:
-    """The first few numbers of each column of numbers: None where there is none."""
+    """Return the first few numbers of each column of numbers: None where there is none."""
     rows = values[:_FIRST]
     cells = rows.astype(object)
     cells[np.isnan(rows)] = None
@@ -304,7 +304,7 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
 def _assign_kind_roles(
     file: OpenedFile, kind: str
 ) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
-    """Those of the roles that the kind has."""
+    """Return those of the roles that the kind has."""
     table, options = file.table, file.options
     clocks = (
         find_separate_clocks(table, options) if "displacement" in _get_usual_roles(kind) else ()
@@ -329,7 +329,7 @@ def _assign_kind_roles(
 
 
 def _none(answer: RoleAssignment | Question) -> bool:
-    """Whether no two columns could play a role."""
+    """Return whether no two columns could play a role."""
     return isinstance(answer, RoleAssignment) or not answer.choices
 
 
@@ -369,7 +369,7 @@ def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
 def _make_role_questions(
     file: OpenedFile, role: Role, answer: RoleAssignment | Question
 ) -> list[Question]:
-    """What a role leaves open: its column, or the unit of that."""
+    """Return what a role leaves open: its column, or the unit of that."""
     if isinstance(answer, RoleAssignment):
         return _asks(lambda: file.unit(answer.index, role), role)
     needless = role == "loss" and file.column("loss_factor")
@@ -377,7 +377,7 @@ def _make_role_questions(
 
 
 def _asks(settle: Callable[[], object], role: str) -> list[Question]:
-    """What is asked for by what cannot be settled."""
+    """Return what is asked for by what cannot be settled."""
     try:
         settle()
     except ReadError as error:
@@ -391,7 +391,7 @@ def _time(
     roles: dict[int, tuple[Role, str]],
     rows: int,
 ) -> FloatArray | None:
-    """Time of every row, s, if the file or the options tell it."""
+    """Return time of every row, s, if the file or the options tell it."""
     if file.options.rate is not None:
         return np.arange(rows) / file.options.rate
     index = next((i for i, (role, _) in roles.items() if role == "time"), None)

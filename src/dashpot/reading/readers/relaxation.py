@@ -24,7 +24,7 @@ from dashpot.reading.readers.header_metadata import add_specimen_temperature, st
 from dashpot.reading.table import LoadedColumns
 from dashpot.signals.recording_faults import Leap, lasting_change
 
-# From a file to a relaxation test.
+# Relaxation test.
 
 
 def read_relaxation(
@@ -52,7 +52,7 @@ def read_relaxation(
 
 
 def roles(file: OpenedFile) -> list[Role]:
-    """The columns that a relaxation test needs: no clock where a rate is given."""
+    """Return the columns that a relaxation test needs: no clock where a rate is given."""
     return channels.add_time_role(file, "displacement", "force")
 
 
@@ -268,7 +268,7 @@ def moving_columns(
 
 
 def check_joined_segments(time: FloatArray, loaded: LoadedColumns) -> str:
-    """Say that segments were joined; refuse it where their clocks start again."""
+    """Note that segments were joined; refuse it where their clocks start again."""
     names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded.segments)]
     listed = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")
     for start in loaded.starts[1:]:
@@ -280,7 +280,7 @@ def check_joined_segments(time: FloatArray, loaded: LoadedColumns) -> str:
     return f"{len(names)} segments joined into one record: {listed}"
 
 
-# From a file to a motion: the columns of time and displacement, whatever else it holds.
+# Motion: the columns of time and displacement alone.
 
 
 def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:

@@ -13,7 +13,7 @@ from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
 
-# Sizes that no test of a seal has: the unit is asked for again before its numbers are used.
+# Sizes of seals and their tests.
 
 
 LEAST_TRAVEL = SIZES["travel"].soft[0]
@@ -300,7 +300,7 @@ def _make_unit_advice(says: str, role: str, unit: str, likely: dict[str, str]) -
     }
 
 
-# What stress over strain of a rubber may reach: asked where such a file is read or inspected.
+# Sizes of stress and strain of a rubber.
 
 
 def refuse_sizes_of_rubber(

@@ -59,7 +59,7 @@ def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
 
 
 def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
-    """Return what a sweep holds, as :func:`parts_of`.
+    """Return the columns of a sweep, as :func:`parts_of`.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
 
 
 def _blocks(loaded: LoadedColumns, whole: BoolArray) -> list[BoolArray]:
-    """Which of the whole rows stand in each block."""
+    """Return which of the whole rows stand in each block."""
     of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
     return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
 
@@ -133,7 +133,7 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
 
 
 def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
-    """The columns of frequency and of the modulus: with loss, loss factor or loss angle."""
+    """Return the columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
     answers = {role: assign(table, role, options) for role in _ROLES}
     other = _find_loss_substitute(file)
@@ -154,7 +154,7 @@ def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
 
 
 def _hint(file: OpenedFile, answers: Mapping[Role, RoleAssignment | Question]) -> str:
-    """What the file is instead, where a column is not found."""
+    """Return what the file is instead, where a column is not found."""
     if not any(isinstance(answer, Question) for answer in answers.values()):
         return ""
     kind, reason = kind_of(file.table, file.options)
@@ -174,14 +174,14 @@ def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
 
 
 def _find_both_columns(answers: Mapping[Role, RoleAssignment | Question]) -> bool:
-    """Whether storage and loss are columns of their own."""
+    """Return whether storage and loss are columns of their own."""
     pair = [answers["storage"], answers["loss"]]
     at = {answer.index for answer in pair if isinstance(answer, RoleAssignment)}
     return len(at) == len(pair)
 
 
 def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
-    """The column of the loss factor, or else of the loss angle, whose name may be given.
+    """Return the column of the loss factor, or else of the loss angle, whose name may be given.
 
     Where several could be the one, or the other, what to ask.
     """
@@ -208,7 +208,7 @@ def _require_loss_angle(file: OpenedFile, name: str) -> None:
 def _is_size(
     file: OpenedFile, size: RoleAssignment, answers: Mapping[Role, RoleAssignment | Question]
 ) -> bool:
-    """Whether a column is the size of the complex modulus: its name, or the user, says so.
+    """Return whether a column is the size of the complex modulus: its name, or the user, says so.
 
     Raises
     ------

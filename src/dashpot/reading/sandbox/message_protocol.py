@@ -26,7 +26,7 @@ _LENGTH = struct.Struct("<Q")
 
 
 class ProtocolError(Exception):
-    """What came is no message: its sender died, or was led astray."""
+    """Error of a message that violates the protocol: its sender died or was compromised."""
 
 
 def send(stream: BinaryIO, head: dict[str, Any], parts: Iterable[bytes | memoryview] = ()) -> None:
@@ -164,7 +164,7 @@ def _strings(values: Any) -> tuple[str, ...]:
 
 
 def _notes(notes: tuple[str, ...], cautions: Any) -> tuple[str, ...]:
-    """The notes, those at the places given as cautions."""
+    """Return the notes, those at the places given as cautions."""
     places = {_count(place) for place in _validate_type(cautions, list)}
     return tuple(Caution(note) if i in places else note for i, note in enumerate(notes))
 

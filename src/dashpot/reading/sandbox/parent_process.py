@@ -130,7 +130,7 @@ def _command() -> list[str]:
 
 
 def _death(what: str, code: int, seconds: float | None) -> str:
-    """The sentence on a child that gave no answer."""
+    """Return the sentence on a child that gave no answer."""
     if seconds is not None:
         return (
             f"took more than {seconds:.0f} s to read as {what}: it is damaged, or unpacks to far "

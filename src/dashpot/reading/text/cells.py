@@ -14,7 +14,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.reading.columns.header_units import remove_quotes, split_unit
 from dashpot.reading.table import Question
 
-# What one cell of a text table is: a number, a missing value or a word.
+# Numbers, missing values and words.
 
 
 Mark: TypeAlias = Literal[".", ",", ".,"]
@@ -63,7 +63,7 @@ def number(cell: str, mark: Mark) -> float | None:
 
 
 def is_number(cell: str, mark: Mark) -> bool:
-    """Whether :func:`number` finds one in a cell."""
+    """Return whether :func:`number` finds one in a cell."""
     if cell[:1] not in _BEGINS and cell[:1].isascii():  # most cells that are none, soon
         return False
     return _PLAIN[mark].match(cell) is not None or _is_grouped(cell, mark)
@@ -75,7 +75,7 @@ def _is_grouped(cell: str, mark: Mark) -> bool:
 
 
 def is_missing(cell: str) -> bool:
-    """Whether a cell is blank or a word for "no value", such as NaN, n/a, OVER or ----."""
+    """Return whether a cell is blank or a word for "no value", such as NaN, n/a, OVER or ----."""
     return not cell or MISSING.match(cell) is not None
 
 
@@ -106,7 +106,7 @@ def drop_trailing_blanks(cells: list[str]) -> list[str]:
 
 
 def _split_fixed_width(line: str, breaks: Sequence[int]) -> list[str]:
-    """The cells between the breaks; by blanks, so too many or few, if a word crosses one."""
+    """Return the cells between the breaks; by blanks, so too many or few, if a word crosses one."""
     if any(len(line[place - 1 : place + 1].strip()) == 2 for place in breaks):
         return line.split()
     return [line[a:b].strip() for a, b in itertools.pairwise([0, *breaks, None])]
@@ -141,7 +141,7 @@ def _split_quoted_cells(line: str, delimiter: str) -> list[str]:
 
 
 def numeric(cells: Sequence[str], mark: Mark) -> list[bool]:
-    """Which cells hold a number."""
+    """Return which cells hold a number."""
     if are_plain(cells, mark):
         return [True] * len(cells)
     return [is_number(cell, mark) for cell in cells]
@@ -152,7 +152,7 @@ def are_plain(cells: Sequence[str], mark: Mark) -> bool:
     return _ALL_PLAIN[mark].match("\n".join([*cells, ""])) is not None
 
 
-# Columns of clock times: what a cell says, and what only the whole column can tell.
+# Columns of clock times.
 
 
 _DAY = 86400.0
@@ -175,7 +175,7 @@ _GERMAN = {"mär": "mar", "mai": "may", "okt": "oct", "dez": "dec"}
 
 
 class Timestamp(NamedTuple):
-    """One cell: its date as written, the seconds of its day, and its parts.
+    """Timestamp in a cell: its date as written, the seconds of its day, and its parts.
 
     ``12:30`` alone can be hours and minutes or minutes and seconds: its parts are "", and its
     seconds those of the first.
@@ -210,7 +210,7 @@ def parse_clock_or_date(cell: str) -> Timestamp | None:
 
 @dataclass
 class ClockColumn:
-    """Reads the cells of one column in their order; `apply_day_changes` then judges the whole.
+    """Parser of the clock times of one column; `apply_day_changes` then completes the dates.
 
     `order` is what the header or the user says of it: "ms", "hm", "dmy", "mdy" or "".
     """
@@ -222,7 +222,7 @@ class ClockColumn:
     _minutes: dict[str, Timestamp | None] = field(default_factory=dict)
 
     def many(self, cells: Sequence[str]) -> list[Timestamp] | None:
-        """What many cells say, None unless each ends in seconds; only `add` counts them.
+        """Return the times of many cells, None unless each ends in seconds; only `add` counts them.
 
         What stands before the seconds is understood once a minute.
         """
@@ -342,7 +342,7 @@ def _day(word: str, order: str) -> int | None:
         return None
 
 
-# Cells that hold a complex number, ``(1.5-2j)`` or ``1.5 - 2i``, parted into two cells.
+# Complex numbers, ``(1.5-2j)`` or ``1.5 - 2i``, split into two cells.
 
 
 _DELIMITERS = ("\t", ";", "|", ",")
@@ -367,7 +367,7 @@ _COMPLEX_PATTERNS = (_build_complex_pattern(r"\."), _build_complex_pattern(","))
 
 
 def holds_complex(head: str) -> bool:
-    r"""Whether some of the first lines hold complex numbers in their cells.
+    r"""Return whether some of the first lines hold complex numbers in their cells.
 
     >>> holds_complex("f,H\n1,(1+2j)\n2,(2-1j)\n3,(0-1j)"), holds_complex("f,H\n1,2")
     (True, False)

@@ -16,7 +16,7 @@ from dashpot.reading.table import Content
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import Mark, parse_clock_or_date, parse_clock_time
 
-# Where the table of numbers is in a text, and how its cells are parted.
+# Position of the table, and separators.
 
 
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
@@ -38,7 +38,7 @@ _PARTS = re.compile(r"[\t;,| ]+")
 
 @dataclass(frozen=True)
 class Dialect:
-    """How the rows of a table are written.
+    """Dialect of the rows of a table.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Dialect:
         return "clock" in self.contents
 
     def row(self, line: str, like: str = "") -> list[str] | None:
-        """The cells of a line, one per column, if it is a row of the table; else None.
+        """Return the cells of a line, one per column, if it is a row of the table; else None.
 
         Where blanks part the cells, a row `like` it that lacks none shows which are blank.
         """
@@ -88,13 +88,13 @@ class Dialect:
         return parts if self._is_plain(parts) or self._has_numbers(parts) else None
 
     def _ends_well(self, names: Sequence[str]) -> bool:
-        """Whether a row of another width has all its numbers, and no number behind them."""
+        """Return whether a row of another width has all its numbers, and no number behind them."""
         behind = names[len(self.contents) :]
         reaches = not self.numbers or len(names) > self.numbers[-1]
         return reaches and not any(cell.is_number(c, self.mark) for c in behind)
 
     def _is_plain(self, names: Sequence[str]) -> bool:
-        """Whether there is a plain number wherever one is expected."""
+        """Return whether there is a plain number wherever one is expected."""
         return not self._has_clock and cell.are_plain([names[i] for i in self.numbers], self.mark)
 
     def _has_numbers(self, names: Sequence[str]) -> bool:
@@ -118,7 +118,7 @@ class Dialect:
         return filled > words and 2 * (filled + blank) > len(self.numbers)
 
     def resembles_row(self, line: str) -> bool:
-        """Whether a line that is no row begins or is filled with numbers, however parted."""
+        """Return whether a line that is no row begins or is filled with numbers, however parted."""
         parts = Counter(part.strip('"') for part in _PARTS.split(line[:LONGEST].strip()))
         numbers = sum(count for part, count in parts.items() if like_number(part))
         words = sum(count for part, count in parts.items() if not cell.is_missing(part)) - numbers
@@ -128,7 +128,7 @@ class Dialect:
         return self.delimiter != " " and len(cells) > 1 and like_number(cells[0])
 
     def is_cut_off(self, lines: Sequence[str]) -> bool:
-        """Whether the last line is a row whose last number alone has too few decimals.
+        """Return whether the last line is a row whose last number alone has too few decimals.
 
         Too few are fewer than all rows before it have, at least four.
         """
@@ -147,13 +147,13 @@ class Dialect:
         return [decimals(text, self.mark) for text in cell.split(line, self.delimiter)]
 
     def _is_value(self, text: str, column: int) -> bool:
-        """Whether :meth:`value` finds one."""
+        """Return whether :meth:`value` finds one."""
         if self.contents[column] == "clock":
             return parse_clock_or_date(text) is not None
         return cell.is_number(text, self.mark)
 
     def value(self, text: str, column: int) -> float | None:
-        """The number in a cell of a column, or None."""
+        """Return the number in a cell of a column, or None."""
         if self.contents[column] == "clock":
             timestamp = parse_clock_or_date(text)
             return None if timestamp is None else timestamp.seconds
@@ -192,12 +192,12 @@ def find_dialect(
 
 
 def is_overlong(line: str) -> bool:
-    """Whether a line has more characters or cells than are looked at."""
+    """Return whether a line has more characters or cells than are looked at."""
     return len(line) > LONGEST or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
 
 
 def most_cells(line: str) -> int:
-    """The cells of a line by the delimiter that makes the most."""
+    """Return the cells of a line by the delimiter that makes the most."""
     return 1 + max(map(line.count, _DELIMITERS))
 
 
@@ -261,7 +261,7 @@ def _has_groups(window: Sequence[str]) -> bool:
 
 
 def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark]) -> Dialect | None:
-    """The dialect by which every cell of a window is a plain number, None if there is none.
+    """Return the dialect by which every cell of a window is a plain number, None if there is none.
 
     No other makes more of it: in plain numbers stands no delimiter but their comma.
     """
@@ -308,7 +308,7 @@ def _is_looked_at(line: str) -> bool:
 
 
 def _sample_lines(window: list[str]) -> list[str]:
-    """The lines of a window: of thousands of columns the last few are enough."""
+    """Return the lines of a window: of thousands of columns the last few are enough."""
     size, count = 0, 0
     while count < len(window) and (count < _STEADY or size < _SAMPLED):
         count += 1
@@ -362,7 +362,7 @@ def like_number(text: str) -> bool:
 
 
 def _hides_numbers(cells: Sequence[str]) -> bool:
-    """Whether most words of a column are numbers that another delimiter would part."""
+    """Return whether most words of a column are numbers that another delimiter would part."""
     parts = [[part for part in _PARTS.split(text) if part] for text in cells]
     glued = sum(len(part) > 1 and all(map(like_number, part)) for part in parts)
     return 2 * glued > len(cells)
@@ -391,7 +391,7 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
 
 
 def _is_similar_row(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
-    """Whether a row fits under those before it: numbers or blanks where numbers were."""
+    """Return whether a row fits under those before it: numbers or blanks where numbers were."""
     if abs(len(mask) - len(is_number)) > max(1, len(mask) // 2):
         return False
     fits = hits = 0
@@ -403,7 +403,7 @@ def _is_similar_row(mask: list[bool], is_number: list[bool], row: list[str]) -> 
 
 
 def _content(cells: Sequence[str], mark: Mark) -> Content:
-    """What the filled cells of a column hold, most of them."""
+    """Return what the filled cells of a column hold, most of them."""
     if cell.are_plain(cells, mark):
         return "number"
     others = [text for text in cells if not cell.is_number(text, mark)]
@@ -418,7 +418,7 @@ def _content(cells: Sequence[str], mark: Mark) -> Content:
 
 
 def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
-    """The same dialect with the first line of its first steady run of rows."""
+    """Return the same dialect with the first line of its first steady run of rows."""
     needed, first, steady = 3, -1, 0
     fallback = -1
     for i, line in enumerate(lines):
@@ -438,7 +438,7 @@ def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
 
 
 def _digits(lines: Sequence[str]) -> list[str]:
-    """The lines that hold digits and hardly a word."""
+    """Return the lines that hold digits and hardly a word."""
     return [
         line
         for line in lines
@@ -457,7 +457,7 @@ def _find_column_breaks(lines: Sequence[str]) -> str:
     return "fixed:" + ",".join(map(str, breaks)) if breaks else " "
 
 
-# Which encoding a text is in: only the names and units depend on it, never the digits.
+# Encoding: only names and units depend on it, never the digits.
 
 
 _BYTE_ORDER_MARKS = (
@@ -509,7 +509,7 @@ def _code_page(head: bytes) -> str:
 
 
 def _score_text(text: str, codec: str) -> float:
-    """How much a decoded text reads like names and units of a lab."""
+    """Return how much a decoded text reads like names and units of a lab."""
     words = (word for word in re.findall(r"[^\W\d_]+", text) if not word.isascii())
     score = sum((weight * count(word, codec) for word in words for weight, count in _WORDS), 0.0)
     return score + len(_UNITS.findall(text)) - 2.0 * len(_DEBRIS.findall(text))

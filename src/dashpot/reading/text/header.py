@@ -36,7 +36,7 @@ def uncomment(line: str, delimiter: str) -> str:
 
 @dataclass(frozen=True)
 class Header:
-    """What the lines above a table say: its columns, and how their clock times are written.
+    """Contents of the lines above a table: its columns, and the format of their clock times.
 
     `misfit` says of a row of names that is not as wide as the table; none of it is taken. `uneven`
     says of a row of units that is not, which of them are.
@@ -75,7 +75,7 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
 def _assign_uneven_units(
     odd: Sequence[str], names: Sequence[str], dialect: Dialect
 ) -> tuple[list[str], str]:
-    """The units of a row that is not as wide as the table, and what to say of it.
+    """Return the units of a row that is not as wide as the table, and what to say of it.
 
     They stand under the names from the left, unless one contradicts its name: then a cell is
     missing or added further left, nobody knows where, and none is taken.
@@ -92,7 +92,7 @@ def _assign_uneven_units(
 
 
 def _denies(name: str, word: str) -> bool:
-    """Whether a unit is one of something else than what a name surely says."""
+    """Return whether a unit is one of something else than what a name surely says."""
     if units.find_unit(word) is None:
         return False
     sentences = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
@@ -106,7 +106,7 @@ def _denies(name: str, word: str) -> bool:
 
 
 def _clock(name: str, word: str | None) -> str:
-    """How the clock times of a column are written, "" if its unit does not say."""
+    """Return how the clock times of a column are written, "" if its unit does not say."""
     return vocabulary.clock_order(word or split_unit(name)[1] or "")
 
 
@@ -129,7 +129,7 @@ def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
 
 
 def _join_quoted_lines(lines: Sequence[str]) -> list[str]:
-    """The lines without the overlong, each quoted cell that runs over line ends in one."""
+    """Return the lines without the overlong, each quoted cell that runs over line ends in one."""
     whole: list[str] = []
     for line in lines:
         if whole and _is_open(whole[-1]) and len(whole[-1]) + len(line) < LONGEST:
@@ -140,7 +140,7 @@ def _join_quoted_lines(lines: Sequence[str]) -> list[str]:
 
 
 def _is_open(line: str) -> bool:
-    """Whether a quoted cell begins in a line and does not end in it."""
+    """Return whether a quoted cell begins in a line and does not end in it."""
     before = line.rpartition('"')[0].rstrip(" ")
     return line.count('"') % 2 == 1 and (not before or before[-1] in "\t;,|")
 
@@ -172,7 +172,7 @@ def _either(first: str, second: str) -> str:
 
 
 def _strip(word: str) -> str:
-    """A unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
+    """Return a unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
     bare = word.strip().strip("\"'").strip()
     inner = bare.lstrip("[({<").rstrip("])}>").strip()
     if inner.count("(") == inner.count(")"):
@@ -181,7 +181,7 @@ def _strip(word: str) -> str:
 
 
 def _cells(line: str, dialect: Dialect) -> list[str]:
-    """A header line cut into cells: by the table's delimiter, or by one that fits better."""
+    """Return a header line cut into cells: by the table's delimiter, or by one that fits better."""
     text, width = uncomment(line, dialect.delimiter), len(dialect.contents)
     if dialect.delimiter in _MARKS and line.partition(dialect.delimiter)[0].strip() == "%":
         text = line  # the unit of the first column
@@ -222,7 +222,7 @@ _LABELS = {
 
 
 def _find_labelled_cells(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
-    """The cells of a line such as ``# columns: a b c``, if it has one for each column."""
+    """Return the cells of a line such as ``# columns: a b c``, if it has one for each column."""
     for line in lines:
         text = uncomment(line, dialect.delimiter)
         match = _LABELS[what].match(text)
@@ -269,7 +269,7 @@ def _signals(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | 
 
 
 def _parse_name_unit(text: str) -> tuple[str, str] | None:
-    """The name of a column and its unit, as ``time: s`` or ``time [s]``."""
+    """Return the name of a column and its unit, as ``time: s`` or ``time [s]``."""
     name, sign, word = text.partition(":")
     if sign and units.find_unit(_strip(word) if word.strip() else "") is not None:
         return name.strip(), word.strip()
@@ -278,7 +278,7 @@ def _parse_name_unit(text: str) -> tuple[str, str] | None:
 
 
 def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str], list[str]]:
-    """The row of names and the row of units among the last lines above the table.
+    """Return the row of names and the row of units among the last lines above the table.
 
     Behind them a row of units that is not as wide as the table, if one stands there.
     """
@@ -301,7 +301,7 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
 
 
 def _fill_blank_names(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
-    """The names, and where one is blank the one above it that is a name with its unit.
+    """Return the names, and where one is blank the one above it that is a name with its unit.
 
     So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
     """
@@ -327,7 +327,7 @@ def _merge_unit_rows(above: Sequence[str], below: Sequence[str]) -> list[str]:
 
 
 def _fits(row: Sequence[str], dialect: Dialect) -> bool:
-    """Whether a row has a cell for each column, but for words at the end."""
+    """Return whether a row has a cell for each column, but for words at the end."""
     count = len(row)
     while count and not row[count - 1].strip(" -[]()"):
         count -= 1
@@ -336,12 +336,12 @@ def _fits(row: Sequence[str], dialect: Dialect) -> bool:
 
 
 def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
-    """Whether a row as wide as the table holds units."""
+    """Return whether a row as wide as the table holds units."""
     return _fits(row, dialect) and _holds_units(row)
 
 
 def _holds_units(row: Sequence[str]) -> bool:
-    """Whether most filled cells of a row are unit words."""
+    """Return whether most filled cells of a row are unit words."""
     texts = [text for text in row if text.strip(" -[]()")]
     filled = Counter(vocabulary.replace_channel_number(_strip(text)) for text in texts)
     if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
@@ -352,7 +352,7 @@ def _holds_units(row: Sequence[str]) -> bool:
 
 
 def _most_are_units(words: Counter[str]) -> bool:
-    """Whether most words are units, or built like one: no more are judged than decide it."""
+    """Return whether most words are units, or built like one: no more are judged than decide it."""
     remainder = 0.4 * words.total()
     for word, count in words.items():
         remainder -= count * (not _says_unit(word))
@@ -380,7 +380,7 @@ def _is_bracketed(text: str) -> bool:
 
 
 def _unit_shape(word: str) -> bool:
-    """Whether an unknown word is built like a unit: ``1/MPa``, ``Pa.s``, ``g²/Hz``."""
+    """Return whether an unknown word is built like a unit: ``1/MPa``, ``Pa.s``, ``g²/Hz``."""
     if " in " in word:  # "t in s" is a name with its unit: no tonne-inch-seconds
         return False
     parts = [part for part in re.split(r"[/*·.^²³()\d\s-]+", word) if part]
@@ -388,7 +388,7 @@ def _unit_shape(word: str) -> bool:
 
 
 def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
-    """Whether a row as wide as the table holds words."""
+    """Return whether a row as wide as the table holds words."""
     filled = [text for text in row if text]
     letters = sum(re.search(r"[^\W\d_]", text) is not None for text in filled)
     many = letters >= 0.6 * len(filled) and len(filled) >= 0.5 * len(dialect.contents)
@@ -396,7 +396,7 @@ def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
 
 
 def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
-    """Whether a row would name columns if it were as wide as the table."""
+    """Return whether a row would name columns if it were as wide as the table."""
     named = [text for text in row if vocabulary.matches(split_unit(text)[0])]
     return len(named) > 1 and not _fits(row, dialect)
 
@@ -422,13 +422,13 @@ def find_header_change(
 
 
 def _says_columns(columns: Sequence[Column]) -> bool:
-    """Whether at least half of what stands there is a name or a unit that is known."""
+    """Return whether at least half of what stands there is a name or a unit that is known."""
     total = sum(bool(vocabulary.matches(c.name) or units.find_unit(c.unit or "")) for c in columns)
     return total > 0 and 2 * total >= sum(bool(c.name or c.unit) for c in columns)
 
 
 def _contradicts(old: Column, new: Column) -> bool:
-    """Whether both have a name, or a unit, and not the same."""
+    """Return whether both have a name, or a unit, and not the same."""
     named = (
         old.name
         and new.name

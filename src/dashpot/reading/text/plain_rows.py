@@ -51,7 +51,7 @@ _KEPT = _make_byte_masks(_WORD), _make_byte_masks(_SEEN)
 
 @dataclass(frozen=True, eq=False)
 class PartedLines:
-    """Lines of one width: the text, where each cell ends and its length, column by column.
+    """Lines of one width: the text, with end and length of each cell, column by column.
 
     So much stands before the lines in the text that what is looked at is there.
     """
@@ -88,7 +88,7 @@ class PartedLines:
     def _parse_whole_numbers(
         self, end: IndexArray, length: IndexArray, point: int, behind: int
     ) -> IndexArray | None:
-        """The digits of cells as whole numbers, None unless all are written so."""
+        """Return the digits of cells as whole numbers, None unless all are written so."""
         longest, pointed = int(length.max()), behind > 0
         if length.min() <= pointed or longest - pointed > _DIGITS:
             return None
@@ -148,8 +148,7 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
 #
 # Columns of even decimals are read by their digits, and where all cells are numbers as JSON writes
 # them, msgspec reads them in half the time. Both round as NumPy and Python do, to the nearest
-# double;
-# what they are not sure to read alike they never get.
+# double; what they are not sure to read alike they never get.
 
 
 _PAYS = 1 << 19
@@ -159,7 +158,7 @@ _NEGATIVE_ZERO = re.compile(rb"-0(?=[\s,])")
 
 
 class PlainRows:
-    """Reads whole blocks for one dialect and one choice of columns, or says that it cannot."""
+    """Parser of blocks of plain rows for one dialect and some columns, where possible."""
 
     met: ClassVar[int] = 0
 
@@ -307,7 +306,7 @@ class PlainRows:
         return text.replace('"', "")
 
     def _from_json(self, raw: bytes, more: int) -> FloatArray | None:
-        """The numbers of lines of one width, None unless each is written as JSON has it."""
+        """Return the numbers of lines of one width, None unless each is written as JSON has it."""
         PlainRows.met += len(raw)
         if PlainRows.met < _PAYS and "msgspec" not in sys.modules:
             return None

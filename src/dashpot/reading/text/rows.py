@@ -19,7 +19,7 @@ from dashpot.reading.text.dialect import LONGEST, Dialect, like_number
 from dashpot.reading.text.header import find_header_change
 from dashpot.reading.text.plain_rows import PlainRows, line_count
 
-# Whether ``1.600`` is one and a bit or a thousand and six hundred: the whole column tells.
+# Decimal or thousands mark, as in ``1.600``, by the whole column.
 
 
 _SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
@@ -64,7 +64,7 @@ class _Marks:
     seen: set[str] = field(default_factory=set)
 
     def is_redundant(self, text: str) -> bool:
-        """Whether a cell adds nothing to what is known.
+        """Return whether a cell adds nothing to what is known.
 
         What was said before tells nothing new: of a counter a few rows are enough. Nor, where the
         decimal mark is sure, does a cell without another mark.
@@ -87,7 +87,7 @@ class _Marks:
             self.broken |= marks == 1 or len(text) > 3
 
     def doubt(self) -> str:
-        """A cell that can be read two ways, or ""."""
+        """Return a cell that can be read two ways, or ""."""
         if self.grouped:
             return ""
         if self.foreign and (self.decimal == "." or not (self.own or self.small or self.broken)):
@@ -168,7 +168,7 @@ _DATED = 4
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands over the first segment: the columns, how their clock times are written."""
+    """Heading of the first segment: the columns, and the format of their clock times."""
 
     columns: tuple[Column, ...] = ()
     clocks: tuple[str, ...] = ()
@@ -222,7 +222,7 @@ class _Gathered:
         self.between.clear()
 
     def notes(self) -> list[str]:
-        """What was passed over, and where."""
+        """Return notes on the skipped lines and their places."""
         notes = []
         for token, (count, *places) in self.words.items():
             at = ", ".join(f"line {line}" for line in places)
@@ -244,7 +244,7 @@ class _Gathered:
 
 
 def _remark(lines: Sequence[str]) -> bool:
-    """Whether lines between two rows are but one comment: no new segment."""
+    """Return whether lines between two rows are but one comment: no new segment."""
     comment = len(lines) == 1 and re.match(r"\A\s*+[#%$!]", lines[0]) is not None
     return comment and not title(lines)
 
@@ -371,7 +371,7 @@ _TITLE = re.compile(
 
 
 def title(lines: Sequence[str]) -> str:
-    """A segment's name from the lines above it: ``# segment: pause`` is "pause"."""
+    """Return a segment's name from the lines above it: ``# segment: pause`` is "pause"."""
     named = [match[1] for line in lines if (match := _TITLE.match(line))]
     return named[-1].strip(' \t",;')[:60] if named else ""
 
@@ -475,7 +475,7 @@ class _Reader:
         got.add(values, line)
 
     def _find_header_change(self) -> str | None:
-        """What a second header says otherwise than the first; None if there is no header."""
+        """Return what a second header says otherwise than the first; None if there is no header."""
         if not self.heading.columns:
             return ""
         texts = tuple(text for _, text in self.got.between)
@@ -495,7 +495,7 @@ class _Reader:
             self.like = next(full, self.like)
 
     def _row(self, line: str, *, begun: bool) -> list[str] | None:
-        """The cells of a line, None if it is no row; `begun` if the line before was one."""
+        """Return the cells of a line, None if it is no row; `begun` if the line before was one."""
         row = self.dialect.row(line, self.like)
         if row is None and len(self.no_rows) < _MENTIONED and self.dialect.delimiter != " ":
             self.no_rows.add(line)  # a header may stand above every few rows
@@ -505,7 +505,7 @@ class _Reader:
         return row
 
     def _numbers(self, row: Sequence[str], number: int) -> list[float]:
-        """The numbers wanted of a row."""
+        """Return the numbers wanted of a row."""
         values = []
         for place, i in enumerate(self.indexes):
             clock = self.clocks.get(place)
@@ -526,14 +526,14 @@ class _Reader:
             between.append((number, line[: LONGEST if len(between) < _WIDE else _NARROW]))
 
     def _full(self, row: Sequence[str]) -> bool:
-        """Whether no word stands where a number is expected."""
+        """Return whether no word stands where a number is expected."""
         return all(
             cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
             for i in self.dialect.numbers
         )
 
     def _is_malformed_row(self, pair: tuple[int, str]) -> bool:
-        """Whether a line beside rows holds numbers as they do, and is none."""
+        """Return whether a line beside rows holds numbers as they do, and is none."""
         text = pair[1]
         if text not in self.odd:
             comment = re.match(r"\A\s*+[#%$!]", text) is not None
@@ -560,7 +560,7 @@ class _Reader:
         )
 
     def _odd_cell(self, names: Sequence[str]) -> str:
-        """What is odd of a line that has the cells of a row and is none."""
+        """Return what is odd of a line that has the cells of a row and is none."""
         contents = self.dialect.contents
         for i in self.dialect.numbers:
             text = names[i] if i < len(names) else ""

@@ -172,7 +172,7 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
 
 
 def _legend(fit: Fit | None, measured: FRF) -> str:
-    """How a figure calls the prediction of a fit."""
+    """Return how a figure calls the prediction of a fit."""
     if fit is None:
         return "predicted"
     if {source.sha256 for source in fit.source} & {source.sha256 for source in measured.source} - {
@@ -184,7 +184,7 @@ def _legend(fit: Fit | None, measured: FRF) -> str:
 
 
 def _on_lines(predicted: FRF, measured: FRF) -> FRF:
-    """The prediction at the measured lines, which must be among its own."""
+    """Return the prediction at the measured lines, which must be among its own."""
     lines = np.arange(len(predicted.frequency))
     where = np.rint(np.interp(measured.frequency, predicted.frequency, lines)).astype(int)
     off = np.abs(predicted.frequency[where] - measured.frequency)
@@ -238,7 +238,7 @@ def _assemble_mass_on_seals(
 
 
 def _mass_within(predicted: FRF, model: Solid) -> float:
-    """The mass that the prediction was made with: what D(s) - K(s) leaves over s^2."""
+    """Return the mass that the prediction was made with: what D(s) - K(s) leaves over s^2."""
     stiffness = predicted.to(Kind.DYNAMIC_STIFFNESS)
     ratio = (stiffness.value - model.stiffness_at(stiffness.s)) / stiffness.s**2
     mass = float(np.median(ratio.real))
@@ -251,7 +251,7 @@ def _mass_within(predicted: FRF, model: Solid) -> float:
 
 
 def _as_tested(predicted: FRF, measured: FRF, model: Solid | None, mass: float | None) -> FRF:
-    """The prediction as the test would see it: its window and its cut record included."""
+    """Return the prediction as the test would see it: its window and its cut record included."""
     if model is not None and mass is not None:
         record = measured.record if measured.frequency[0] > 0 else None
         return replace(
@@ -321,7 +321,7 @@ def _find_nearest_mode(modes: tuple[Mode, ...], frequency: float) -> Mode | None
 
 
 def _drop_uncertain_mode(mode: Mode | None) -> Mode | None:
-    """The mode if its record supports its damping: a standard error well below the value."""
+    """Return the mode if its record supports its damping: a standard error well below the value."""
     if mode is None or not mode.damping_ratio_se < VAGUE * mode.damping_ratio:
         return None
     return mode
@@ -341,7 +341,7 @@ def _evidence(model: Solid | None, fit: Fit | None, frequency: float) -> tuple[A
 
 
 def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
-    """Whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
+    """Return whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
 
     Where a fit has learnt from a hammer too, the arms that are new came from there; where a fit
     carries no covariance, the arm must relax inside its band.

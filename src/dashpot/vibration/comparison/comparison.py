@@ -15,7 +15,7 @@ from dashpot.datamodel.frf import FRF
 
 @dataclass(frozen=True)
 class ArmEvidence:
-    """Whether one arm of the model was tested by this FRF.
+    """Evidence of an FRF on one arm of the model.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class ArmEvidence:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Plottable, Serialisable):
-    """A predicted FRF held against a measured one, on the measured lines.
+    """Comparison of a predicted FRF with a measured one, on the measured lines.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of the prediction, by the gravest check that failed; it says `says`."""
+        """Verdict on the prediction, by the gravest check that failed; it says `says`."""
         return replace(verdict(self.checks), says=self.says)
 
     @property
@@ -195,7 +195,7 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def lines(self) -> str:
-        """How well the lines agree, in words."""
+        """Agreement of the lines, as text."""
         z = "" if self.z_rms is None else f", or {self.z_rms:.3g} times the noise"
         return (
             f"{len(self.measured.frequency)} lines from {self.band[0]:.3g} to {self.band[1]:.3g} "

@@ -27,7 +27,7 @@ DECAYED = 0.55
 
 @dataclass(frozen=True)
 class RegressionLine(Serialisable):
-    """A straight line over the binary logarithm of an amplitude.
+    """Regression line over the binary logarithm of an amplitude.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class RegressionLine(Serialisable):
     dof: int
 
     def at(self, x: float) -> tuple[float, float]:
-        """The line at x, and half its 95 % interval."""
+        """Return the line at x, and half its 95 % interval."""
         count = self.dof + 2
         error = self.se * float(np.hypot(self.spread / np.sqrt(count), x - self.middle))
         return self.value + self.slope * (x - self.middle), t_quantile(KNOWN, self.dof) * error
@@ -64,7 +64,7 @@ class RegressionLine(Serialisable):
 
 @dataclass(frozen=True)
 class Trend:
-    """How the resonance of single hits changes as the motion after them grows.
+    """Trend of the resonance of single hits with their amplitude.
 
     Attributes
     ----------

@@ -15,14 +15,14 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.vibration.impact.hits import HitBlock
 
-# From the transforms of all hits to one complex line and its error.
+# FRF of hits.
 
 
 POOLED = 40  # degrees of freedom that an estimate of the noise should rest on
 
 
 class Estimator(StrEnum):
-    """Where the noise is taken to be."""
+    """FRF estimator, by the channel that bears the noise."""
 
     H1 = "H1"  # on the response
     H2 = "H2"  # on the force
@@ -54,7 +54,7 @@ class Spectra:
         return len(self.force)
 
     def only(self, hits: BoolArray) -> Spectra:
-        """The chosen hits."""
+        """Return the chosen hits."""
         return Spectra(self.frequency, self.force[hits], self.response[hits], self.noise)
 
 
@@ -91,7 +91,7 @@ class ChannelSpectra:
 
     @property
     def s(self) -> ComplexArray:
-        """Where on the Laplace plane the lines stand, 1/s."""
+        """Points of the lines on the Laplace plane, 1/s."""
         return np.asarray(2j * np.pi * self.frequency + self.shift)
 
     @property
@@ -105,7 +105,7 @@ class ChannelSpectra:
         return self._moments()[1]
 
     def band(self, low: float, high: float) -> ChannelSpectra:
-        """The lines from `low` to `high`, Hz, without 0 Hz."""
+        """Return the lines from `low` to `high`, Hz, without 0 Hz."""
         keep = (self.frequency >= low) & (self.frequency <= high) & (self.frequency > 0)
         if np.count_nonzero(keep) < 8:
             raise DataError(
@@ -120,7 +120,7 @@ class ChannelSpectra:
         )
 
     def only(self, taken: BoolArray) -> ChannelSpectra:
-        """The chosen hits."""
+        """Return the chosen hits."""
         return replace(
             self,
             force=self.force[taken],
@@ -129,7 +129,7 @@ class ChannelSpectra:
         )
 
     def apply_signs(self, signs: FloatArray) -> ChannelSpectra:
-        """The accelerations times +1 or -1 each."""
+        """Return the accelerations times +1 or -1 each."""
         return replace(
             self, response=self.response * signs[:, None, None], signs=self.signs * signs
         )
@@ -145,7 +145,7 @@ class ChannelSpectra:
         )
 
     def split_channels(self) -> list[Spectra]:
-        """Every accelerometer by itself."""
+        """Return every accelerometer by itself."""
         return [self.combine_channels(row) for row in np.eye(len(self.channels))]
 
     def _moments(self) -> tuple[float, float]:
@@ -205,7 +205,7 @@ def coherence(spectra: Spectra) -> FloatArray | None:
 
 
 def random_error(spectra: Spectra, value: ComplexArray) -> FloatArray | None:
-    r"""Standard deviation of the real and of the imaginary part of an FRF, shape (n,).
+    r"""Return standard deviation of the real and of the imaginary part of an FRF, shape (n,).
 
     .. math:: s^2 = \frac{\overline{|A - H F|^2}}{2 (n - 1) \overline{|F|^2}}
               \approx |H|^2 \frac{1 - \gamma^2}{2 n \gamma^2}
@@ -247,13 +247,13 @@ def _noise_ratio(spectra: Spectra, ff: FloatArray, aa: FloatArray, estimator: Es
 
 
 def _moving_mean(values: FloatArray, side: int) -> FloatArray:
-    """Mean over `side` neighbours to either side, fewer at the ends."""
+    """Return mean over `side` neighbours to either side, fewer at the ends."""
     width = np.ones(2 * side + 1)
     inside = np.convolve(np.ones(len(values)), width)[side : side + len(values)]
     return np.asarray(np.convolve(values, width)[side : side + len(values)] / inside)
 
 
-# From a base that is shaken and the mass on it to a transmissibility.
+# Transmissibility of base excitation.
 
 
 USUAL_SEGMENTS = 8
@@ -345,7 +345,7 @@ def estimate_transmissibility(
 
 
 def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
-    r"""Lines where base and mass have more in common than chance has, with their neighbours.
+    r"""Return lines where base and mass have more in common than chance has, with their neighbours.
 
     Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
     """

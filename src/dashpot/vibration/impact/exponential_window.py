@@ -61,7 +61,7 @@ _CONTRADICTED = 4.0
 
 
 class ExponentialWindow(NamedTuple):
-    """An exponential window: how fast a window decays, and how that is known.
+    """Exponential window: its decay, and the origin of that value.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ NO_WINDOW = ExponentialWindow()
 
 @dataclass(frozen=True, eq=False)
 class ScatterDecay:
-    """Variance of one channel's noise in stretches of a block, averaged over hits.
+    """Noise variance of one channel in sections of a block, averaged over hits.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
 
 
 def _scatter_of_responses(hits: Sequence[HitBlock]) -> list[ScatterDecay]:
-    """The scatter of every response whose noise can be seen before the pulse."""
+    """Return the scatter of every response whose noise can be seen before the pulse."""
     channels = range(len(hits[0].acceleration))
     decays = [scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
     return [decay for decay in decays if decay is not None]
@@ -288,7 +288,7 @@ def _estimate_noise_power(squares: FloatArray) -> float:
 
 
 def _high_pass(taps: int) -> FloatArray:
-    """A linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
+    """Return a linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
     at = np.arange(taps) - (taps - 1) / 2
     low = 2 * _PASSED * np.sinc(2 * _PASSED * at) * np.kaiser(taps, _BETA)
     low /= low.sum()
@@ -305,7 +305,7 @@ def _number_step(rows: Sequence[FloatArray]) -> float:
 
 
 def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
-    """The stretches up to where the noise starts anew, as at the block of the next hit."""
+    """Return the stretches up to where the noise starts anew, as at the block of the next hit."""
     quietest = int(np.argmin(decay.variance))
     rises = decay.variance[quietest:] > 4 * decay.variance[quietest] * (
         1 + 4 * np.sqrt(2 / decay.freedom[quietest:])
@@ -319,7 +319,7 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
 
 
 def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
-    """The decay that all channels share, 1/s, and its standard error."""
+    """Return the decay that all channels share, 1/s, and its standard error."""
     used = [_select_noise_segments(decay) for decay in seen]
     if not used or max(len(decay.time) for decay in used) < _FEWEST_STRETCHES:
         return float("nan"), np.inf
@@ -351,7 +351,7 @@ def _fitted_rate(seen: Sequence[ScatterDecay]) -> tuple[float, float]:
 
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
-    """The stretches that neither a high mode nor rounding drowns."""
+    """Return the stretches that neither a high mode nor rounding drowns."""
     low = max(_LINEAR * decay.rounding, _DEEPEST * decay.variance[0])
     above = np.flatnonzero(decay.variance[1:] > decay.variance[0])
     below = np.flatnonzero(decay.variance[1:] < low)
@@ -362,7 +362,7 @@ def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
 
 
 def _is_windowed(decay: ScatterDecay) -> bool:
-    """Whether the noise of a channel decays: by half, or by less beyond any chance."""
+    """Return whether the noise of a channel decays: by half, or by less beyond any chance."""
     if decay.ratio < EVIDENT:
         return True
     if decay.ratio > _SLOW:
@@ -376,14 +376,14 @@ def _is_windowed(decay: ScatterDecay) -> bool:
 
 
 def _begins_with_record(seen: Sequence[ScatterDecay], rate: float) -> bool:
-    """Whether the noise before the pulse decays, too, unless it clearly does not."""
+    """Return whether the noise before the pulse decays, too, unless it clearly does not."""
     used = [_select_noise_segments(decay) for decay in seen]
     flat = sum(decay.deviance(rate, from_start=False) for decay in used)
     return flat > sum(decay.deviance(rate) for decay in used) - _CLEAR
 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
-    """Whether the noise of the hammer decays with the window; True where it is not seen."""
+    """Return whether the noise of the hammer decays with the window; True where it is not seen."""
     decay = scatter_decay([hit.force for hit in hits], hits)
     if decay is None:
         return True

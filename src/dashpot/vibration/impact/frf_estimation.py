@@ -45,7 +45,7 @@ from dashpot.vibration.impact.rocking import Combination, null_rocking
 from dashpot.vibration.modal.peaks import mount_band
 from dashpot.vibration.modal.pole_fit import FRFLines
 
-# Hits averaged into one FRF, windowed, turned and weighted as chosen.
+# Average of hits: windows, signs and weights.
 
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
@@ -57,7 +57,7 @@ FORMS = "none, force, exponential, exponential:0.01, force+exponential"
 
 @dataclass(frozen=True)
 class Window:
-    """Whether to window the force, whether exponentially both, and the end value if given."""
+    """Window options: of the force, exponential of both channels, and its end value if given."""
 
     force: bool = False
     exponential: bool = False
@@ -120,7 +120,7 @@ def _force_window(hit: HitBlock) -> FloatArray:
 
 @dataclass(frozen=True)
 class AveragingOptions:
-    """What the caller chose, understood."""
+    """Validated averaging options."""
 
     estimator: Estimator
     window: Window
@@ -136,7 +136,7 @@ class AveragingOptions:
 
 @dataclass(frozen=True, eq=False)
 class Average:
-    """All hits and their qualities; the transforms, weights and FRF of those taken."""
+    """Average of hits: their qualities, and transforms, weights and FRF of those accepted."""
 
     hits: tuple[HitBlock, ...]
     qualities: tuple[HitQuality, ...]
@@ -214,7 +214,7 @@ def _transform(hits: Sequence[HitBlock], choices: AveragingOptions, decay: float
 
 
 def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
-    """Lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
+    """Return lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
     power = (np.abs(np.fft.rfft([b.force * _force_window(b) for b in hits])) ** 2).mean(axis=0)
     weak = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
@@ -253,7 +253,7 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
 def _combine(
     transforms: ChannelSpectra, choices: AveragingOptions
 ) -> tuple[FloatArray, Combination | None]:
-    """Weights of the accelerometers, and what is known of rocking."""
+    """Return weights of the accelerometers, and what is known of rocking."""
     count = len(transforms.channels)
     mean = np.full(count, 1 / count)
     if choices.combine in transforms.channels:
@@ -289,7 +289,7 @@ def _mounts(transforms: ChannelSpectra) -> tuple[float, float]:
     return mount_band(transforms.frequency, value, random_error(spectra, value))
 
 
-# From hammer hits to a frequency response function.
+# Estimation of an FRF.
 
 
 STILL = 0.003  # of the response: less motion before a hit is left as it is
@@ -474,7 +474,7 @@ def _select_accepted_hits(
 
 
 def _reach(tests: Sequence[ImpactTest]) -> float | None:
-    """How far the accelerometers are from the hammer's line, m, if that was given."""
+    """Return how far the accelerometers are from the hammer's line, m, if that was given."""
     positions = tests[0].positions
     return None if positions is None else float(np.abs(positions).mean())
 

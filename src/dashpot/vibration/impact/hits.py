@@ -15,7 +15,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.signals.recording_faults import frozen_runs
 from dashpot.vibration.modal.peaks import run_about
 
-# Hammer hits, found in continuous records, cut into blocks, and freed of what still rings.
+# Detection of hits, blocks, and removal of residual ringing.
 
 
 TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits
@@ -29,7 +29,7 @@ RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed 
 
 @dataclass(frozen=True, eq=False)
 class HitBlock:
-    """One block: a hammer pulse, the response to it, and a little quiet before.
+    """Block of a hit: a hammer pulse, its response, and a short rest before.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class HitBlock:
         return int(np.argmax(self.force))
 
     def pulse(self, level: float = 0.1) -> slice:
-        """The samples around the peak that stay above `level` times the peak."""
+        """Return the samples around the peak that stay above `level` times the peak."""
         return run_about(self.force > level * self.peak, self.peak_at)
 
     def width(self, level: float) -> float:
@@ -323,7 +323,7 @@ def _decays(t: FloatArray, poles: ComplexArray) -> FloatArray:
     return np.column_stack((waves.real, waves.imag, np.ones_like(t)))
 
 
-# The quality of each hammer hit, after the practice of ISO 7626-5.
+# Quality of each hit, after ISO 7626-5.
 
 
 REBOUND = 0.05  # of the peak: a second pulse this high is a second hit
@@ -338,7 +338,7 @@ UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
 
 @dataclass(frozen=True)
 class HitQuality:
-    """What makes a hit useless and what makes it doubtful, one sentence each."""
+    """Quality of a hit: faults that exclude it, and doubts, one sentence each."""
 
     faults: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
@@ -371,7 +371,7 @@ def compute_undecayed_fraction(hit: HitBlock) -> float:
 
 
 def compute_pre_hit_motion(hit: HitBlock) -> float:
-    """How much the block moves before the hit, noise taken off, over how it does after it."""
+    """Return the motion before the hit, noise removed, over that after it."""
     worst = 0.0
     for row, spread, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
         slow = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
@@ -382,7 +382,7 @@ def compute_pre_hit_motion(hit: HitBlock) -> float:
 
 
 def second_pulse(hit: HitBlock) -> tuple[float, float]:
-    """Largest second rise of the force: its height over the peak, and s from the peak.
+    """Return largest second rise of the force: its height over the peak, and s from the peak.
 
     How far the force rises again after it fell from its peak, or before it rose to it. The single
     hump of a soft tip, however long, does not rise twice.
@@ -462,7 +462,7 @@ def _overloads(hit: HitBlock) -> Iterator[str]:
 
 
 def _find_clipping_level(row: FloatArray, noise: float) -> float:
-    """Where the highest lobe of a response is cut off, m/s^2; 0 if it is not."""
+    """Return where the highest lobe of a response is cut off, m/s^2; 0 if it is not."""
     top = int(np.argmax(row))
     lobe = row[run_about(row > 0.3 * row[top], top)]
     peak = float(lobe.max())
@@ -510,7 +510,7 @@ def _ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
 
 
 def flat_topped(lobe: FloatArray, noise: float) -> bool:
-    """Tell whether a lobe is cut off at its top.
+    """Return whether a lobe is cut off at its top.
 
     A half-sine spends 0.30 of its half-height width above 95 % of its peak, a haversine 0.29, a
     Gaussian 0.27; one cut at 95 % of its height 0.41. The top is taken as the median of the
@@ -531,7 +531,7 @@ def flat_topped(lobe: FloatArray, noise: float) -> bool:
 
 
 def _compute_lobe_width(lobe: FloatArray, level: float) -> float:
-    """Samples between the first and the last crossing of a level."""
+    """Return samples between the first and the last crossing of a level."""
     above = np.flatnonzero(lobe >= level)
     return width_at(lobe, level, (int(above[0]), int(above[-1])))
 

@@ -22,7 +22,7 @@ FEWEST = 12  # lines for that
 
 @dataclass(frozen=True)
 class Combination:
-    r"""How the accelerometers are weighted, and how much rocking is left.
+    r"""Combination of accelerometers: their weights, and the remaining rocking.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Combination:
 def null_rocking(
     lines: FRFLines, hits: ComplexArray, reach: float | None = None
 ) -> Combination | None:
-    """Weights that null the rocking mode.
+    """Return weights that null the rocking mode.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
 
-# What a small error of a test does to storage and loss factor.
+# Effect of small errors of a test on storage and loss factor.
 
 
 def compute_stiffness_change(
@@ -48,7 +48,7 @@ SLOPE_REACH = 1.6
 
 @dataclass(frozen=True, eq=False)
 class DynamicStiffness(EqualByValue):
-    r"""Stiffness of one seal against frequency, and what spoils it.
+    r"""Dynamic stiffness of one seal against frequency, with its errors.
 
     Attributes
     ----------
@@ -97,17 +97,17 @@ class DynamicStiffness(EqualByValue):
 
     @property
     def storage_mass(self) -> FloatArray:
-        """What the error of the mass does to the storage stiffness, N/m."""
+        """Error of the storage stiffness by the error of the mass, N/m."""
         return np.asarray(self.mass_sd / self.mass * np.abs(self.by_mass.real))
 
     @property
     def storage_phase(self) -> FloatArray:
-        """What a phase error between the channels does to it, N/m."""
+        """Error of the storage stiffness by a phase error between the channels, N/m."""
         return np.asarray(self.phase_sd * np.abs(self.by_phase.real))
 
     @property
     def loss_phase(self) -> FloatArray:
-        """What that does to the loss stiffness, N/m."""
+        """Error of the loss stiffness by that phase error, N/m."""
         return np.asarray(self.phase_sd * np.abs(self.by_phase.imag))
 
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
@@ -248,7 +248,7 @@ def dynamic_stiffness(
 def _find_band_around_peak(
     frequency: FloatArray, peak: float, good: BoolArray
 ) -> tuple[float, float]:
-    """The unbroken run of good lines about the peak."""
+    """Return the unbroken run of good lines about the peak."""
     top = int(np.argmin(np.abs(frequency - peak)))
     if not good[top]:
         return float("nan"), float("nan")
@@ -274,7 +274,7 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) ->
 
 
 def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolArray, FloatArray]:
-    """The lines about `at`, and what each contributes to the slope of a straight line."""
+    """Return the lines about `at`, and what each contributes to the slope of a straight line."""
     near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
     if np.count_nonzero(near) < 3:
         raise DataError(f"fewer than 3 lines about {at:g} Hz: no slope of the stiffness there")

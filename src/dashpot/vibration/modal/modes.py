@@ -17,7 +17,7 @@ from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.vibration.modal.peaks import mount_band, run_about
 from dashpot.vibration.modal.pole_fit import FRFLines, find_poles
 
-# Modes common to the FRFs of several points.
+# Modes common to several FRFs.
 
 
 FEWEST_BAND_LINES = 8
@@ -40,7 +40,7 @@ def compute_rms_accelerance(points: FRFSet) -> FRF:
 
 
 def lines_of(points: FRFSet) -> FRFLines:
-    """The accelerances of a set as lines to be fitted, a row for each point."""
+    """Return the accelerances of a set as lines to be fitted, a row for each point."""
     first = points.frfs[0].to(Kind.ACCELERANCE)
     return FRFLines.measured(
         first.s, points.accelerance, points.sd, record=first.record, pulse=first.pulse
@@ -112,15 +112,13 @@ def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], me
     )
 
 
-# Natural frequencies, damping ratios and residues of a measured FRF.
+# Modes of one FRF.
 #
 # By a rational fraction, or by reading a single resonance the classical ways: peak, half-power
-# width, circle and logarithmic decrement look at the highest peak and know nothing of a record
-# that
-# was cut: a truncated decay reads as damping. With an exponential window they see the pole
-# :math:`p - a`; the a is added back, which is exact, since the window moves the poles of any
-# linear
-# solid by that much.
+# width, circle and logarithmic decrement look at the highest peak and know nothing of a record that
+# was cut: a truncated decay reads as damping. With an exponential window they see the pole :math:`p
+# - a`; the a is added back, which is exact, since the window moves the poles of any linear solid by
+# that much.
 
 
 FEWEST_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
@@ -128,7 +126,7 @@ HEIGHT = np.sqrt(0.5)
 
 
 class Method(StrEnum):
-    """How modes are found."""
+    """Method of modal analysis."""
 
     RATIONAL = "rational"  # rational fraction with the kernel of a finite record
     PEAK = "peak"  # parabola through the highest line
@@ -344,7 +342,7 @@ def _top(accelerance: ComplexArray) -> int:
 
 
 def _width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float, float]:
-    """Lines above half power, and where the power falls to a half of its peak, rad/s.
+    """Return lines above half power, and where the power falls to a half of its peak, rad/s.
 
     Between lines 1/|A|^2 is taken as straight, its lowest point from a parabola.
     """

@@ -16,7 +16,7 @@ FEWEST, MOST = 5, 31
 
 @dataclass(frozen=True)
 class Peak:
-    """A peak of the accelerance.
+    """Peak of the accelerance.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Peak:
 
 
 def run_about(good: BoolArray, at: int) -> slice:
-    """The unbroken run of True about an index."""
+    """Return the unbroken run of True about an index."""
     gaps = np.flatnonzero(~good)
     left, right = gaps[gaps < at], gaps[gaps > at]
     return slice(int(left[-1]) + 1 if left.size else 0, int(right[0]) if right.size else len(good))
@@ -104,7 +104,7 @@ def find_peak(frf: FRF) -> Peak:
 
 
 def _about_the_peak(height: FloatArray) -> slice:
-    """The lines of the half-power band, widened to the fewest that hold a parabola."""
+    """Return the lines of the half-power band, widened to the fewest that hold a parabola."""
     top = int(np.argmax(height))
     run = run_about(height > height[top] / np.sqrt(2), top)
     low = min(max(run.start, top - MOST // 2), top - FEWEST // 2)
@@ -160,7 +160,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
 def _wander(
     c: ComplexArray, spread: ComplexArray, peak: float, centre: complex, scale: float
 ) -> float:
-    r"""Standard deviation of the peak, rad/s, for unit scatter of the rows.
+    r"""Return standard deviation of the peak, rad/s, for unit scatter of the rows.
 
     The peak is where :math:`g = \mathrm{Re}(\bar u u') = 0`, u = D/s^2, so it moves by
     :math:`-\delta g / g'`, and :math:`\delta g` is linear in the coefficients.

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.numerics.least_squares import Objective, descend
 
-# The modal assurance criterion: how alike two shapes of modes are.
+# Modal assurance criterion: similarity of two mode shapes.
 
 
 def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
@@ -39,7 +39,7 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
     return np.asarray(np.divide(cross, size, out=np.zeros_like(size), where=size > 0))
 
 
-# Lines of an FRF to be fitted, and what a pole looks like on them.
+# FRF lines to be fitted, and the shape of a pole on them.
 
 
 # no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
@@ -79,7 +79,7 @@ class FRFLines:
         record: float | None,
         pulse: float = 0.0,
     ) -> FRFLines:
-        """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
+        """Return lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
         size = np.abs(value)
         top = size.max(axis=1, keepdims=True)
         error = np.broadcast_to(FLOOR * top, size.shape)
@@ -88,7 +88,7 @@ class FRFLines:
         return cls(s, value, error, record, pulse)
 
     def only(self, keep: BoolArray) -> FRFLines:
-        """The chosen lines."""
+        """Return the chosen lines."""
         return replace(self, s=self.s[keep], value=self.value[:, keep], sd=self.sd[:, keep])
 
 
@@ -110,7 +110,7 @@ def _compute_log_truncation(lines: FRFLines, p: complex | ComplexArray) -> Compl
 
 
 def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
-    """Derivative of :func:`kernel` by the pole."""
+    """Return derivative of :func:`kernel` by the pole."""
     k = pole_kernel(lines, p)
     if lines.record is None:
         return k**2
@@ -118,10 +118,9 @@ def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArra
     return np.asarray((k - later * np.exp(_compute_log_truncation(lines, p))) / (lines.s - p))
 
 
-# Poles on trial: the best residues of every channel at given poles, and what is left over.
+# Trial poles: best residues of every channel, and the remainder.
 #
-# Residues and background enter linearly (variable projection). The background needs no trial, so
-# it
+# Residues and background enter linearly (variable projection). The background needs no trial, so it
 # is taken off the lines once; each trial has but the modes to solve for.
 
 
@@ -133,7 +132,7 @@ MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 
 @dataclass(frozen=True, eq=False)
 class BackgroundProjection:
-    """Lines without their background, which needs no trial: what is left for modes to explain.
+    """Lines projected off their background, which is independent of the poles.
 
     Real and imaginary part of each line are two rows, over its standard deviation.
 
@@ -193,7 +192,7 @@ class _Residues(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PoleTrial:
-    """Poles, as ln sigma and ln omega of each, with the best residues and background there.
+    """Trial poles, as ln sigma and ln omega, with the best residues and background.
 
     Modes, two real coefficients each, are solved for channel by channel, so that it is no problem
     of dense rows; it descends as any other
@@ -275,7 +274,7 @@ class PoleTrial:
         return np.asarray(self.solution.normal.sum(axis=0))
 
     def ahead(self, step: FloatArray) -> PoleTrial:
-        """The trial a short step away."""
+        """Return the trial a short step away."""
         return replace(self, theta=self.theta + step)
 
     @cached_property
@@ -295,12 +294,12 @@ class PoleTrial:
         return self.residues.view(float).ravel()
 
     def only(self, modes: list[int]) -> PoleTrial:
-        """The chosen modes."""
+        """Return the chosen modes."""
         return replace(self, theta=self.theta.reshape(-1, 2)[modes].ravel())
 
 
 class Scan(NamedTuple):
-    """Poles to be tried, and what does not depend on those that are there already."""
+    """Scan of candidate poles, with all that is independent of the present ones."""
 
     poles: ComplexArray
     rows: FloatArray  # (2 poles, 2n)
@@ -322,7 +321,7 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
 
 
 def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
-    """What a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
+    """Return what a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
     p = poles[:, None]
     up, down = pole_kernel(lines, p), pole_kernel(lines, p.conj())
     pairs = np.empty((2 * len(poles), len(lines.s)), complex)
@@ -336,7 +335,7 @@ def _rows(columns: ComplexArray, sd: FloatArray) -> FloatArray:
 
 
 def _subtract_projection(basis: FloatArray, rows: FloatArray) -> FloatArray:
-    """What of rows an orthonormal basis does not have, by channel."""
+    """Return what of rows an orthonormal basis does not have, by channel."""
     return np.asarray(rows - basis @ (basis.swapaxes(1, 2) @ rows))
 
 
@@ -353,10 +352,8 @@ def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
 #           \kappa(s, p) = \frac{1 - e^{(p - s) T + \vartheta^2 (p^2 - s^2)/2}}{s - p}
 #
 # where :math:`\kappa` is the transform of :math:`e^{pt}` over the record alone, T after the middle
-# of
-# a pulse of rms width :math:`\vartheta` (its own transform goes as :math:`e^{\vartheta^2 s^2/2}`
-# to
-# second order): leakage is part of the model, not an error. Residues and the background b enter
+# of a pulse of rms width :math:`\vartheta` (its own transform goes as :math:`e^{\vartheta^2 s^2/2}`
+# to second order): leakage is part of the model, not an error. Residues and the background b enter
 # linearly and are solved for exactly at each trial of the poles (variable projection); b holds the
 # mass line, modes above the band and, as slow real poles, relaxation and modes below it.
 
@@ -372,7 +369,7 @@ ALIKE = 0.8  # by the modal assurance criterion: two shapes too alike to separat
 
 @dataclass(frozen=True, eq=False)
 class PoleFit:
-    """Poles common to all channels, and each channel's residues.
+    """Fitted poles, common to all channels, with each channel's residues.
 
     Attributes
     ----------
@@ -446,7 +443,7 @@ def _prune(trial: PoleTrial) -> PoleTrial:
 
 
 def _select_mode_lines(lines: FRFLines, p: complex) -> BoolArray:
-    """The lines that decide about a mode: ten to either side, or three half-power widths."""
+    """Return the lines that decide about a mode: ten to either side, or three half-power widths."""
     omega = lines.s.imag
     reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
     return np.asarray(np.abs(omega - p.imag) <= reach)
@@ -484,7 +481,7 @@ def _with_best(trial: PoleTrial, tried: list[Scan]) -> tuple[PoleTrial, float]:
 
 
 def _gains(trial: PoleTrial, scan: Scan) -> FloatArray:
-    """What each of these poles, none of them refined, takes off the squared residuals."""
+    """Return what each of these poles, none of them refined, takes off the squared residuals."""
     ground, count = trial.ground, len(scan.poles)
     gains = np.zeros(count)
     for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
@@ -523,7 +520,7 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
 
 
 def _worth(trial: PoleTrial) -> float:
-    """What a pole must explain, in variances, to be there."""
+    """Return what a pole must explain, in variances, to be there."""
     return float(3 * _parameters(trial.misfit) * np.log(trial.ground.rest.size))
 
 

@@ -27,18 +27,16 @@ from dashpot.solids.elastic import require_plausible_compression
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.checks import seal_mass_negligible
 
-# Where a mass rests on seals, and what small vibration feels there.
+# Static equilibrium of a mass on seals, and the linear seal there.
 #
 # At rest n seals carry the weight, :math:`n F_e(x) = m g`; vibration about that compression feels
-# the
-# tangent of the elastic law, :math:`F_e'(x)/k` times every stiffness of the solid that a test
-# found,
-# k its secant stiffness at the depth tested (Fung: all arms answer :math:`F_e(x(t))`).
+# the tangent of the elastic law, :math:`F_e'(x)/k` times every stiffness of the solid that a test
+# found, k its secant stiffness at the depth tested (Fung: all arms answer :math:`F_e(x(t))`).
 
 
 @dataclass(frozen=True)
 class MassOnSeals:
-    """A mass on so many equal seals.
+    """Mass on a number of equal seals.
 
     Attributes
     ----------
@@ -70,7 +68,7 @@ class MassOnSeals:
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """A compression, and what the seal is there.
+    """Operating point: a compression, and the linear seal there.
 
     Attributes
     ----------
@@ -145,7 +143,7 @@ def operating_point(fit: Fit, on: MassOnSeals) -> OperatingPoint:
     )
 
 
-# A mass on a viscoelastic solid: its poles, its FRF, and what a record of finite length shows.
+# Mass on a viscoelastic solid: poles, FRF, and effect of a finite record.
 
 
 ROUNDING = 1e-14
@@ -236,7 +234,7 @@ def predict_frf(
 
 
 def isolation_frequency(model: Solid, mass: float) -> float:
-    r"""Frequency above which the mass moves less than its base, Hz.
+    r"""Return frequency above which the mass moves less than its base, Hz.
 
     There :math:`m\omega^2 = 2 K'(\omega)`. Since K' does not fall with frequency,
     :math:`\omega \leftarrow \sqrt{2 K'(\omega) / m}` comes down from the glassy stiffness to the
@@ -283,7 +281,7 @@ def _apply_temperature(model: Solid | Fit, temperature: Quantity) -> Fit:
 def _assemble_seals(
     model: Solid | Fit, mass: float, seals: float | None, compression: float | None
 ) -> Solid:
-    """All the seals together, as small vibration feels them."""
+    """Return all the seals together, as small vibration feels them."""
     if isinstance(model, Fit):
         count = 1.0 if seals is None else seals
         point = operating_point(model, MassOnSeals(mass, count, compression))
@@ -297,7 +295,7 @@ def _assemble_seals(
 
 
 def _lines(stiffness: float, mass: float) -> FloatArray:
-    """Lines about the highest frequency that the peak can have."""
+    """Return lines about the highest frequency that the peak can have."""
     if not (np.isfinite(stiffness) and stiffness > 0):
         raise DataError(
             "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
@@ -350,7 +348,7 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
 
 
 def _estimate_undamped_pole(model: Solid, mass: float) -> complex:
-    """Where the mass would ring without loss, 1/s: a start where rounding left no pole."""
+    """Return where the mass would ring without loss, 1/s: a start where rounding left no pole."""
     omega = np.sqrt(max(model.k_0, 0.0) / mass)
     for _ in range(50):
         stiffness = float(model.stiffness_at(1j * omega).real) if omega > 0 else 0.0
@@ -403,7 +401,7 @@ def poles(model: Solid, mass: float) -> ComplexArray:
 
 
 def ringing_pole(model: Solid, mass: float) -> complex:
-    """The pole that oscillates fastest, 1/s."""
+    """Return the pole that oscillates fastest, 1/s."""
     values = poles(model, mass)
     return complex(values[np.argmax(values.imag)])
 
@@ -437,7 +435,7 @@ def accelerance(
 
 
 class Lost(NamedTuple):
-    """What the end of a record takes of a response, pole by pole.
+    """Loss of a response by the end of its record, pole by pole.
 
     Attributes
     ----------
@@ -455,7 +453,7 @@ class Lost(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A mass on a solid as a record that ends shows it, as :func:`accelerance`, with its slope.
+    """Response of a mass on a solid in a finite record, as :func:`accelerance`, with its slope.
 
     Attributes
     ----------
@@ -493,7 +491,7 @@ class Response:
         at_lines: ComplexArray,
         at_poles: Callable[[Lost], tuple[ComplexArray, ComplexArray]],
     ) -> ComplexArray:
-        """Derivative of the accelerance by some parameters, shape (n, q).
+        """Return derivative of the accelerance by some parameters, shape (n, q).
 
         Parameters
         ----------
@@ -584,7 +582,7 @@ def mass_for_peak(model: Solid, frequency: float, kind: Kind | str = Kind.ACCELE
 def geometry_factor(
     modulus: Solid, *, mass: Quantity, peak: Quantity, kind: Kind | str = Kind.TRANSMISSIBILITY
 ) -> float:
-    r"""The geometry factor of a part from one measured resonance, m: :math:`K^* = g\,E^*`.
+    r"""Return the geometry factor of a part from one measured resonance, m: :math:`K^* = g\,E^*`.
 
     A mass on g times a solid peaks where m/g does on the solid itself
     (:func:`mass_for_peak`).
@@ -648,7 +646,7 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)
 
 
-# What mounts that weigh something, and a sensor between both ends, do to a transmissibility.
+# Transmissibility with the mass of mounts and of a sensor between their ends.
 
 
 def compute_coupled_mass(seal: float | None, seals: float) -> float:
@@ -661,7 +659,7 @@ def compute_coupled_mass(seal: float | None, seals: float) -> float:
 
 
 def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
-    r"""The transmissibility to a mass, as mounts that weigh something make of it.
+    r"""Return the transmissibility to a mass, as mounts that weigh something make of it.
 
     .. math:: K + \omega^2\mu = T\,(K - \omega^2 M), \qquad T - 1 = (T_0 - 1)\,(1 + \mu / M)
 
@@ -690,7 +688,7 @@ def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
 
 
 def _scale_relative_motion(frf: FRF, factor: float) -> FRF:
-    """The motion relative to the base, so many times, as the kind that it was."""
+    """Return the motion relative to the base, so many times, as the kind that it was."""
     if not frf.quantity.over_base:
         raise DataError(f"the FRF is a {frf.quantity}; expected a transmissibility")
     relative = frf.to(Kind.RELATIVE_TRANSMISSIBILITY)
@@ -699,6 +697,6 @@ def _scale_relative_motion(frf: FRF, factor: float) -> FRF:
 
 
 def as_relative(frf: FRF) -> FRF:
-    """The same numbers, of a sensor on both ends: mass less base, over the base."""
+    """Return the same numbers, of a sensor on both ends: mass less base, over the base."""
     step = Step("as_relative", (), "the motion of the mass was measured relative to the base")
     return replace(frf, quantity=Kind.RELATIVE_TRANSMISSIBILITY, steps=(*frf.steps, step))

@@ -18,7 +18,7 @@ from dashpot.datamodel.structure import FreeModes
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.rate_independent import AmplitudeDependent, Linearised, amplitudes
 
-# Rigid and bending bodies, the mounts that join them, and points on them.
+# Bodies, mounts and points.
 
 
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
@@ -29,7 +29,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body that may move in some of six ways about its centre of mass.
+    """Rigid body, free in some of six directions about its centre of mass.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Body:
 
     @property
     def springs(self) -> tuple[ModalSpring, ...]:
-        """What holds each mode back."""
+        """Modal springs of the body."""
         if self.modes is None:
             return ()
         rows = zip(2 * np.pi * self.modes.frequency, self.modes.damping_ratio, strict=True)
@@ -101,7 +101,7 @@ class Body:
 
 
 def point_mass(name: str, mass: Quantity) -> Body:
-    """A mass that bounces along z."""
+    """Return a mass that bounces along z."""
     mass = convert_to_si(mass, "mass")
     return Body(name, mass)
 
@@ -109,14 +109,14 @@ def point_mass(name: str, mass: Quantity) -> Body:
 def planar_body(
     name: str, mass: Quantity, inertia: float, *, at: tuple[float, float] = (0.0, 0.0)
 ) -> Body:
-    """A rigid body in the x-y plane: x, y and the rotation rz, with its inertia about z."""
+    """Return a rigid body in the x-y plane: x, y and the rotation rz, with its inertia about z."""
     mass = convert_to_si(mass, "mass")
     return Body(name, mass, inertia=(0.0, 0.0, inertia), at=(*at, 0.0), free=("x", "y", "rz"))
 
 
 @dataclass(frozen=True)
 class Mount:
-    """A viscoelastic solid between two bodies, or a body and a ground, acting along one line.
+    """Viscoelastic solid between two bodies, or a body and a ground, along one line.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Mount:
 
 @dataclass(frozen=True)
 class ModalSpring:
-    r"""What holds a mode of a body back: :math:`\omega_r^2 + 2\zeta_r\omega_r s`, per modal mass.
+    r"""Modal stiffness of a body: :math:`\omega_r^2 + 2\zeta_r\omega_r s`, per modal mass.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class ModalSpring:
 
 @dataclass(frozen=True)
 class Point:
-    """A place and a direction on a body: where a force acts, or an accelerometer looks.
+    """Point and direction on a body, of a force or an accelerometer.
 
     Attributes
     ----------
@@ -225,7 +225,7 @@ def motion_of(point: Point, centre: Vector) -> FloatArray:
 
 
 def bent_by(body: Body, point: Point) -> FloatArray:
-    """How the modes of its body move a point along its direction, shape (modes,)."""
+    """Return how the modes of its body move a point along its direction, shape (modes,)."""
     if point.rotary or body.modes is None:
         raise DataError(
             f"'{body.name}' bends, and its modes do not say how it rotates at {point.at}; take a "
@@ -235,7 +235,7 @@ def bent_by(body: Body, point: Point) -> FloatArray:
 
 
 def unit_vector(along: Vector) -> FloatArray:
-    """The direction with length 1."""
+    """Return the direction with length 1."""
     d = np.array(along, dtype=float)
     length = float(np.linalg.norm(d))
     if not (np.isfinite(length) and length > 0):
@@ -243,12 +243,12 @@ def unit_vector(along: Vector) -> FloatArray:
     return d / length
 
 
-# Bodies joined by viscoelastic mounts: FRFs and transmissibility, exactly.
+# Systems: exact FRFs and transmissibility.
 
 
 @dataclass(frozen=True)
 class System:
-    r"""Bodies, mounts and grounds: a linear system of many degrees of freedom.
+    r"""Linear system of bodies, mounts and grounds with many degrees of freedom.
 
     .. math:: \left[s^2 M + E^T K(s) E\right] q = F - E^T K(s) G u
 
@@ -298,7 +298,7 @@ class System:
         return tuple(f"{ground}.{motion}" for ground in self.grounds for motion in MOTIONS)
 
     def with_modes(self, body: str, modes: FreeModes) -> System:
-        """The system with a body that bends, too.
+        """Return the system with a body that bends, too.
 
         Parameters
         ----------
@@ -379,7 +379,7 @@ class System:
         return np.asarray(matrix)
 
     def participation(self, place: str | Point) -> FloatArray:
-        """How each degree of freedom moves a place along its direction, shape (n,)."""
+        """Return how each degree of freedom moves a place along its direction, shape (n,)."""
         return self._row(place)[: len(self.dofs)]
 
     # -- answers --------------------------------------------------------------------------------
@@ -464,7 +464,7 @@ class System:
         return np.array(rows).reshape(len(rows), columns)
 
     def _row(self, place: str | Point) -> FloatArray:
-        """How body motions, then ground motions, move a place, shape (n + 6 grounds,)."""
+        """Return how body motions, then ground motions, move a place, shape (n + 6 grounds,)."""
         names = self._columns
         row = np.zeros(len(names))
         if isinstance(place, str):

@@ -20,12 +20,12 @@ from dashpot.base.arrays import (
 from dashpot.base.errors import DataError
 from dashpot.vibration.systems.multibody import Point, System
 
-# A system as first-order equations, exactly, and how it moves in time.
+# First-order equations, and response in time.
 
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    r"""First-order form of a system, states z = (q, dq/dt, Y).
+    r"""State space of a system, states z = (q, dq/dt, Y).
 
     .. math:: \dot z = A z + B_F F + B_u u + B_v \dot u
 
@@ -60,7 +60,7 @@ class StateSpace:
 
 
 def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
-    """The exact first-order form of a system.
+    """Return the exact first-order form of a system.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _merge_arm_states(
 
 @dataclass(frozen=True, eq=False)
 class Motion(FrozenArrays):
-    """The response of a system.
+    """Response of a system in time.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ def respond(
 
 
 def _march(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> FloatArray:
-    """The states at every sample, shape (states, t)."""
+    """Return the states at every sample, shape (states, t)."""
     steps = np.diff(t)
     slope = np.diff(u, axis=1) / steps
     # inputs: force and displacement, straight over a step; ground velocity, constant over it
@@ -249,7 +249,7 @@ def _history(what: str, values: npt.ArrayLike, t: FloatArray) -> FloatArray:
     return history
 
 
-# Complex modes of a system, two ways that must agree.
+# Complex modes, by two methods that must agree.
 
 
 _RIGID = 1e-6
@@ -263,7 +263,7 @@ _THERE, _ASIDE = 1e-9, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class ComplexMode(FrozenArrays):
-    r"""One pole of a system and how it moves there.
+    r"""Pole of a system and its complex mode shape.
 
     Scaled so that :math:`\phi^T D'(s) \phi = 1` with the dynamic stiffness D(s): then
 
@@ -292,7 +292,7 @@ class ComplexMode(FrozenArrays):
 
     @property
     def damping_ratio(self) -> float:
-        """Of the pole s, -Re s / abs(s); 1 for one that does not oscillate."""
+        """Damping ratio of the pole s, -Re s / abs(s); 1 for one that does not oscillate."""
         return -self.pole.real / abs(self.pole) if self.pole else 1.0
 
     @property
@@ -302,7 +302,7 @@ class ComplexMode(FrozenArrays):
 
 
 def complex_modes(system: System) -> tuple[ComplexMode, ...]:
-    """Every mode of a system by the eigenvalues of its exact first-order form.
+    """Return every mode of a system by the eigenvalues of its exact first-order form.
 
     Oscillations first, by rising frequency, then relaxations, by falling rate. Rigid-body motions
     of a system that nothing holds, double poles at 0, are left out.
@@ -326,7 +326,7 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
 
 
 def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode, ...]:
-    r"""The oscillating modes by the nonlinear eigenproblem :math:`D(s)\phi = 0` itself.
+    r"""Return the oscillating modes by the nonlinear eigenproblem :math:`D(s)\phi = 0` itself.
 
     Newton's method on det D, whose logarithmic derivative is :math:`\mathrm{tr}(D^{-1} D')`,
     started near the poles by iterating :math:`s^2 = -\mathrm{eig}(M^{-1} E^T K(s) E)` from the
@@ -400,7 +400,7 @@ def _derivative(system: System, s: complex, slopes: ComplexArray) -> ComplexArra
 def _normalise_shape(
     system: System, s: complex, vector: ComplexArray, slopes: ComplexArray
 ) -> ComplexArray:
-    """The shape; 0 of a relaxation so near that of its arm that nothing moves."""
+    """Return the shape; 0 of a relaxation so near that of its arm that nothing moves."""
     with np.errstate(all="ignore"):
         size = complex(vector @ _derivative(system, s, slopes) @ vector)
         shape = np.asarray(vector / np.sqrt(size))

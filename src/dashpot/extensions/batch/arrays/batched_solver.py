@@ -111,7 +111,7 @@ def _refuse(samples: int, fixed_count: int, arms: int) -> None:
 
 
 def _usable(records: FloatArray) -> BoolArray:
-    """Which records hold finite samples whose squares can be summed."""
+    """Return which records hold finite samples whose squares can be summed."""
     with np.errstate(over="ignore", invalid="ignore"):
         return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
 
@@ -188,7 +188,7 @@ def _solve_chunk(
 def _is_interior_positive(
     family: SharedSampling, point: StackTrial, reduced: ReducedRecords
 ) -> BoolArray:
-    """Which points lie inside the window, all coefficients positive."""
+    """Return which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
     q, beta = family.fixed_count, point.beta
     proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy

@@ -20,7 +20,7 @@ _SINGULAR = 1e-13
 def many_errors(
     time: FloatArray, x: FloatArray, records: FloatArray, first: int, solutions: ManySolutions
 ) -> FloatArray:
-    r"""Standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
+    r"""Return standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
 
     :math:`S\,(J'J)^{-1}`: the power S of the residuals, their variance times
     :math:`\kappa = 1 + 2\sum_l \gamma_l/\gamma_0`, is that of means over a few samples, times their
@@ -70,7 +70,7 @@ def _model(
 
 
 def _standard_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
-    """Standard errors (R, p) by the power of the residuals (R, n)."""
+    """Return standard errors (R, p) by the power of the residuals (R, n)."""
     _, parameters, n = jacobian.shape
     gamma = autocovariance(residual)
     mask = np.arange(n) < geyer_cuts(gamma)[:, None]

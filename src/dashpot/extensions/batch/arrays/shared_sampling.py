@@ -135,7 +135,7 @@ def recorded_family(
 
 
 def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
-    """True if forces under this displacement can be correlated with it once for all."""
+    """Return whether forces under this displacement can be correlated with it once for all."""
     return displacement[0] == 0 and uniform_step(time) is not None
 
 

@@ -77,7 +77,7 @@ class Chart(Serialisable):
 
 
 def compute_chance_limit(points: int) -> float:
-    """How many of so many points break a rule at most where nothing but chance does it.
+    """Return how many of so many points break a rule at most where nothing but chance does it.
 
     Points of one run come together, so their number scatters by the root of twice its mean; three
     of those above it are met by one chart in sixty or fewer.
@@ -148,7 +148,7 @@ def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
 
 
 def _c4(n: int) -> float:
-    """Mean standard deviation of n normal values, in theirs."""
+    """Return mean standard deviation of n normal values, in theirs."""
     return math.sqrt(2 / (n - 1)) * math.exp(math.lgamma(n / 2) - math.lgamma((n - 1) / 2))
 
 
@@ -161,7 +161,7 @@ def _chart(kind: Kind, values: FloatArray, centre: float, sigma: FloatArray) -> 
 def _make_scatter_chart(
     kind: Kind, values: FloatArray, centre: float, lower: FloatArray, upper: FloatArray
 ) -> Chart:
-    """A chart of scatter, which knows no runs: its points are not normal."""
+    """Return a chart of scatter, which knows no runs: its points are not normal."""
     rounding = _ROUNDING * abs(centre)
     with np.errstate(invalid="ignore"):
         out = (values < lower - rounding) | (values > upper + rounding)

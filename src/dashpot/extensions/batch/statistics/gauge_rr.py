@@ -193,7 +193,7 @@ def _ratios(first: FloatArray, second: FloatArray) -> FloatArray:
 def _extract_balanced_table(
     x: FloatArray, part: Labels, operator: Labels, operators: int
 ) -> FloatArray:
-    """The balanced part of a design, shape (parts, operators, repeats)."""
+    """Return the balanced part of a design, shape (parts, operators, repeats)."""
     tests = np.bincount(part * operators + operator, minlength=(part.max() + 1) * operators)
     tests = tests.reshape(-1, operators)
     whole = np.flatnonzero(tests.all(axis=1))
@@ -282,7 +282,7 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 
 
 def _add_variance_totals(inside: _Variances, part: FloatArray) -> _Variances:
-    """The variances none of which is below 0, with those of the gauge and of all."""
+    """Return the variances none of which is below 0, with those of the gauge and of all."""
     entries = {name: np.maximum(values, 0.0) for name, values in inside.items()}
     of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
     return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}

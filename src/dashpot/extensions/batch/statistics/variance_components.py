@@ -88,7 +88,7 @@ class _Stratum:
         return float(shapiro(self.away).pvalue)
 
     def limits(self, level: float) -> tuple[float, float]:
-        r"""Both ends of the interval of the mean square, as parts of it.
+        r"""Return both ends of the interval of the mean square, as parts of it.
 
         Of normal values :math:`n / \chi^2`. Of others, with the kurtosis
         :math:`g = N \sum d^4 / (\sum d^2)^2` about a trimmed mean and :math:`c = N/(N - z)`,
@@ -236,7 +236,7 @@ def _compute_difference_limits(
 
 
 def _split(within: Component, fit: float) -> tuple[Component, Component]:
-    """What repeats scatter beyond what their fits know, and that."""
+    """Return what repeats scatter beyond what their fits know, and that."""
     assert within.interval is not None  # noqa: S101
     low, high = (max(end - fit, 0.0) for end in within.interval)
     remainder = max(within.variance - fit, 0.0)

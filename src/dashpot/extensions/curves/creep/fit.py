@@ -185,7 +185,7 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
 
 
 def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
-    """The kind of part, and its retardations, with the load where the record has it."""
+    """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
         select_order(_data(record, flows=flows), item) for flows, item in _candidates(options)
     ]
@@ -287,25 +287,25 @@ def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _Pr
 def _bound(
     block: DataBlock, baseline: _PreloadBaseline, spreads: Sequence[float] | None = None
 ) -> tuple[DataBlock, ...]:
-    """Rows that bind the nuisance terms of a block."""
+    """Return rows that bind the nuisance terms of a block."""
     return (baseline.terms.rows(block, baseline.noise if spreads is None else spreads[0]),)
 
 
 def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
-    """The integral of the load over time, N s."""
+    """Return the integral of the load over time, N s."""
     steps = 0.5 * (load[1:] + load[:-1]) * np.diff(time)
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
 def _answer(block: DataBlock, solution: Solution) -> FloatArray:
-    """The displacement that a solution gives at every sample, without its nuisance terms."""
+    """Return the displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
     fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
 def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
-    """The column of a force that is recorded late: the velocity of the answer, m/s."""
+    """Return the column of a force that is recorded late: the velocity of the answer, m/s."""
     return np.gradient(_answer(block, rough), time)
 
 
@@ -313,7 +313,7 @@ def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray
 
 
 def _better(selections: Sequence[SelectedModel]) -> Retarded:
-    """The kind of part that BIC supports, and by how much."""
+    """Return the kind of part that BIC supports, and by how much."""
     effective = min(selection.estimate.effective for selection in selections)
     scores = []
     for model in selections:
@@ -409,13 +409,13 @@ def _nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuis
 
 
 def _late(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
-    """The delay of the force, its standard error, and that before the fit, s."""
+    """Return the delay of the force, its standard error, and that before the fit, s."""
     term = next(term for term in nuisance if term.name == "delay")
     return term.value, term.standard_error, term.prior_sd or 0.0
 
 
 def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
-    """What was done to the load."""
+    """Return what was done to the load."""
     if not record.lead:
         return ()
     way = "earlier" if record.lead > 0 else "later"
@@ -426,7 +426,7 @@ def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
 
 
 def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedModel:
-    """The choice with what the noise of the load leaves unknown in its errors.
+    """Return the choice with what the noise of the load leaves unknown in its errors.
 
     Where the number was left to the rules, a retardation that is not significant beside that
     error, too, is not taken.
@@ -447,7 +447,7 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
 
 
 def _stand_out(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
-    """True if every retardation is significant, and every arm that they make."""
+    """Return whether every retardation is significant, and every arm that they make."""
     numbers, function = range(1, estimate.solution.order + 1), estimate.standard_error
     if not significant(
         estimate.solution.arms[0],
@@ -485,12 +485,12 @@ def _checks(
 
 
 def _flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
-    """Whether a flow that was taken may be slow creep."""
+    """Return whether a flow that was taken may be slow creep."""
     return [checks.flow_prevails(creep, hold)] if creep.flow > 0 else []
 
 
 def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
-    """Whether a drift may be a flow, where none was taken."""
+    """Return whether a drift may be a flow, where none was taken."""
     if retardation.flows:
         return []
     baseline = estimate_preload_baseline(record)
@@ -499,7 +499,7 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
 
 
 def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
-    """Whether a part that is said to come to rest has done so, where that was asked."""
+    """Return whether a part that is said to come to rest has done so, where that was asked."""
     return [] if end is None or creep.flow > 0 else [plateau_told(end, unit)]
 
 
@@ -543,7 +543,7 @@ def _end_and_band(
 
 
 def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, float | None]:
-    """How far the answer departs from proportion at its largest, and the standard error."""
+    """Return how far the answer departs from proportion at its largest, and the standard error."""
     holds = [
         segment for segment in find_segments(record.time, record.load) if segment.kind == "hold"
     ]

@@ -107,7 +107,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
 
 
 def _find_longest_hold(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
-    """The load with the longest hold."""
+    """Return the load with the longest hold."""
     holds = [_cycle(time, turn * force, turn) for turn in (1, -1)]
     loads = [hold for hold in holds if hold is not None]
     if loads:
@@ -123,7 +123,7 @@ def _find_longest_hold(time: FloatArray, force: FloatArray, where: str) -> _Held
 
 
 def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
-    """The longest hold of a force that rises, and when its load began."""
+    """Return the longest hold of a force that rises, and when its load began."""
     cycles = cycles_of(find_segments(time, force))
     holds = [
         (cycle, segment) for cycle in cycles for segment in cycle.segments if segment.kind == "hold"
@@ -145,7 +145,7 @@ def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
 
 
 def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
-    """The sign that makes the displacement rise under the load."""
+    """Return the sign that makes the displacement rise under the load."""
     time, x = test.time, test.displacement
     hold = (time >= held.ramp_end) & (time <= held.hold_end)
     begin = x[time <= held.onset]
@@ -262,7 +262,7 @@ def _insert_corners(
 
 
 def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
-    """The heights of corners whose straight lines are nearest to a force."""
+    """Return the heights of corners whose straight lines are nearest to a force."""
     onto = _onto(time, corners, force[:, None])[:, 0]
     gram = _gram(time, corners)
     # a corner between which and its neighbours no reading lies has no height of its own
@@ -271,7 +271,7 @@ def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray
 
 
 def _places(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
-    """The corner before each reading, and how far it is to the next, as a part."""
+    """Return the corner before each reading, and how far it is to the next, as a part."""
     at = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 2)
     return at, (time - corners[at]) / (corners[at + 1] - corners[at])
 
@@ -296,12 +296,12 @@ def _gram(time: FloatArray, corners: FloatArray) -> FloatArray:
 
 
 def _tents(time: FloatArray, corners: FloatArray) -> FloatArray:
-    """The shape that the height of each corner gives, shape (n, corners)."""
+    """Return the shape that the height of each corner gives, shape (n, corners)."""
     return np.stack([np.interp(time, corners, values) for values in np.eye(len(corners))], axis=1)
 
 
 def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> FloatArray:
-    """How a load moves with the times of its inner corners, shape (n, corners - 2)."""
+    """Return how a load moves with the times of its inner corners, shape (n, corners - 2)."""
     tents, slopes = _tents(time, corners), np.diff(heights) / np.diff(corners)
     leaning = [
         -tents[:, j] * np.where(time <= corners[j], slopes[j - 1], slopes[j])

@@ -20,7 +20,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def make_retardation_block(block: DataBlock, whole: str) -> DataBlock:
-    r"""The block with each arm turned into a retardation: what a force has yet to move.
+    r"""Return the block with each arm turned into a retardation: what a force has yet to move.
 
     An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
 
@@ -51,7 +51,7 @@ def make_retardation_block(block: DataBlock, whole: str) -> DataBlock:
 
 
 def relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatArray:
-    r"""How the relaxation spectrum moves with the creep spectrum, exactly.
+    r"""Return how the relaxation spectrum moves with the creep spectrum, exactly.
 
     Each arm is a zero :math:`-\rho_j` of the compliance J(s) with
     :math:`k_j = -1 / (\rho_j J'(-\rho_j))`, so that, with all of J at :math:`s = -\rho`,
@@ -97,7 +97,7 @@ GLASS, FLOW = "glass", "flow"
 
 
 def spectrum_of(solution: Solution) -> CreepSpectrum:
-    """The compliances of a solution; a retardation that it does not show is left out."""
+    """Return the compliances of a solution; a retardation that it does not show is left out."""
     d = solution.arms[0] if solution.order else np.zeros(0)
     flow = solution.coefficient(FLOW) if FLOW in solution.fixed_names else 0.0
     return CreepSpectrum(

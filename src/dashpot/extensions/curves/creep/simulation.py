@@ -116,7 +116,7 @@ def simulate_creep(
 
 
 def _simulate_force_loop(command: FloatArray, rig: Rig) -> FloatArray:
-    """The force that a loop of second order makes of its command, held between samples."""
+    """Return the force that a loop of second order makes of its command, held between samples."""
     damping = min(rig.axis.damping, _LARGEST_DAMPING)
     omega, step = 2 * np.pi * rig.axis.frequency, 1 / rig.rate
     turn = omega * sqrt(1 - damping**2)

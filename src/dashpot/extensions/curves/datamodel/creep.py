@@ -164,7 +164,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
         _require_unit(self.unit, COMPLIANCES.values())
 
     def at(self, temperature: Quantity) -> CreepCompliance:
-        """The samples within a kelvin of a temperature, K, in order of time.
+        """Return the samples within a kelvin of a temperature, K, in order of time.
 
         Raises
         ------
@@ -280,7 +280,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         return median(np.diff(self.time))
 
     def with_load_earlier(self, by: float) -> LoadHold:
-        """The record with its load so much earlier, s, as of a force that was recorded late.
+        """Return the record with its load so much earlier, s, as of a force that was recorded late.
 
         A record that begins under its load has no moment that a delay moves, and stays.
         """
@@ -350,7 +350,7 @@ Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 
 
 def _determine_stiffness_unit(text: Dimension, pushed: Dimension) -> str:
-    """The unit of a stiffness, by what moves and what pushes."""
+    """Return the unit of a stiffness, by what moves and what pushes."""
     pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
     if (text, pushed) not in pairs:
         raise DataError(

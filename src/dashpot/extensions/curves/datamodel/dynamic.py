@@ -113,7 +113,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
         )
 
     def only(self, chosen: BoolArray | IndexArray) -> DynamicTest:
-        """The chosen samples, in the order given."""
+        """Return the chosen samples, in the order given."""
         return replace(
             self,
             frequency=self.frequency[chosen],
@@ -123,7 +123,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
         )
 
     def at(self, temperature: Quantity) -> DynamicTest:
-        """The samples within a kelvin of a temperature, K.
+        """Return the samples within a kelvin of a temperature, K.
 
         Raises
         ------

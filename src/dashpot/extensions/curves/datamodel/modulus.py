@@ -77,7 +77,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
 
     def at(self, temperature: Quantity) -> RelaxationModulus:
-        """The samples within a kelvin of a temperature, K, in order of time.
+        """Return the samples within a kelvin of a temperature, K, in order of time.
 
         Raises
         ------

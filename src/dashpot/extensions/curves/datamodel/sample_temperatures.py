@@ -52,7 +52,7 @@ def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray
 
 
 def has_several_temperatures(temperature: FloatArray | None) -> bool:
-    """Whether samples are too far apart in temperature, K, to be of one solid."""
+    """Return whether samples are too far apart in temperature, K, to be of one solid."""
     values = np.zeros(0) if temperature is None else np.asarray(temperature)
     return bool(values.size and np.ptp(values) > ONE_TEMPERATURE)
 
@@ -64,7 +64,7 @@ def format_temperature_range(temperature: FloatArray | None) -> str:
     return f", {temperature.min():.5g} to {temperature.max():.5g} K"
 
 
-# What curves after a step share that may have been measured at several temperatures.
+# Curves after a step, possibly at several temperatures.
 
 
 Curve = TypeVar("Curve", bound=Any)

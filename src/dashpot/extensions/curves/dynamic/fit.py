@@ -83,7 +83,7 @@ def frequency_block(
     weights: tuple[FloatArray, FloatArray] | None = None,
     dashpot: bool = False,
 ) -> DataBlock:
-    r"""Storage and loss stiffness at given frequencies as one block of real rows.
+    r"""Return storage and loss stiffness at given frequencies as one block of real rows.
 
     .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
         + j\omega b
@@ -415,7 +415,7 @@ def _scale(
 
 
 def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
-    """The storage and the loss of a sweep as records of their own, in order of frequency."""
+    """Return the storage and the loss of a sweep as records of their own, in order of frequency."""
     first, second = slice(0, n), slice(n, 2 * n)
     return (
         block.transform_rows(lambda part: part[first], samples=n),

@@ -1,1 +1,1 @@
-"""Relaxation modulus over time, as another laboratory states it."""
+"""Relaxation modulus over time, as laboratories publish it."""

@@ -187,7 +187,7 @@ def fit_modulus(
 def _end(
     t: FloatArray, block: DataBlock, model: GeneralizedMaxwell, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """What the curve leaves open of its end, and where in a band it knows the solid.
+    """Return what the curve leaves open of its end, and where in a band it knows the solid.
 
     Nothing of one of few values.
     """

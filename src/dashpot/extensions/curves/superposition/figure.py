@@ -112,7 +112,7 @@ def _make_sweep_panels(
 def _make_curve_panels(
     data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
 ) -> tuple[Panel, ...]:
-    """A relaxation modulus, or a creep compliance, and what the solid leaves of it."""
+    """Return a relaxation modulus, or a creep compliance, and what the solid leaves of it."""
     solid, text = _line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
@@ -160,7 +160,7 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
 
 
 def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
-    """The samples, in as many colours as there are for temperatures."""
+    """Return the samples, in as many colours as there are for temperatures."""
     celsius = convert_to_unit(data.temperature, "degC")
     every = np.unique(celsius)
     classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
@@ -174,7 +174,7 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
 
 
 def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
-    """The temperatures, each at the middle of its samples."""
+    """Return the temperatures, each at the middle of its samples."""
     tags = []
     for dot in dots:
         seen = np.flatnonzero(np.isfinite(dot.y))
@@ -185,5 +185,5 @@ def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
 
 
 def _line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
-    """Which solid is drawn, and what it is called."""
+    """Return which solid is drawn, and what it is called."""
     return (data.solid, "spectrum of all temperatures") if fit is None else (fit.solid, "fit")

@@ -80,11 +80,11 @@ class Isotherm:
         return np.asarray(value[:n] + 1j * value[n:], dtype=complex)
 
     def vertical(self, ln_b: float) -> float:
-        """Factor of its values where stiffnesses are b_T times those of the reference."""
+        """Return factor of its values where stiffnesses are b_T times those of the reference."""
         return float(np.exp(-ln_b if self.domain == "creep" else ln_b))
 
     def columns(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
-        """Rows of the plateau and of unit arms at the reference, shape (m, 1 + k)."""
+        """Return rows of the plateau and of unit arms at the reference, shape (m, 1 + k)."""
         unit = self._unit(ln_tau, ln_a)
         plateau = np.ones((len(unit), 1))
         if self.domain == "frequency":
@@ -100,7 +100,7 @@ class Isotherm:
         return np.concatenate((storage, z / (1 + z * z)))
 
     def slope(self, ln_tau: FloatArray, ln_a: float, h: FloatArray) -> FloatArray:
-        r"""Derivative of the rows' sum, arms `h`, in :math:`\ln a_T`, shape (m,)."""
+        r"""Return derivative of the rows' sum, arms `h`, in :math:`\ln a_T`, shape (m,)."""
         if self.domain != "frequency":
             v = self.at[:, None] * np.exp(-ln_tau - ln_a)
             sign = 1.0 if self.domain == "time" else -1.0
@@ -203,7 +203,7 @@ def _above_zero(values: FloatArray, kelvin: float, what: str = "modulus") -> Non
 
 
 def _groups(temperature: FloatArray) -> list[IndexArray]:
-    """Indices of the samples of each isotherm, by rising temperature."""
+    """Return indices of the samples of each isotherm, by rising temperature."""
     groups: list[list[int]] = []
     for i in np.argsort(temperature, kind="stable"):
         t = temperature[i]

@@ -257,7 +257,7 @@ def vertical_step(
 
 
 def _free(count: int, reference: int, *, both: bool = False) -> IndexArray:
-    """Which of ln a and, with `both`, ln b move."""
+    """Return which of ln a and, with `both`, ln b move."""
     away = np.delete(np.arange(count), reference)
     return np.concatenate((away, away + count)) if both else away
 

@@ -63,7 +63,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
 
 
 def _join_name_words(column: Column) -> str:
-    """A column's name in one word; what looks like a unit in log(a_T) is none."""
+    """Return a column's name in one word; what looks like a unit in log(a_T) is none."""
     whole = normalise_name(f"{column.name} {column.unit or ''}").replace(" ", "")
     parted = _HORIZONTAL.fullmatch(whole) or _VERTICAL.fullmatch(whole)
     return whole if parted else normalise_name(column.name).replace(" ", "")

@@ -151,7 +151,7 @@ class _SeparateSpectra(NamedTuple):
         return self.sse / max(self.dof, 1)
 
     def compare_with_joint(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
-        """Mean square of the joint fit over this, and what that reaches by chance."""
+        """Return mean square of the joint fit over this, and what that reaches by chance."""
         if self.dof < _LEAST_DOF or self.sse <= 0:
             return None, 1.0
         more = best.values - best.parameters - self.dof

@@ -161,7 +161,7 @@ def fit_thermal(
 
 
 def _arms_enough(best: ThermalOptimum, more: ThermalOptimum) -> Check:
-    """Whether the data support no more arms than were asked for."""
+    """Return whether the data support no more arms than were asked for."""
     few, many = best.point, more.point
     shortage = None
     if many.order > few.order:
@@ -245,7 +245,7 @@ def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
 
 
 def _reduce_tests(fit: MultiTemperatureFit) -> list[DataBlock]:
-    """Every test in the time of the reference."""
+    """Return every test in the time of the reference."""
     point = fit.best.point
     return [
         shift_block(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
@@ -254,12 +254,12 @@ def _reduce_tests(fit: MultiTemperatureFit) -> list[DataBlock]:
 
 
 def _solution(fit: MultiTemperatureFit) -> Solution:
-    """The optimum as the engine's, the shifts held."""
+    """Return the optimum as the engine's, the shifts held."""
     return solve(_reduce_tests(fit), fit.best.point.order, log_tau_start=fit.best.point.log_tau)
 
 
 def _orders(fit: MultiTemperatureFit) -> tuple[OrderScore, ...]:
-    """Every number tried; sums of squares in the noise of the fit taken."""
+    """Return every number tried; sums of squares in the noise of the fit taken."""
     sse = fit.knowledge.residual.sse / fit.best.point.chi_square
     return tuple(
         OrderScore(
@@ -355,7 +355,7 @@ def _compute_data_estimate(nuisance: Nuisance, value: float) -> tuple[float, flo
 
 
 def _informed_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
-    """The band that the tests of one temperature inform, Hz at the reference."""
+    """Return the band that the tests of one temperature inform, Hz at the reference."""
     group = [
         find_single_test_band(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
         for block, at in zip(_reduce_tests(fit), fit.best.joint.at, strict=True)

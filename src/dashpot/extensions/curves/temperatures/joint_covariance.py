@@ -189,6 +189,6 @@ def compute_joint_covariance(
 def _encoder_rows(
     test: SingleTemperatureTest, solid: GeneralizedMaxwell, columns: FloatArray
 ) -> FloatArray:
-    """What errors of a test's encoder make of columns of its Jacobian."""
+    """Return what errors of a test's encoder make of columns of its Jacobian."""
     kernel = Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau))
     return encoder_rows(columns, Encoder.from_record(test.record), kernel) / test.spread

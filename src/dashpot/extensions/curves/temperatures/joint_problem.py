@@ -148,7 +148,7 @@ class JointTests:
         return np.asarray(np.log(self.temperatures / self.temperatures[self.reference]))
 
     def names(self, order: int) -> tuple[str, ...]:
-        """What is shared, in the order of the derivatives."""
+        """Return what is shared, in the order of the derivatives."""
         arms, extra = range(1, order + 1), self.free_temperatures
         return (
             "k_inf",
@@ -185,16 +185,16 @@ class JointTests:
         )
 
     def has_significant_arms(self, point: ShiftedSolid) -> bool:
-        """Whether every arm is significant."""
+        """Return whether every arm is significant."""
         n, error = point.order, np.sqrt(np.diag(self.covariance(point)))
         return significant(point.k, error[1 : 1 + n], error[1 + n : 1 + 2 * n])
 
     def covariance(self, point: ShiftedSolid) -> FloatArray:
-        """Covariance of what is shared under white noise of unit variance."""
+        """Return covariance of what is shared under white noise of unit variance."""
         return white(_part(self._stack_all_tests(point), point).by, 1.0)
 
     def problem(self, start: ShiftedSolid) -> Problem:
-        """All tests at once, with as many arms."""
+        """Return all tests at once, with as many arms."""
         n, (low, high) = start.order, np.array([block.bounds for block in self.blocks]).T
 
         def clip_log_tau(theta: FloatArray) -> FloatArray:
@@ -219,7 +219,7 @@ class JointTests:
         return values
 
     def _stack_all_tests(self, point: ShiftedSolid) -> _Rows:
-        """Every test, and what is known beside them."""
+        """Return every test, and what is known beside them."""
         tests = zip(self.blocks, self.at.tolist(), strict=True)
         y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
         values = self._build_prior_rows(point)
@@ -258,7 +258,7 @@ class JointTests:
         return np.concatenate((point.log_tau, point.log_a[self.free_temperatures], log_b, slope))
 
     def _replace_parameters(self, point: ShiftedSolid, theta: FloatArray) -> ShiftedSolid:
-        """The point with its ln tau, shifts and g."""
+        """Return the point with its ln tau, shifts and g."""
         n, m = point.order, len(self.free_temperatures)
         log_a, log_b = point.log_a.copy(), point.log_b.copy()
         log_a[self.free_temperatures] = theta[n : n + m]

@@ -61,7 +61,7 @@ def shifts_of(
 
 
 def _deepest(best: ThermalOptimum) -> SingleTemperatureTest:
-    """The test at the reference whose elastic law and specimen are those of the solid."""
+    """Return the test at the reference whose elastic law and specimen are those of the solid."""
     joint = best.joint
     there = [test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference]
     return max(there, key=lambda test: test.record.depth)

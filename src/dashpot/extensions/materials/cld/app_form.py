@@ -17,7 +17,7 @@ ASKS = (
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Pieces:
-    """The figures of the pieces."""
+    """Return the figures of the pieces."""
     length = form.number("length", "length")
     return cld_files(
         files,

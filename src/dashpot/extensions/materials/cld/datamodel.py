@@ -519,7 +519,7 @@ class RateLaw(EqualByValue, Serialisable):
         return value, error
 
     def at(self, compression: float) -> GeneralizedMaxwell:
-        """The solid that small vibration about a compression, m, feels."""
+        """Return the solid that small vibration about a compression, m, feels."""
         tangent = float(self.law.tangent(compression))
         return GeneralizedMaxwell(tangent, self.k, self.tau, self.c(compression)[0])
 

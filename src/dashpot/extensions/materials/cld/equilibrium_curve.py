@@ -103,7 +103,7 @@ def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
 
 
 def _add_ratio_errors(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
-    """The law with what errors of memory and zeros make of its bend, beside the scatter."""
+    """Return the law with what errors of memory and zeros make of its bend, beside the scatter."""
     values = np.asarray(law.ratio_se)
     moves = [np.subtract(other.ratio, law.ratio) for other in others]
     total = np.sqrt(values**2 + sum((move**2 for move in moves), np.zeros(len(values))))
@@ -177,7 +177,7 @@ def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
 
 
 def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
-    """The law on knots; None where the points do not tell each tangent."""
+    """Return the law on knots; None where the points do not tell each tangent."""
     hats = hat_integrals(x, knots)
     best = solve_ordinary(force, hats, positive=True)
     uncertainty = estimate(best)
@@ -223,7 +223,7 @@ def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
 
 
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
-    """The relaxed force against that of each depth that the relaxation test was held at."""
+    """Return the relaxed force against that of each depth that the relaxation test was held at."""
     held = [(at.depth, at.k_inf) for at in fit.by_depth] or [(depth_of(fit), fit.model.k_inf)]
     times = longer(cld, fit)
     return [

@@ -15,7 +15,7 @@ from dashpot.solids.demo_seals import BROAD
 
 
 def _simulate_force(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
-    """The force of a path with memory, N: a seal that would pull is left, and recovers."""
+    """Return the force of a path with memory, N: a seal that would pull is left, and recovers."""
     k, tau = np.asarray(BROAD.k), np.asarray(BROAD.tau)
     decay = np.exp(-step / tau)
     mean = k * (1 - decay) * tau / step

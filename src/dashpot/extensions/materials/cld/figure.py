@@ -126,7 +126,7 @@ def _select_line_styles(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[s
 
 
 def _tolerance(result: CLD) -> list[Mark]:
-    """The tolerance of the compression, if it has one."""
+    """Return the tolerance of the compression, if it has one."""
     if result.least is None or result.most is None:
         return []
     low, high = (convert_to_unit(at.compression, "mm") for at in (result.least, result.most))
@@ -134,7 +134,7 @@ def _tolerance(result: CLD) -> list[Mark]:
 
 
 def _draw_force_limits(result: CLD, ends: Sequence[float]) -> list[Mark]:
-    """What is asked of the force at the nominal compression, as a bar there."""
+    """Return what is asked of the force at the nominal compression, as a bar there."""
     at = convert_to_unit(result.nominal.compression, "mm")
     between = " to ".join(f"{end:.3g}" for end in ends)
     return [
@@ -144,7 +144,7 @@ def _draw_force_limits(result: CLD, ends: Sequence[float]) -> list[Mark]:
 
 
 def _draw_other_cycles(result: CLD) -> list[Line]:
-    """The cycles that the figures are not of."""
+    """Return the cycles that the figures are not of."""
     lines = []
     for cycle in result.cycles:
         if cycle is not result.cycle:

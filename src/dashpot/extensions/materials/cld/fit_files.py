@@ -253,7 +253,7 @@ def _figures(
     between: Range | None,
     machine: Machine | None,
 ) -> tuple[CLD, ...]:
-    """Each piece, all at one nominal compression."""
+    """Return each piece, all at one nominal compression."""
     _refuse_twice(tests)
 
     def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
@@ -270,7 +270,7 @@ def _figures(
 
 
 def _select_worst_checks(pieces: Sequence[CLD]) -> tuple[Check, ...]:
-    """The checks of every piece, each at its worst."""
+    """Return the checks of every piece, each at its worst."""
     return tuple(
         select_gravest_check(group)
         for group in zip(*(piece.checks for piece in pieces), strict=True)
@@ -355,7 +355,7 @@ def _force(result: CLD, at: AtCompression | None) -> float | None:
 
 
 def _otherwise(pieces: Sequence[CLD]) -> list[str]:
-    """What differs between the tests of pieces that should scatter by themselves alone."""
+    """Return what differs between the tests of pieces that should scatter by themselves alone."""
     speeds, depths, numbers, temperatures = (
         sorted(value for value in map(figure, pieces) if value is not None) or [0.0]
         for figure in _CONDITIONS

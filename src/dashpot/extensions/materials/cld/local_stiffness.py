@@ -79,7 +79,7 @@ def evaluate_cycle(
 
 
 def _error(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
-    """Standard error of a force, N: its own, and those of the two zeros."""
+    """Return standard error of a force, N: its own, and those of the two zeros."""
     return float(np.linalg.norm([slope.force_se, slope.slope * contact_se, force_se]))
 
 

@@ -130,7 +130,7 @@ def _taken_later(
 def _change(
     records: Sequence[DownsampledRecord], index: int, other: DownsampledRecord, best: Optimum
 ) -> FloatArray:
-    """What another record in the place of one makes of the rows."""
+    """Return what another record in the place of one makes of the rows."""
     rows = _rows([*records[:index], other, *records[index + 1 :]], best.theta)
     return rows.A @ best.beta - rows.y + best.all_residuals
 
@@ -159,7 +159,7 @@ def _delays(
 def _fit_arm_counts(
     records: Sequence[DownsampledRecord], window: tuple[float, float], counts: Sequence[int]
 ) -> list[Optimum]:
-    """The best memory of each number of arms, up to the first that is not worth trying."""
+    """Return the best memory of each number of arms, up to the first that is not worth trying."""
     tried: list[Optimum] = []
     for count in counts:
         tried.append(_best(records, count, window, tried[-1].theta if tried else None))
@@ -191,7 +191,7 @@ def thinned_alike(pieces: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRe
 def _has_determined_arms(
     records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
 ) -> bool:
-    """Whether every arm is worth three of its errors, and its time is known to a half."""
+    """Return whether every arm is worth three of its errors, and its time is known to a half."""
     arms = len(best.theta) // 2
     quantity = estimate(best, parts=_parts(records)).derive_quantity(partial(_seal, knots))
     k, error = quantity.values[1 : 1 + arms], quantity.standard_error[1:]
@@ -199,7 +199,7 @@ def _has_determined_arms(
 
 
 def downsample_record(cld: CLD, knots: FloatArray, *, off: float = 0.0) -> DownsampledRecord:
-    """Means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
+    """Return means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
     last = cld.unloading or cld.loading
     stop = last.samples.stop
     rows = np.zeros(len(cld.force), dtype=bool)
@@ -223,12 +223,12 @@ def _memory(theta: FloatArray) -> GeneralizedMaxwell:
 
 
 def _parts(records: Sequence[DownsampledRecord]) -> list[int]:
-    """Rows of each record."""
+    """Return rows of each record."""
     return [int(record.felt[record.first :].sum()) for record in records]
 
 
 def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
-    """The records for a memory, g, then tau, by their logarithms; tangents are linear."""
+    """Return the records for a memory, g, then tau, by their logarithms; tangents are linear."""
     memory = _memory(theta)
     columns, targets = [], []
     for record in records:

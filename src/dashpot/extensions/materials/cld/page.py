@@ -24,7 +24,7 @@ from dashpot.report.tables import TextTable
 
 
 def page(pieces: Pieces) -> KindPage:
-    """What the page of one piece or of several holds."""
+    """Return what the page of one piece or of several holds."""
     first, several = pieces.pieces[0], len(pieces.pieces)
     sources = sources_of(pieces.pieces)
     able = pieces.capability

@@ -155,7 +155,7 @@ def clock_of_samples(test: CompressionTest) -> FloatArray:
 def _with_delay(
     test: CompressionTest, new_cycles: _RecordCycles, index: int, marks: _Marks, delay: Prior
 ) -> tuple[_RecordCycles, _Marks]:
-    """The cycles and marks with what a delay of the force leaves unknown in their errors."""
+    """Return the cycles and marks with what a delay of the force leaves unknown in their errors."""
     points = [mark for mark in marks if mark is not None]
 
     def numbers(later: float) -> FloatArray:
@@ -205,7 +205,7 @@ def _with_delay(
 
 
 def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
-    """Standard error of a cycle's hysteresis by the noise of the force and by its zero."""
+    """Return standard error of a cycle's hysteresis by the noise of the force and by its zero."""
     ways = [branch for branch in (cycle.loading, cycle.unloading) if branch is not None]
     steps = np.concatenate([np.diff(np.maximum(way.compression, 0.0)) for way in ways])
     scatter = zero.noise * float(np.linalg.norm(steps))
@@ -256,7 +256,7 @@ def _cycles(test: CompressionTest) -> _RecordCycles:
 
 
 def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
-    """Every way in, with the way back after it where it was recorded."""
+    """Return every way in, with the way back after it where it was recorded."""
     ways = zip(strokes, [*strokes[1:], None], strict=True)
     pairs = [(stroke, after) for stroke, after in ways if stroke.inward]
     if not pairs:

@@ -80,12 +80,12 @@ def fit_rate(pieces: Sequence[CLD], fit: Fit) -> RateLaw:
 
 
 def _parts(of: _Data) -> list[int]:
-    """Rows of each record."""
+    """Return rows of each record."""
     return [int(_moving(record).sum()) for record in of.records]
 
 
 def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
-    """A straight line between knots as weights of its values there, shape (n, knots)."""
+    """Return a straight line between knots as weights of its values there, shape (n, knots)."""
     return np.stack([np.interp(x, knots, values) for values in np.eye(len(knots))], axis=1)
 
 
@@ -109,7 +109,7 @@ def _rows(of: _Data, theta: FloatArray) -> Rows:
 
 
 def _moving(record: DownsampledRecord) -> BoolArray:
-    """The samples of the chosen cycle that are felt, but for those beside a turn."""
+    """Return the samples of the chosen cycle that are felt, but for those beside a turn."""
     way = np.sign(record.velocity)
     steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
     values = np.asarray(record.felt & steady)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def cld(pieces: Pieces) -> Text:
-    """The figures of each piece, then of all; the cycles for who asks."""
+    """Return the figures of each piece, then of all; the cycles for who asks."""
     lines, details = [], []
     for piece in pieces.pieces:
         name = "" if piece.source is None else piece.source.file

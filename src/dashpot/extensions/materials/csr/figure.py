@@ -13,7 +13,7 @@ from dashpot.plot.plotted_data import stamp as stamped
 
 
 def csr(aging: Aging, *, stamp: str = "") -> Picture:
-    """What every piece kept of its force over time, and the law, an oven a panel.
+    """Return what every piece kept of its force over time, and the law, an oven a panel.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
 
 
 def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
-    """What is left of the force at a temperature over time, with its 95 % interval.
+    """Return what is left of the force at a temperature over time, with its 95 % interval.
 
     Parameters
     ----------

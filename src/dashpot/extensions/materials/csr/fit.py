@@ -94,7 +94,7 @@ def _problem(
     doubts: Sequence[float],
     scatter: float,
 ) -> Problem:
-    """All forces by a physical loss and the rate of every oven.
+    """Return all forces by a physical loss and the rate of every oven.
 
     The last parameters are `doubts` in their standard deviations, with a prior each: errors of
     ovens, if `rates` has any, and a drift, in parts of F0 in 1000 h; below what weighs them.
@@ -139,7 +139,7 @@ def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
 
 
 def _bound(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
-    """The law without chemistry: what the hottest oven does not rule out of it."""
+    """Return the law without chemistry: what the hottest oven does not rule out of it."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = uncertainty.covariance[0, 0]
     fastest = max(hottest.rate, 0.0) + BOUND * hottest.rate_error

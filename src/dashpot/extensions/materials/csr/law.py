@@ -78,7 +78,7 @@ class AgingLaw(EqualByValue):
         return values
 
     def tau(self, temperature: float) -> float:
-        """Time of the chemical factor at a temperature, s."""
+        """Return time of the chemical factor at a temperature, s."""
         colder = (1 / temperature - 1 / self.reference) / GAS
         return float(np.exp(self.chemical + self.activation * colder))
 
@@ -99,7 +99,7 @@ class AgingLaw(EqualByValue):
         return float(np.exp((low + high) / 2))
 
     def at_least(self) -> AgingLaw:
-        """The law of a limit: with the largest physical loss that is believed."""
+        """Return the law of a limit: with the largest physical loss that is believed."""
         return replace(self, physical=self.physical + BOUND * self.errors[0])
 
     def error_of(self, what: Callable[[AgingLaw], float]) -> float:

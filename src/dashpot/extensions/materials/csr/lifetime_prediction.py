@@ -179,12 +179,12 @@ def aged_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
 
 
 def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
-    """Each question; a number without its sign or unit is refused as a word of it is."""
+    """Return each question; a number without its sign or unit is refused as a word of it is."""
     return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
 
 
 def _end(text: str) -> tuple[float, float]:
-    """The part that is left, or else the time, s; the other is nan."""
+    """Return the part that is left, or else the time, s; the other is nan."""
     if text.strip().endswith("%"):
         try:
             part = parse_quantity(text, "strain")
@@ -206,12 +206,12 @@ def _end(text: str) -> tuple[float, float]:
 
 
 def _compute_question_time(law: AgingLaw, temperature: float, part: float, time: float) -> float:
-    """How far in time a question goes, s."""
+    """Return how far in time a question goes, s."""
     return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
 
 
 def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
-    """What a question is answered: a number with its interval, or at least so much."""
+    """Return what a question is answered: a number with its interval, or at least so much."""
     law, coldest = aging.law, aging.ovens[0].temperature
     if math.isnan(part):
         words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
@@ -247,7 +247,7 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
 
 
 def _if_it_falls(aging: Aging, temperature: float) -> AgingLaw | None:
-    """The law whose activation energy falls below the coldest oven; None where none can."""
+    """Return the law whose activation energy falls below the coldest oven; None where none can."""
     law, coldest = aging.law, aging.ovens[0].temperature
     if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None

@@ -8,7 +8,7 @@ from dashpot.report.result_page import KindPage, Topic, group, lights, make_law_
 
 
 def page(aging: Aging) -> KindPage:
-    """What the page of a law of aging holds."""
+    """Return what the page of a law of aging holds."""
     warm = [oven.temperature for oven in aging.ovens]
     ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
     return KindPage(

@@ -26,13 +26,13 @@ from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.table import LoadedColumns
 from dashpot.reading.text.cells import split
 
-# The words of a column that holds none of the numbers of a test: which piece, which method.
+# Text columns: piece and method.
 
 
 def read_text_column(
     file: OpenedFile, names: AbstractSet[str], loaded: LoadedColumns
 ) -> npt.NDArray[np.str_]:
-    """The word of every row in the column that is called so; empty where there is none.
+    """Return the word of every row in the column that is called so; empty where there is none.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def read_csr(
 def _oven(
     file: OpenedFile, column: FloatArray | None, specimen: Specimen, count: int
 ) -> tuple[FloatArray, list[str]]:
-    """The temperature of every row, K: that of the column, of the header, or as given."""
+    """Return the temperature of every row, K: that of the column, of the header, or as given."""
     temperature = specimen.temperature
     if column is not None:
         off = 0.0 if temperature is None else float(np.abs(column - temperature).max())

@@ -50,7 +50,7 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
 
 
 def is_ratio(column: Column) -> bool:
-    """Whether a column holds parts of F0."""
+    """Return whether a column holds parts of F0."""
     if not _RATIO.search(column.name.casefold()):
         return False
     return column.unit is None or any(units.is_same_unit(column.unit, name) for name in ("%", "1"))
@@ -59,7 +59,7 @@ def is_ratio(column: Column) -> bool:
 def _clock(
     table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
 ) -> ReadOptions | None:
-    """The options with a clock of hours or more; None where there is no such clock."""
+    """Return the options with a clock of hours or more; None where there is no such clock."""
     timed = {
         str(i + 1) for i, value in score_columns(table, "time", options).items() if value >= 1.5
     }

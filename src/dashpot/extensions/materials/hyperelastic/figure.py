@@ -50,7 +50,7 @@ def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
 
 
 def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
-    """Where the law is not stable, below and above, as far as `x` reaches."""
+    """Return where the law is not stable, below and above, as far as `x` reaches."""
     ends = dict(fit.stable).get(mode, (None, None))
     marks: list[Mark] = []
     for at, end in zip(ends, (float(x[0]), float(x[-1])), strict=True):

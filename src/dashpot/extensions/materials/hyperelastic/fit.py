@@ -134,7 +134,7 @@ def fit_hyperelastic(
 def _split_volumetric_curves(
     curves: Sequence[ElasticCurve], *, foam: bool
 ) -> tuple[list[ElasticCurve], list[ElasticCurve]]:
-    """What the law is fitted to, and what tells the bulk modulus of a rubber alone."""
+    """Return what the law is fitted to, and what tells the bulk modulus of a rubber alone."""
     if foam:
         return list(curves), []
     return (
@@ -162,7 +162,7 @@ def _fit_rubber_laws(
 def _power_laws(
     rows: WeightedCurves, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
-    """The law of so many terms; or of one and two, and of more while each is worth it."""
+    """Return the law of so many terms; or of one and two, and of more while each is worth it."""
     if terms != "auto":
         return [power_law(rows, terms, kind, poisson)]
     optima = [power_law(rows, count, kind, poisson) for count in (1, 2)]
@@ -245,7 +245,7 @@ def _make_law_facts(
 
 
 def _bulk(volumetric: Sequence[ElasticCurve]) -> ReportedValue | None:
-    """The bulk modulus of a rubber."""
+    """Return the bulk modulus of a rubber."""
     if not volumetric:
         return None
     x = np.concatenate([curve.stretch - 1 for curve in volumetric])

@@ -170,7 +170,7 @@ def export_law(
 
 
 def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
-    """The bulk modulus, Pa, and how it is known; 0 of a foam."""
+    """Return the bulk modulus, Pa, and how it is known; 0 of a foam."""
     if law.kind == "hyperfoam":
         if stated is not None:
             raise ExportError("a foam's Poisson's ratio says its bulk modulus; no --bulk-modulus")
@@ -182,7 +182,7 @@ def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
 
 
 def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str, str]]:
-    """What is wrong and can be overlooked, each with its remedy."""
+    """Return what is wrong and can be overlooked, each with its remedy."""
     problems = {}
     if kelvin is None:
         problems["temperature"] = (
@@ -221,7 +221,7 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
 
 
 def _unstable(fit: HyperelasticFit) -> str:
-    """The stretches from which the law is not stable, in each mode."""
+    """Return the stretches from which the law is not stable, in each mode."""
     ends = [f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None]
     return ", ".join(ends) or "nowhere from 0.1 to 10"
 
@@ -285,7 +285,7 @@ _OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu
 
 
 def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
-    """The name of a law of the invariants, its constants, and what to say of them."""
+    """Return the name of a law of the invariants, its constants, and what to say of them."""
     kind, ratio = card.fit.law.kind, card.ratio
     incompressible = 2 / (ratio * card.bulk)
     values = [ratio * c for c in card.constants]
@@ -298,7 +298,7 @@ def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
 
 
 def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
-    """The same of a law of the stretches."""
+    """Return the same of a law of the stretches."""
     law, ratio = card.fit.law, card.ratio
     count = len(law.exponents)
     values = [v for mu, a in card.pairs for v in (2 * ratio * mu / a, a)]

@@ -27,7 +27,7 @@ def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
 
 
 def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
-    """What the page of a hyperelastic law holds."""
+    """Return what the page of a hyperelastic law holds."""
     use = {"stable_in_use", "use_measured", "volume_known"}
     law = {"law_followed", "no_law_closer", "foam_no_closer", "constants_known", "modes_enough",
            "modes_told", "sideways_agrees"}  # fmt: skip

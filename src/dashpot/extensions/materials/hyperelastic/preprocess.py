@@ -93,7 +93,7 @@ def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _Load
 
 
 def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
-    """The whole loadings; any, where none is whole."""
+    """Return the whole loadings; any, where none is whole."""
     inward = [stroke for stroke in strokes if stroke.inward]
     whole = _WHOLE * float(away.max())
     # a record that only comes back is one way, too
@@ -130,7 +130,7 @@ def _middle(x: FloatArray, y: FloatArray, stroke: Stroke) -> float:
 
 
 def _means(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The points by stretch; of many, the means over even parts of their range."""
+    """Return the points by stretch; of many, the means over even parts of their range."""
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]
     if len(x) <= MOST_POINTS:

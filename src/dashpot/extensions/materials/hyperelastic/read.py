@@ -88,7 +88,7 @@ def read_stress_strain(
 
 
 def _is_sideways(column: Column) -> bool:
-    """Whether a column is of a strain square to the force."""
+    """Return whether a column is of a strain square to the force."""
     named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
     return (
         column.content == "number" and named and bool(units.find_unit(column.unit or "", "strain"))
@@ -125,7 +125,7 @@ def _require_stress_strain_file(file: OpenedFile, elongated: Role) -> None:
 
 
 def _select_elongation_role(file: OpenedFile) -> Role:
-    """Whether the file has a stretch or a strain."""
+    """Return whether the file has a stretch or a strain."""
     options = file.options
     if options.stretch or options.strain:
         return "stretch" if options.stretch else "strain"

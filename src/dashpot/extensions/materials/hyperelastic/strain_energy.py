@@ -93,14 +93,14 @@ def power_column(along: Path, exponent: float) -> FloatArray:
 
 
 def power_slope(along: Path, exponent: float) -> FloatArray:
-    """Derivative of that column by the exponent."""
+    """Return derivative of that column by the exponent."""
     a = exponent if abs(exponent) > _NO_POWER else _NO_POWER
     grows = 2 / a * (along.p * np.exp(a * along.p) - along.q * np.exp(a * along.q)) / along.s
     return np.asarray(grows - power_column(along, a) / a)
 
 
 def power_by_poisson(along: Path, exponent: float) -> FloatArray:
-    """Derivative of that column by Poisson's ratio."""
+    """Return derivative of that column by Poisson's ratio."""
     return np.asarray(-2 * np.exp(exponent * along.q) * along.by_poisson / along.s)
 
 
@@ -208,7 +208,7 @@ class Hyperelastic:
         return np.asarray(total)
 
     def nominal(self, mode: Mode, stretch: npt.ArrayLike) -> FloatArray:
-        """Force over area at rest, Pa; the mean true stress where the mode is volumetric.
+        """Return force over area at rest, Pa; the mean true stress where the mode is volumetric.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""A hyperelastic law as text."""
+"""Hyperelastic law, as text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dashpot.text_output.results import format_bic_differences, format_rounded
 
 
 def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:
-    """The law, its constants with their intervals, each curve, and where it is stable."""
+    """Return the law, its constants with their intervals, each curve, and where it is stable."""
     tests = [["", "stretch", "rows", "residual, %"]]
     for curve, residual in zip(hyperelastic_fit.curves, hyperelastic_fit.residuals, strict=True):
         name = curve.mode if curve.source is None else f"{curve.mode}, {curve.source.file}"

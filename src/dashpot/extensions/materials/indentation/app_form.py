@@ -18,7 +18,7 @@ ASKS = (
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> IndentationFit:
-    """What the contact says of the surface."""
+    """Return what the contact says of the surface."""
     indenter = Indenter(
         mass=form.require_quantity("mass", "mass"),
         radius=form.number("radius", "length"),

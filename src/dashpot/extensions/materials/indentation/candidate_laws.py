@@ -70,12 +70,12 @@ class Law:
     numbers: Callable[..., Sequence[float]] = lambda *own: own
 
     def held(self, values: Sequence[float]) -> Law:
-        """The law with its loss and its time held."""
+        """Return the law with its loss and its time held."""
         numbers = self.numbers(*values)
         return replace(self, starts=(), numbers=lambda: numbers)
 
     def parameters(self, lasts: float, change: float) -> list[Parameter]:
-        """The range of each, but for the touch."""
+        """Return the range of each, but for the touch."""
         value = np.arcsinh(_RANGE / _SLIGHT[:, None])[: len(self.starts)]
         first, last = np.log((lasts, change))
         ends = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
@@ -84,12 +84,12 @@ class Law:
     def make_starting_parameters(
         self, lasts: float, values: Sequence[float], change: float
     ) -> FloatArray:
-        """The parameters, but for the touch."""
+        """Return the parameters, but for the touch."""
         first, last = np.log((lasts, change))
         return np.array([first, *np.arcsinh(values / _SLIGHT[: len(values)]), last])
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
-        """The unit of time, the law's own numbers and the speed of parameters."""
+        """Return the unit of time, the law's own numbers and the speed of parameters."""
         lasts, change = np.exp(theta[[0, -2]]).tolist()
         value = np.sinh(theta[1:-2]) * _SLIGHT[: len(theta) - 3]
         values = self.numbers(*value.tolist())
@@ -97,20 +97,20 @@ class Law:
         return lasts / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
 
     def contact(self, theta: FloatArray, mass: float) -> ContactLaw:
-        """The contact of a fit's parameters."""
+        """Return the contact of a fit's parameters."""
         unit, values, speed = self._read(theta)
         k = stiffness_of(self.exponent, unit=unit, mass=mass, velocity=speed)
         return self.made(k, unit, *values)
 
     def collision(self, theta: FloatArray, mass: float, pull: float) -> Collision:
-        """The motion of a fit's parameters."""
+        """Return the motion of a fit's parameters."""
         unit, values, speed = self._read(theta)
         shape = self.shape(*values, pull * unit / speed)
         return scale_collision(shape, unit=unit, mass=mass, velocity=speed, pull=pull)
 
 
 def _maxwell(loss: float, time: float) -> tuple[float, float]:
-    """The arm's g, and its tau in the unit of time, of k''(w) / k and w tau.
+    """Return the arm's g, and its tau in the unit of time, of k''(w) / k and w tau.
 
     Nearly: w is pi over the length of a lossless contact as stiff as k'(w). In these a record's
     valley is straight.

@@ -13,7 +13,7 @@ from dashpot.plot.plotted_data import stamp as stamped
 
 
 def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
-    """A contact over time with the fit to it, and the residual below.
+    """Return a contact over time with the fit to it, and the residual below.
 
     Parameters
     ----------

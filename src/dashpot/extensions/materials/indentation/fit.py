@@ -301,7 +301,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         return Problem(partial(window.rows, law, pull), parameters, priors=len(window.prior))
 
     def nearly(values: Sequence[float]) -> tuple[float, FloatArray]:
-        """The cost of a loss and a time, as motions know it that all records share."""
+        """Return the cost of a loss and a time, as motions know it that all records share."""
         start = np.append(law.make_starting_parameters(duration, values, change), begin)
         rest = [0, len(start) - 2, len(start) - 1]
         optimum = problem(law.held(values), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
@@ -327,7 +327,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
 
 def _valleys(cost: FloatArray) -> list[int]:
-    """The entries of a table that none of their neighbours beats, the best first."""
+    """Return the entries of a table that none of their neighbours beats, the best first."""
     around = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
     beaten = np.zeros(cost.shape, dtype=bool)
@@ -341,7 +341,7 @@ def _valleys(cost: FloatArray) -> list[int]:
 def _estimate_law_errors(
     window: _NearHit, name: str, best: Optimum, optima: Sequence[Optimum]
 ) -> _LawOptimum:
-    """A law with what its residual says of its noise, and so of its parameters."""
+    """Return a law with what its residual says of its noise, and so of its parameters."""
     hit = window.simulate_collision(LAWS[name], best.theta)
     seen = window.sample_collision(hit, float(best.theta[-1]))
     model = seen.value
@@ -368,7 +368,7 @@ def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray
 
 
 def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
-    """The law's parameters and what follows from them, each with its interval."""
+    """Return the law's parameters and what follows from them, each with its interval."""
     named = _follows(window, optimum.law, optimum.optimum.theta)
 
     def numbers(values: FloatArray) -> FloatArray:
@@ -444,7 +444,7 @@ def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
 
 
 def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
-    """Each number that a law's parameters give, by name, with its unit."""
+    """Return each number that a law's parameters give, by name, with its unit."""
     contact, hit = law.contact(theta, window.mass), window.simulate_collision(law, theta)
     radius = window.test.indenter.radius
     entries: dict[str, tuple[float, str]] = {"k": (contact.k, f"N/m^{contact.exponent:g}")}

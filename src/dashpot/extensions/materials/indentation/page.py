@@ -1,4 +1,4 @@
-"""The page of an indenter's contact."""
+"""Page of an indentation test."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dashpot.report.result_page import (
 
 
 def page(indentation_fit: IndentationFit) -> KindPage:
-    """What the page of a contact holds."""
+    """Return what the page of a contact holds."""
     law = {"law_followed", "parameters_known", "laws_agree", "indentation_shallow"}
     remainder = f"{round_to_error(100 * indentation_fit.residual, digits=2)} % left"
     return KindPage(

@@ -64,7 +64,7 @@ def read_indentation(
 
 
 def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
-    """The column that is fitted, and what it is."""
+    """Return the column that is fitted, and what it is."""
     named = [role for role in _NAMED if getattr(file.options, role)]
     for role in named or _NAMED:
         answer = (
@@ -80,7 +80,7 @@ def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
 
 
 def _acceleration(file: OpenedFile) -> RoleAssignment | None:
-    """The only acceleration, if there is one."""
+    """Return the only acceleration, if there is one."""
     indices = accelerations(file.table, (), file.options)
     if len(indices) > 1:
         listed = ", ".join(format_column(file.table.columns, i) for i in indices)

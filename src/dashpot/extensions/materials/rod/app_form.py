@@ -20,7 +20,7 @@ ASKS = (
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Rod:
-    """The modulus of the rod's material."""
+    """Return the modulus of the rod's material."""
     disc = form.get_option_value("disc").removeprefix("disc:")
     if not disc:
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")

@@ -106,7 +106,7 @@ class RodModulus(EqualByValue):
         return tuple(size * getattr(self, f"by_{name}") for name, size in sizes if size)
 
     def only(self, lines: BoolArray | IndexArray) -> RodModulus:
-        """The same at some of its lines."""
+        """Return the same at some of its lines."""
         per_line = [
             attribute.name for attribute in fields(self) if attribute.name.startswith(_PER_LINE)
         ]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:
-    """Storage modulus and loss factor with all errors together (1 SD), and the solid fitted.
+    """Return storage modulus and loss factor with all errors together (1 SD), and the solid fitted.
 
     Hatched is where either is not known to 10 %.
 

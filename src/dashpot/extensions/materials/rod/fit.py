@@ -87,7 +87,7 @@ def fit_rod(
 
 
 def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) -> FloatArray | None:
-    """The parameters of the same solid under another test; None where it is not found."""
+    """Return the parameters of the same solid under another test; None where it is not found."""
     try:
         other = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:
@@ -100,7 +100,7 @@ def _order(fit: Fit) -> int | Literal["auto"]:
 
 
 def _average_lines(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:
-    """Means over a twenty-fourth of an octave, by what each line is worth."""
+    """Return means over a twenty-fourth of an octave, by what each line is worth."""
     part = np.floor(_PER_OCTAVE * np.log2(lines.frequency / lines.frequency[0]))
     first = np.flatnonzero(np.diff(part, prepend=-1.0))
     # scatter and all lines' common errors together: a line of greater error says less

@@ -229,7 +229,7 @@ def rod_under(
 
 
 def _part(rod: RodChoices) -> Disc | Block:
-    """Its shape; the last length is the one along it."""
+    """Return its shape; the last length is the one along it."""
     if (rod.disc is None) == (rod.block is None):
         raise DataError(
             "a rod's shape turns motion into a modulus: give "

@@ -1,4 +1,4 @@
-"""The page of a rod under a mass."""
+"""Page of a rod under a mass."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dashpot.report.solid_and_frf_pages import OF_LOSS, OF_REST, make_solid_grou
 
 
 def page(rod: Rod) -> KindPage:
-    """What the page of a rod holds."""
+    """Return what the page of a rod holds."""
     of = rod.modulus
     low, high = of.band
     usable = bool(of.usable.any())

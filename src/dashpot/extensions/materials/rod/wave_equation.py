@@ -266,7 +266,7 @@ def _estimate_errors_and_band(
 def _estimate_rest_offset(
     modulus: RodModulus, measured: FRF, ratio: float
 ) -> tuple[complex, complex] | None:
-    """The logarithm of T below the band over what the modulus where it begins makes of it.
+    """Return the logarithm of T below the band over what the modulus where it begins makes of it.
 
     The middle of its lines, and the standard error of either part.
     """
@@ -298,7 +298,7 @@ def _scatter(lines: ComplexArray) -> FloatArray:
 
 
 def _across(part: Disc | Block) -> float:
-    r"""What the inertia of the bulging takes off a modulus, over k^2 (Rayleigh).
+    r"""Return what the inertia of the bulging takes off a modulus, over k^2 (Rayleigh).
 
     .. math:: \nu^2 I_p / A, \qquad \nu = 1/2
     """
@@ -329,7 +329,7 @@ def _force(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, C
 def _solve_line_roots(
     equation: _Equation, y: ComplexArray, omega: FloatArray, ratio: float
 ) -> ComplexArray:
-    """The root w of every line: from the resonance outwards, each from its neighbour's.
+    """Return the root w of every line: from the resonance outwards, each from its neighbour's.
 
     nan where noise leaves none: far from the resonance T hardly depends on the modulus.
 
@@ -368,7 +368,7 @@ def _root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
 
 
 def _find_good_band(frequency: FloatArray, good: np.ndarray, peak: int) -> tuple[float, float]:
-    """The run of good lines nearest to the peak."""
+    """Return the run of good lines nearest to the peak."""
     if not good.any():
         return np.nan, np.nan
     at = int(np.flatnonzero(good)[np.abs(np.flatnonzero(good) - peak).argmin()])

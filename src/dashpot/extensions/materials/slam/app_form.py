@@ -16,6 +16,6 @@ ASKS = (
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> SlamFit:
-    """What the slams say of the piece."""
+    """Return what the slams say of the piece."""
     mass = form.number("mass", "mass")
     return slam_files(files, mass=mass, slam=form.get_text("slam").split(), options=options)

@@ -186,7 +186,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
 
 def _make_hit_facts(slam_hit: SlamHit, of: int) -> tuple[ReportedValue, ...]:
-    """The numbers of a hit as rows."""
+    """Return the numbers of a hit as rows."""
     words = f"{slam_hit.name}: " if of > 1 else ""
     return (
         replace(slam_hit.speed, words=f"{words}speed"),

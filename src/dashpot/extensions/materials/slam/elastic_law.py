@@ -66,7 +66,7 @@ class SlamLaw(EqualByValue):
         return values if self.known is None else np.asarray(values + self.known.force(x))
 
     def piecewise(self, c: FloatArray, depth: float) -> ElasticLaw:
-        """The law to a depth, m, on knots."""
+        """Return the law to a depth, m, on knots."""
         knots, ratio, stiffness = self.compute_knot_tangents(c, depth)
         return ElasticLaw(tuple(knots.tolist()), tuple(ratio.tolist()), stiffness)
 

@@ -15,7 +15,7 @@ _MOST = 6
 
 
 def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
-    """Force of every slam over time: measured, and by the motion that was fitted.
+    """Return force of every slam over time: measured, and by the motion that was fitted.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
 
 
 def slam(slam: Slam, *, stamp: str = "") -> Picture:
-    """Force of a slam over time and over compression, beside the relaxed force.
+    """Return force of a slam over time and over compression, beside the relaxed force.
 
     Parameters
     ----------

@@ -200,7 +200,7 @@ class _SlamsSolved:
         return max(motion.deepest.compression for motion in self.motions)
 
     def _loss(self, values: FloatArray, *, arm: bool = True) -> FloatArray:
-        """Loss factor of the memory, whatever the compression."""
+        """Return loss factor of the memory, whatever the compression."""
         g, tau = self.slams.arms(values[: self.slams.shared_parameter_count])
         g, tau = (g, tau) if arm else (g[:-1], tau[:-1])
         turn = 2j * np.pi * self.frequency * tau
@@ -232,7 +232,7 @@ class _SlamsSolved:
         return tuple(slam_hits)
 
     def _run_checks(self) -> tuple[Check, ...]:
-        """Every check."""
+        """Return every check."""
         slams, hits, elastic_law = self.slams, self.hits, self.slams.law.known
         value, sd = float(self.loss.values[0]), float(self.loss.standard_error[0])
         sizes = np.cumsum([len(hit.time) for hit in slams.hits])[:-1]
@@ -269,7 +269,7 @@ class _SlamsSolved:
         )
 
     def _check_memory_agreement(self, value: float, sd: float) -> list[Check]:
-        """What the slams and the test of the memory say of one another."""
+        """Return what the slams and the test of the memory say of one another."""
         memory, fit = self.slams.memory, self.fit
         if fit is None or not len(memory.g):
             return []
@@ -292,7 +292,7 @@ class _SlamsSolved:
         ]
 
     def _piece(self, checks: tuple[Check, ...]) -> Fit:
-        """The piece as a solid: the law, the memory that was known, and the arm."""
+        """Return the piece as a solid: the law, the memory that was known, and the arm."""
         slams, depth, cubic = self.slams, self.depth, slice(0, len(POWERS))
         g, tau = slams.arms(self.theta[: slams.shared_parameter_count])
         order = [i for i in np.argsort(tau).tolist() if g[i] > 0]

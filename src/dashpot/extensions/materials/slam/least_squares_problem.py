@@ -163,7 +163,7 @@ class Slams:
         return x, v, np.where(gone, 0.0, force), relaxed
 
     def forces(self, theta: FloatArray) -> list[FloatArray]:
-        """What every slam is modelled as."""
+        """Return what every slam is modelled as."""
         rows = np.repeat(theta[None, :], len(self.hits), axis=0)
         force = self.integrate_motion(rows, self.speeds(theta), self.pulls)[2]
         return [
@@ -226,7 +226,7 @@ class Slams:
         return rows, np.concatenate((np.zeros(len(law)), about, self.said[indices] / sd))
 
     def rows(self, theta: FloatArray) -> Rows:
-        """The slams less their motions, and what the sensors' zeros add, and the priors."""
+        """Return the slams less their motions, and what the sensors' zeros add, and the priors."""
         P, about = self.priors
         if self.speeds(theta).min() <= 0:
             raise DataError("a slam has a speed above 0")

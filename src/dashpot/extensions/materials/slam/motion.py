@@ -284,7 +284,7 @@ def _vertex(y: FloatArray) -> tuple[int, float]:
 
 
 def _falls_to_zero(y: FloatArray) -> tuple[int, float]:
-    """The last sample above zero, and how far beyond it the parabola is zero."""
+    """Return the last sample above zero, and how far beyond it the parabola is zero."""
     i = len(y) - 2
     before, here, after = y[i - 1 : i + 2].tolist()
     bend, slope = 0.5 * (before - 2 * here + after), 0.5 * (after - before)
@@ -293,7 +293,7 @@ def _falls_to_zero(y: FloatArray) -> tuple[int, float]:
 
 
 def _interpolate_parabola(y: FloatArray, i: int, part: float) -> float:
-    """A value beyond a sample, by the parabola through it and its neighbours."""
+    """Return a value beyond a sample, by the parabola through it and its neighbours."""
     i, part = (i, part) if i else (1, part - 1)
     before, here, after = map(float, y[i - 1 : i + 2])
     return here + part * (0.5 * (after - before) + 0.5 * part * (before - 2 * here + after))

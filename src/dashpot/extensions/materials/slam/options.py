@@ -9,7 +9,7 @@ from dashpot.base.option_fields import option
 
 @dataclass(frozen=True)
 class SlamOptions:
-    """Options of a slam: mass, speed or fall.
+    """Options of a slam: speeds, or heights of fall.
 
     Attributes
     ----------

@@ -180,7 +180,7 @@ _NAMED = (
 
 
 def _answers(motions: Sequence[SlamMotion]) -> tuple[ReportedValue, ...]:
-    """The numbers of the first motion, with the errors that the others show."""
+    """Return the numbers of the first motion, with the errors that the others show."""
     first, *others = map(_numbers, motions)
     off = np.array([np.subtract(other, first) for other in others])
     # what energy a speed has, no fit can doubt

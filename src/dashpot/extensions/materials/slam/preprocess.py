@@ -130,7 +130,7 @@ def _contacts(push: FloatArray, level: float, least: float) -> list[tuple[int, i
 
 
 def _to_zero(push: FloatArray, first: int, last: int, least: float) -> tuple[int, int]:
-    """Where a push begins and ends, by the slope of its flanks above its foot."""
+    """Return where a push begins and ends, by the slope of its flanks above its foot."""
     level = max(_FOOT * float(push[first : last + 1].max()), least)
     top = first + int(push[first : last + 1].argmax())
     below = np.flatnonzero(push <= level)

@@ -68,7 +68,7 @@ def read_slams(
 
 
 def _acceleration(file: OpenedFile) -> RoleAssignment | None:
-    """The only acceleration, if there is one."""
+    """Return the only acceleration, if there is one."""
     indices = accelerations(file.table, (), file.options)
     if len(indices) > 1:
         listed = ", ".join(format_column(file.table.columns, i) for i in indices)
