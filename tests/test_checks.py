@@ -1975,7 +1975,7 @@ def test_the_limits_are_those_typed_here() -> None:
             for (where, name), one in REGISTER.items()
             if where == stage and one.limit is not None
         }
-        assert registered == limits
+        assert registered == limits, "type its limit here"
 
 
 def test_the_grades_are_those_typed_here() -> None:
@@ -2155,7 +2155,7 @@ def test_no_registered_check_is_missing_here() -> None:
         if "checks" in module:
             import_module(".".join(("dashpot", *module)))
     cases = {(stage, case.check) for stage, cases in STAGES.items() for case in cases}
-    assert cases == set(REGISTER)
+    assert cases == set(REGISTER), "add its case here: just at its limit, and just beyond"
 
 
 def test_checks_are_built_in_the_register_alone() -> None:

@@ -364,7 +364,7 @@ def test_golden_decks(fit):
         for name, text in decks.items():
             (GOLDEN / name).write_text(text)
     kept = {path.name for path in GOLDEN.iterdir()} - {"bushver.bdf"}
-    assert kept == set(decks)
+    assert kept == set(decks), "DASHPOT_WRITE_GOLDEN=1 writes them"
     for name, text in decks.items():
         golden = (GOLDEN / name).read_text()
         assert words(text) == words(golden), f"{name} changed"

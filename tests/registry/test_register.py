@@ -163,7 +163,8 @@ def test_every_example_is_recognised_as_its_kind(folder: Path, name: str) -> Non
 
 
 def test_every_kind_that_is_fitted_has_an_example() -> None:
-    assert set(KINDS) - {one.kind for one in FILES.values()} == NO_EXAMPLE
+    without = set(KINDS) - {one.kind for one in FILES.values()}
+    assert without == NO_EXAMPLE, "name its `examples` in its row"
 
 
 @pytest.mark.parametrize("name", OWN_ROWS)
@@ -228,7 +229,7 @@ def test_every_noun_with_a_schema_is_made_here() -> None:
     nouns = [load_object(noun) for kind in KINDS.values() for noun in kind.nouns]
     kept = {noun.__name__ for noun in nouns if issubclass(noun, Serialisable) and noun.schema
             and noun.read_back}  # fmt: skip
-    assert kept == set(MADE)
+    assert kept == set(MADE), "add one of each to MADE"
 
 
 @pytest.mark.parametrize("name", MADE)
