@@ -29,7 +29,6 @@ from dashpot.base.option_fields import (
     is_path_field,
     iterate_option_fields,
     key_of,
-    words_of,
 )
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Keyed, Scoped
@@ -37,6 +36,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude import fit_handler as level_handler
 from dashpot.extensions.amplitude.fit_files import level_files
+from dashpot.extensions.app.command_lines import line, words_of
 from dashpot.extensions.app.page_form import fill_form, get_job_defaults
 from dashpot.extensions.app.request_parsing import (
     build_from_request,
@@ -60,7 +60,6 @@ from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.reading.readers import detect_kind
 from dashpot.reading.readers.detect_kind import Recognised
 from dashpot.workflow.bench_tests import BenchFitOptions
-from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import (
     Cuts,
     HammerChoices,

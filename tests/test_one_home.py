@@ -26,8 +26,8 @@ _SCALED = (
 IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
     "a descent by a library": (
         r"least_squares\(|optimize import .*(nnls|least_squares)",
-        # solids do not know the engine: the sliders of one element
-        ("solids/friction.py",),
+        # the sliders of one element
+        ("extensions/amplitude/friction.py",),
         {},
     ),
     "a damped descent": (
@@ -75,7 +75,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
     "non-negative columns": (
         r"\bnonnegative(_columns)?\(|\bnnls\(",
         ("numerics/", "extensions/batch/arrays/"),
-        {"solids/friction.py": "solids do not know the engine: the sliders of one element"},
+        {"extensions/amplitude/friction.py": "the sliders of one element"},
     ),
     "a factor between units": (
         _SCALED,
@@ -87,6 +87,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "planning/plan.py": "a refrigerator, and an example, are at 0 degC",
             "solids/shift_laws.py": "an example of 0 degC",
             "workflow/example_files.py": "degC into K, where tests are made",
+            "extensions/curves/examples.py": "degC into K, where sweeps are made",
         },
     ),
     "a set of names of checks": (

@@ -14,10 +14,11 @@ from kit.kinds import bench, files, ramp_and_hold
 from kit.shell import ran, told
 
 from dashpot import workflow
-from dashpot.base.option_fields import ElasticKindAsked, get_choice_values
+from dashpot.base.option_fields import get_choice_values
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._command import LIMIT, WIDTH, CommandOption, DashpotCommand
 from dashpot.cli._param_types import Keyed, Scoped, Units, format_suggestion
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
 from dashpot.extensions.materials.hyperelastic.options import MODES
 from dashpot.reading.read_options import ReadOptions
 

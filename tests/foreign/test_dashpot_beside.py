@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.solids.friction import Jenkins
+from dashpot.solids.jenkins import Jenkins
 
 T = np.geomspace(1e-3, 1e3, 40)
 ARMS = [one for one in TRUTHS if len(one.k) < 10]

@@ -99,7 +99,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "extensions/curves/creep/test_creep.py::test_creep_tests_at_several_temperatures_are_one_seal": 0,
     "extensions/curves/creep/test_creep.py::test_noise_of_the_load_is_in_the_errors": 0,
     "extensions/curves/creep/test_creep.py::test_signs_and_zeros_do_not_matter": 2,
-    "fitting/test_depth.py::test_noise_alone_does_not_make_depths_differ": 0,
+    "extensions/depths/test_depth.py::test_noise_alone_does_not_make_depths_differ": 0,
     "fitting/test_doubt.py::test_a_force_that_is_five_milliseconds_late_leaves_the_bound_right": 0,  # test_limits_hold_the_solid_that_is_shown
     "fitting/test_doubt.py::test_a_named_compliance_carries_no_noise_of_the_force": 0,  # test_a_named_rig_leaves_little_but_the_noise
     "fitting/test_doubt.py::test_a_named_rig_leaves_little_but_the_noise": 1,
@@ -267,10 +267,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "report/test_in_browser.py::test_paper_has_all_that_is_folded": 1,
     "report/test_page.py::test_the_page_tells_secant_and_tangent_where_they_differ": 0,
     "extensions/curves/creep/test_creep_rig.py::test_an_encoders_counts_and_a_drifting_cell_are_in_the_intervals": 0,
-    "solids/test_friction.py::TestSeries::test_a_bare_slider_behind_arms_is_what_its_path_settles_to": 1,
-    "solids/test_friction.py::TestSeries::test_a_jenkins_element_behind_arms_is_what_its_path_settles_to": 0,
-    "solids/test_friction.py::TestSeries::test_its_balance_is_near_its_path": 1,
-    "solids/test_friction.py::test_the_equivalent_stiffness_is_that_of_the_path": 4,
+    "extensions/amplitude/test_friction.py::test_the_equivalent_stiffness_is_that_of_the_path": 4,
     "test_checks.py::test_kappa_is_the_closed_form_of_ar_1": 1,
     "test_contract.py::test_python_contract": 0,  # test_public_face.py::test_a_type_checker_knows_the_results; each verb in test_verbs.py
     "test_facts.py::test_a_fit_tells_every_parameter_and_the_end_of_its_hold": 4,
@@ -316,7 +313,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "vibration/test_rocking.py::test_the_real_block_bounces_in_phase_and_rocks_out_of_phase": 0,
     "vibration/test_rocking.py::test_weights_beat_the_mean_where_one_accelerometer_is_misplaced": 0,
     "vibration/test_rocking.py::test_weights_null_the_rocking_of_the_real_block": 0,  # test_the_real_hits_are_doubtful_but_not_thrown_away
-    "vibration/test_shaken.py::test_the_two_channels_taken_for_each_other_are_told_first": 0,
+    "extensions/modes/test_shaken_base.py::test_the_two_channels_taken_for_each_other_are_told_first": 0,
     "vibration/test_systems.py::test_two_ways_to_the_same_modes": 0,
     "vibration/test_transmissibility.py::test_a_file_of_another_lab_is_compared_and_identified": 0,
     "vibration/test_transmissibility.py::test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay": 0,  # test_two_transmissibilities_are_compared_by_their_mass

@@ -12,10 +12,11 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.friction import Kraus
 from dashpot.extensions.amplitude.level_results import LevelFit
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.extensions.amplitude.response_solver import response_at_level
-from dashpot.solids.friction import Jenkins, Kraus
+from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
 from dashpot.solids.nonlinear_springs import Cubic

@@ -471,9 +471,7 @@ def test_every_format_is_found_by_its_bytes(tmp_path: Path) -> None:
         for path in folder.parent.glob("*.py")
         if re.search(r"^def read\(", path.read_text("utf-8"), re.MULTILINE)
     }
-    assert found == modules, (
-        "add a file to `one_of_each` of tests/kit/instruments"
-    )
+    assert found == modules, "add a file to `one_of_each` of tests/kit/instruments"
     heads = [content[:40].removeprefix(b"\xef\xbb\xbf") for content in made.values()]
     rest = {mark for mark, _ in formats._MAGIC if not any(head.startswith(mark) for head in heads)}
     assert rest == {b"MATLAB 7.3 MAT-file"}  # an HDF5 file under another head

@@ -91,7 +91,6 @@ NAMED = {
     "extensions/materials/": "each kind is its own",
     "extensions/amplitude/": "each kind is its own",
     "signals/": "what the moves of a record show",
-    "workflow/example_files.py": "what an example is",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""
 

@@ -11,15 +11,15 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.vibration_tests import ShakenTest
+from dashpot.extensions.modes.base_transmissibility import estimate_transmissibility
+from dashpot.extensions.modes.shaken_base import read_shaken
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.prediction_bounds import PredictedFRF
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.base_excitation import read_shaken
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.write import write_frf
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.impact.estimators import estimate_transmissibility
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.frf_prediction import MassOnSeals
 

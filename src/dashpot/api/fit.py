@@ -289,18 +289,6 @@ def _require_single_measurement(measured: Sequence[Any]) -> Any:
     )
 
 
-def merge_frf_set(records: Sequence[Any]) -> FRFSet:
-    """Return FRFs as one set of points."""
-    if len(records) == 1 and isinstance(records[0], FRFSet):
-        return records[0]
-    frfs = [
-        frf
-        for record in records
-        for frf in (record.frfs if isinstance(record, FRFSet) else (record,))
-    ]
-    return FRFSet(tuple(frfs))
-
-
 def shape_words(shape: str | Any) -> dict[str, Any]:
     """Return the shape of a part as its options have it: ``{"disc": "20mm,20mm"}``.
 

@@ -174,9 +174,7 @@ def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]
 
 def _impact(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
     if options["options"].base_acceleration is not None:
-        from dashpot.reading.readers.base_excitation import read_shaken
-
-        return read_shaken([path], options["options"])
+        return find_handler("read several", "shaken base")([path], options=options["options"])
     return load_object(KINDS["impact"].reader)(path, **options)
 
 
@@ -194,9 +192,7 @@ def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]
     have = set(kinds.values())
     if have == {"impact"}:
         if options.base_acceleration is not None:
-            from dashpot.reading.readers.base_excitation import read_shaken
-
-            return read_shaken(paths, options)
+            return find_handler("read several", "shaken base")(paths, options=options)
         return load_object(KINDS["impact"].reader)(paths, options=options)
     read_set = find_handler("read several", next(iter(have))) if len(have) == 1 else None
     if read_set is not None:

@@ -7,7 +7,7 @@ from dataclasses import Field, dataclass, field, fields
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.units import Dimension, convert_to_si, format_command_quantity, si_range
+from dashpot.base.units import Dimension, convert_to_si, si_range
 
 # The words that users choose among, each list stated once, as a type.
 #
@@ -26,11 +26,6 @@ Vertical: TypeAlias = Literal["1", "T/T_r", "free"]
 VerticalAsked: TypeAlias = Literal["auto", Vertical]
 AmplitudeLaw: TypeAlias = Literal["factor", "additive", "cubic", "factor+cubic", "additive+cubic"]
 AmplitudeLawAsked: TypeAlias = Literal["auto", AmplitudeLaw]
-ElasticKind: TypeAlias = Literal["neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
-ElasticKindAsked: TypeAlias = Literal["auto", ElasticKind]
-Measure: TypeAlias = Literal["auto", "nominal", "true"]
-ImpactLaw: TypeAlias = Literal["kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
-ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
 PartMode: TypeAlias = Literal[
     "compression", "shear", "axial", "torsion", "radial-short", "radial-long"
 ]  # fmt: skip
@@ -123,13 +118,6 @@ def key_of(attribute: Field[Any]) -> str:
     return str(attribute.metadata.get("key", attribute.name)).replace("_", "-")
 
 
-def format_command_words(attribute: Field[Any], text: str) -> list[str]:
-    """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
-    if "under" not in attribute.metadata:
-        return [flag_of(attribute), text]
-    return [flag_of(attribute), f"{key_of(attribute)}{attribute.metadata.get('sign', '=')}{text}"]
-
-
 def flags_of(cls: type) -> str:
     """Return the options of a value as a sentence lists them.
 
@@ -141,52 +129,7 @@ def flags_of(cls: type) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def words_of(result: Any, *names: str) -> list[str]:
-    """Return the typed options equivalent to a value, or to these fields of it.
-
-    Nothing of its defaults; its parts say theirs.
-
-    >>> from dashpot.reading.read_options import ReadOptions
-    >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
-    ['--units', 'force=N', '--text', 'skip=3']
-    """
-    sentences: list[str] = []
-    for glob, item in getattr(result, "own", ()):
-        words = iter(words_of(item))
-        sentences += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
-    for attribute in fields(result):
-        value = getattr(result, attribute.name)
-        if names and attribute.name not in names:
-            continue
-        if "part" in attribute.metadata:
-            sentences += words_of(value)
-        elif value != attribute.default and attribute in iterate_option_fields(result):
-            if "is_flag" in attribute.metadata:
-                sentences.append(flag_of(attribute))
-            else:
-                sentences += [
-                    word
-                    for text in texts_of(attribute, value)
-                    for word in format_command_words(attribute, text)
-                ]
-    return sentences
-
-
-def texts_of(attribute: Field[Any], value: Any) -> list[str]:
-    """Return a field's value as it is typed, one text for every time."""
-    how = attribute.metadata
-    if "typed" in how:
-        return list(how["typed"](value))
-    if "ends" in how:
-        return [f"{value[0]!r}:{format_command_quantity(value[1], how['unit'])}"]
-    several = value if isinstance(value, tuple) else (value,)
-    if "unit" in how:
-        return [format_command_quantity(item, how["unit"]) for item in several]
-    return [repr(number).removesuffix(".0") if isinstance(number, float) else str(number)
-            for number in several]  # fmt: skip
-
-
-# Form of a test on a page: its fields, and their values.
+# What a page asks of a test beside its files: a field each, and what was answered in it.
 
 
 Form: TypeAlias = Literal["number", "bare", "range", "sizes", "words"]

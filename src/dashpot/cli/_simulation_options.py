@@ -12,6 +12,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli._command_io import read_model
 from dashpot.cli._param_types import format_suggestion
+from dashpot.registry import find_handler, list_names
 
 if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
@@ -42,7 +43,7 @@ def seal_named(name: str) -> SimulatedSeal:
 def relaxation(
     *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[Any, ...]:
-    """Return a simulated relaxation test as CSV, its truth as JSON, and what gauges add to it."""
+    """Return a simulated relaxation test as CSV, its truth as JSON, and what an extension adds."""
     simulated, rig, climate = _bench(seal, choices)
     made = dp.simulation.simulate_relaxation(
         simulated.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
@@ -52,7 +53,7 @@ def relaxation(
 
 
 def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
-    """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
+    """Return the record of a motion as CSV, its truth as JSON, and what an extension adds."""
     simulated, rig, climate = _bench(seal, choices)
     with as_it_stands(follow):
         sent = dp.files.read_trajectory(follow)
@@ -87,24 +88,15 @@ def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]
 
 
 def _serialise_record(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
-    """Return record and truth as text; of gauges the calibration too, and what limits them."""
-    from dashpot.reading.write import write_gauges, write_relaxation
+    """Return record and truth as text, and what an extension adds that was asked for."""
+    asked = next((name for name in list_names("simulated record") if choices.get(name)), None)
+    if asked is not None:
+        texts: tuple[Any, ...] = find_handler("simulated record", asked)(made, choices)
+        return texts
+    from dashpot.reading.write import write_relaxation
 
-    module, truth = dp.simulation, made.truth
-    if not choices.get("gauges"):
-        text = write_relaxation(made.test, comments=module.stamp(truth))
-        return text, module.truth_json(truth)
-    rig = truth.rig
-    chosen = module.Instrument(
-        daq=module.Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
-        misaligned=choices.get("misaligned") or 0.0,
-    )
-    volts = chosen.read(made.test.time, truth.force, rig=rig, seed=truth.seed)
-    text = write_gauges(made.test, volts, comments=module.stamp(truth))
-    says = chosen.says(truth.force, rig)
-    return (
-        text, module.truth_json(truth, instrument=chosen), chosen.transducer.calibration(), says
-    )  # fmt: skip
+    text = write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
+    return text, dp.simulation.truth_json(made.truth)
 
 
 def creep(

@@ -16,6 +16,7 @@ from dashpot.cli._command import group, mark_advanced, opt, verb
 from dashpot.cli._command_io import CommandResult, claim, format_command, write
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli._simulation_options import creep, impact, relaxation, simulate_trajectory
+from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text
 
 
@@ -30,6 +31,10 @@ class Simulated(Serialisable):
     file: str
     truth: str | None
     text: str | None = None
+
+
+_RECORD_OPTIONS = find_handler("options", "simulate")()
+"""What extensions ask of the record of the rig."""
 
 
 @verb(
@@ -112,19 +117,7 @@ class Simulated(Serialisable):
                 help="Zero drift of the load cell in 10 min.",
             ),
             opt("--friction", type=float, metavar="M/S^2", help="Stick-slip of the axis."),
-            opt("--gauges", help="Six gauge voltages and their calibration."),
-            opt(
-                "--misaligned",
-                type=WithUnit("angle"),
-                metavar="ANGLE",
-                help="Misalignment of the transducer, e.g. 2deg.",
-            ),
-            opt(
-                "--antialias",
-                type=WithUnit("frequency"),
-                metavar="FREQUENCY",
-                help="Corner of the card's filter.",
-            ),
+            *_RECORD_OPTIONS,
         ),
     ),
     options.result(
@@ -137,15 +130,14 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
         "relaxation": relaxation, "creep": creep, "impact": impact, "motion": simulate_trajectory,
     }  # fmt: skip
     made = tests[what]
-    _refuse_senseless(what, output, choices)
+    _refuse_senseless(what, choices)
+    beside = find_handler("files beside", "simulate")(output, choices)
     if output == "-":
         text, *_ = made(**choices)
         write(output, text)
         return CommandResult(Simulated(what, output, None, text), Text())
     extra = str(Path(output).with_suffix(".truth.json"))
-    name = str(Path(output).with_suffix(".cal"))
-    gauges = [name] if choices["gauges"] else []
-    claim([output, extra, *gauges])
+    claim([output, extra, *beside])
     text, truth, *more = made(**choices)
     write(output, text)
     write(extra, truth)
@@ -153,17 +145,17 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
     reading = ["inspect", output]
     if more:
         calibration, stated = more
-        write(name, calibration)
+        write(beside[0], calibration)
         says += [f"! {item}" for item in stated]
-        reading = ["fit", output, "--calibration", name]
+        reading = ["fit", output, "--calibration", beside[0]]
     story = Text(says)
     return CommandResult(Simulated(what, output, extra), story, follow=format_command(*reading))
 
 
-_RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")
+_RIG = ("softening", "warming", "friction", *(option.name for option in _RECORD_OPTIONS))
 
 
-def _refuse_senseless(what: str, output: str, choices: dict[str, Any]) -> None:
+def _refuse_senseless(what: str, choices: dict[str, Any]) -> None:
     """Refuse what the test asked for would not heed."""
     if (what == "motion") != bool(choices["follow"]):
         raise DataError(
@@ -173,8 +165,3 @@ def _refuse_senseless(what: str, output: str, choices: dict[str, Any]) -> None:
     for name in _RIG:
         if choices[name] and what not in ("relaxation", "motion"):
             raise DataError(f"--{name} is for a relaxation test or a motion, not for {what}")
-    if choices["gauges"] and output == "-":
-        raise DataError("the calibration of the gauges lies beside the file; give one with -o")
-    for name in ("misaligned", "antialias"):
-        if choices[name] and not choices["gauges"]:
-            raise DataError(f"--{name} is for the transducer and its card. Add --gauges")

@@ -23,7 +23,7 @@ from dashpot.export.checks import nominal_informed, rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.friction import Jenkins
+from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import RateIndependent

@@ -249,32 +249,35 @@ class Extension(NamedTuple):
         page of its own look), ``"export"`` (the input of a solver), ``"deck terms"`` (what the
         solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
         document"`` (fields of that class from its values), ``"write frf"`` (to bytes, by the
-        ending of a file), ``"lot columns"`` (what the row of a lot lists), ``"solver input"`` (what
-        writes that of a plug-in).
+        ending of a file), ``"lot columns"`` (what the row of a lot lists), ``"solver input"``
+        (what writes that of a plug-in).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
         FRF).
 
         Of files: ``"read"`` (of a kind that is no record), ``"read record"`` (one whose reader
-        asks for more), ``"read several"`` (of one kind), ``"roles"`` (of the columns of a kind),
-        ``"table rule"`` (whether a table is of a kind), ``"calibrate"`` (a table by a file of its
-        maker), ``"mounts"`` (of a line of seals), ``"stations"`` (of the seal in a file),
-        ``"keep"`` (a job and its report, in a folder).
+        asks for more), ``"read several"`` (of one kind, or of a base that is shaken), ``"roles"``
+        (of the columns of a kind), ``"table rule"`` (whether a table is of a kind),
+        ``"calibrate"`` (a table by a file of its maker), ``"mounts"`` (of a line of seals),
+        ``"stations"`` (of the seal in a file), ``"keep"`` (a job and its report, in a folder).
 
         Of fits: ``"fit records"`` (tests of a bench of which one is of the type), ``"fit at
         several temperatures"`` (prepared tests, by the type of the first), ``"fit at several
         depths"`` (prepared tests, one law of stiffness over depth), ``"fit complex modulus"``
-        (from frequencies and moduli to a model), ``"leave one out"`` (the hits behind a fit),
-        ``"process capability"`` (of values between two limits).
+        (from frequencies and moduli to a model), ``"estimate frf"`` (of a record, with its checks
+        and modes), ``"leave one out"`` (the hits behind a fit), ``"process capability"`` (of
+        values between two limits).
 
         Of predictions: ``"predict"`` (from a model), ``"predict with option"``, ``"predict with
         sweep"``, ``"read sweep"``, ``"predict at levels"`` (from a fit), ``"random base"`` (what
         a base that shakes at random does to a ``"mass"`` on seals, or to a ``"system"`` of
-        bodies), ``"compare"`` (two of a type).
+        bodies), ``"compare"`` (two of a type), ``"simulated record"`` (of a virtual test, through
+        an instrument).
 
         Of commands: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"`` (those
-        that it has besides), ``"option groups"`` (those under titles of their own).
+        that it has besides), ``"option groups"`` (those under titles of their own), ``"files
+        beside"`` (those that `simulate` writes beside its record).
 
         Of the app: ``"fit job"`` (a job to its result and its `JobPage`), ``"figure cards"`` (of
         a result, in place of its picture), ``"file row"`` (what the list of files says of a

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.checks import format_check_tally as how_many
-from dashpot.base.number_format import round_to_error
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.result_mixins import HasVerdict
@@ -191,17 +190,6 @@ def sources_behind(result: Any) -> tuple[Source, ...]:
     if value is None:
         return ()
     return (value,) if isinstance(value, Source) else tuple(dict.fromkeys(value))
-
-
-def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
-    """Return every law that was tried, best first."""
-    least = min(score for _, score in orders)
-    rows = tuple(
-        (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
-    )
-    return CollapsibleSection(
-        "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
-    )
 
 
 def kind_page(verdict: Any) -> KindPage:

@@ -1,4 +1,6 @@
 from dashpot.extensions.curves.creep.simulation import simulate_creep as simulate_creep
+from dashpot.extensions.gauges.transducer import Daq as Daq
+from dashpot.extensions.gauges.transducer import Instrument as Instrument
 
 from .ground_truth import stamp as stamp
 from .ground_truth import truth_json as truth_json
@@ -8,5 +10,3 @@ from .motion import simulate_motion as simulate_motion
 from .motion import simulate_relaxation as simulate_relaxation
 from .rig import Climate as Climate
 from .rig import Rig as Rig
-from .transducer import Daq as Daq
-from .transducer import Instrument as Instrument

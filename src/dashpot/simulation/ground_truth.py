@@ -12,7 +12,6 @@ import numpy as np
 from dashpot.base.version import byline
 from dashpot.simulation.impact import ImpactTruth
 from dashpot.simulation.rig import RigTruth
-from dashpot.simulation.transducer import Instrument
 
 Truth: TypeAlias = RigTruth | ImpactTruth
 
@@ -26,11 +25,11 @@ def stamp(truth: Truth) -> tuple[str, ...]:
     )
 
 
-def truth_json(truth: Truth, *, instrument: Instrument | None = None) -> str:
+def truth_json(truth: Truth, *, instrument: object = None) -> str:
     """Everything that the record hides, as JSON in SI units; sampled truths are left out.
 
     The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
-    is unlimited is null. The `instrument` is that of a record in gauge voltages.
+    is unlimited is null. The `instrument`, a dataclass, is that of a record in gauge voltages.
     """
     body = {
         "schema": "dashpot/truth@1",

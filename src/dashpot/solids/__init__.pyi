@@ -1,3 +1,4 @@
+from dashpot.extensions.amplitude import friction as friction
 from dashpot.extensions.amplitude.polynomial_law import PolynomialLaw as PolynomialLaw
 from dashpot.extensions.curves.datamodel.superposition import Superposition as Superposition
 from dashpot.extensions.curves.relaxation_spectrum import (
@@ -10,11 +11,9 @@ from dashpot.extensions.paper.exponential_sum import (
     exponential_sum as exponential_sum,
 )
 
-from . import friction as friction
 from . import networks as networks
 from . import nonlinear_springs as nonlinear_springs
 from .elastic import ElasticLaw as ElasticLaw
-from .elastic import compare_with_curve as compare_with_curve
 from .fractional import FractionalZener as FractionalZener
 from .maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .maxwell import Parallel as Parallel

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -14,7 +13,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.base.units import format_quantity
 
 # Elastic law: equilibrium force against compression.
 #
@@ -200,80 +199,7 @@ class ElasticLaw(Serialisable):
     __rmul__ = __mul__
 
 
-@dataclass(frozen=True)
-class CurveAgreement:
-    """Agreement of a relaxed force with a compression (load-deflection) curve.
-
-    Attributes
-    ----------
-    depth : float
-        m.
-    relaxed, curve : float
-        Equilibrium force of the relaxation test, and force on the curve at this depth, N.
-    says : str
-    """
-
-    depth: float
-    relaxed: float
-    curve: float
-    says: str
-
-    @property
-    def difference(self) -> float:
-        """Curve over relaxed force, less one."""
-        return self.curve / self.relaxed - 1.0
-
-
-def compare_with_curve(
-    law: ElasticLaw,
-    depths: Sequence[float],
-    *,
-    displacement: npt.ArrayLike,
-    force: npt.ArrayLike,
-) -> tuple[CurveAgreement, ...]:
-    """Compare the relaxed force with a slow compression curve at the tested depths.
-
-    Parameters
-    ----------
-    law : ElasticLaw
-    depths : sequence of float
-        m.
-    displacement, force : array_like, shape (n,)
-        The loading branch of the curve, m (rising) and N.
-
-    Raises
-    ------
-    DataError
-        If the curve does not reach a depth or its displacement does not rise.
-    """
-    x = increasing("displacement", samples("displacement", displacement, minimum=2))
-    y = samples("force", force, minimum=2)
-    same_length(displacement=x, force=y)
-    agreements = []
-    for depth in depths:
-        if not x[0] <= depth <= x[-1]:
-            raise DataError(
-                f"the compression curve runs from {convert_to_unit(x[0], 'mm'):.4g} to "
-                f"{format_quantity(x[-1], 'mm')} and does not reach the depth of "
-                f"{format_quantity(depth, 'mm')}; "
-                "measure it deeper"
-            )
-        relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
-        ratio = 100 * (curve / relaxed - 1.0)
-        agreements.append(
-            CurveAgreement(
-                depth,
-                relaxed,
-                curve,
-                f"at {format_quantity(depth, 'mm')} the compression curve reads {curve:.4g} N, "
-                f"{ratio:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
-                "speed lies above by what has not relaxed yet",
-            )
-        )
-    return tuple(agreements)
-
-
-# Compression of a seal.
+# How far a seal is believed to be pressed.
 
 
 FARTHEST = 3.0

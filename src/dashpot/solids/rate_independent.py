@@ -1,4 +1,4 @@
-r"""Rate-independent elements, alone and in parallel or series with a solid.
+r"""Elements whose answer depends on how far they move, alone and beside a solid.
 
 Under x(t) = Re X e^{+j omega t} an element answers with a loop; its first harmonic is the
 equivalent stiffness (describing function)
@@ -26,8 +26,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _NODES = 400
 """Nodes of the quadrature over half a cycle, where an element has no closed first harmonic."""
-_VANISHING = 1e-30
-"""m."""
 
 
 class AmplitudeDependent(ABC):
@@ -41,20 +39,6 @@ class AmplitudeDependent(ABC):
         r"""Energy lost in a cycle, J: :math:`\pi X^2 \operatorname{Im} K(\omega, X)`."""
         X = amplitudes(amplitude)
         return np.asarray(np.pi * X**2 * self.equivalent(omega, X).imag)
-
-    def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
-        """Complex stiffness, N/m, of a solid and this behind it: one harmonic of its motion."""
-        first = solid.complex_stiffness(omega=omega)
-        # both dissipate, so the part behind never moves further than the whole
-        low, high = np.full(amplitude.shape, np.log(1e-12)), np.zeros(amplitude.shape)
-        for _ in range(60):
-            middle = (low + high) / 2
-            behind = amplitude * np.exp(middle)
-            short = behind * np.abs(1 + self.equivalent(omega, behind) / first) < amplitude
-            low, high = np.where(short, middle, low), np.where(short, high, middle)
-        second = self.equivalent(omega, amplitude * np.exp(high))
-        whole = first * second / (first + second)
-        return np.asarray(np.where(high < np.log(1e-11), first, whole))
 
     @abstractmethod
     def start(self) -> Any:
@@ -153,40 +137,6 @@ class RateIndependent(AmplitudeDependent):
 
 
 @dataclass(frozen=True)
-class RelativeToAmplitude(AmplitudeDependent):
-    r"""Change of an element since a reference amplitude: :math:`N(X) - N(X_0)`.
-
-    Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
-    element at X.
-    """
-
-    element: AmplitudeDependent
-    amplitude: float
-
-    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Change of the equivalent stiffness, N/m."""
-        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
-        return self.element.equivalent(omega, amplitude) - values
-
-    def start(self) -> Any:
-        """Refused: a change of stiffness has no path.
-
-        Raises
-        ------
-        DataError
-        """
-        raise DataError("a change since an amplitude has no force along a path; take the element")
-
-    def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
-        """Refused, as :meth:`start`."""
-        return self.start()  # type: ignore[no-any-return]  # it raises
-
-    def __mul__(self, count: float) -> RelativeToAmplitude:
-        """`count` in parallel."""
-        return replace(self, element=self.element * count)
-
-
-@dataclass(frozen=True)
 class InParallel(AmplitudeDependent):
     """Elements in parallel, linear or not: one displacement, and the sum of their forces.
 
@@ -232,63 +182,6 @@ class InParallel(AmplitudeDependent):
     @cached_property
     def _stepped_parts(self) -> tuple[AmplitudeDependent | _Stepped, ...]:
         return tuple(_make_stepped(part) for part in self.parts)
-
-
-@dataclass(frozen=True)
-class InSeries(AmplitudeDependent):
-    r"""Solid in series with an amplitude-dependent element: one force in both.
-
-    .. math:: \frac1K = \frac1{K_1(\omega)} + \frac1{N(\omega, X_2)}, \qquad
-        X = X_2 \left|1 + \frac{N(\omega, X_2)}{K_1(\omega)}\right|
-
-    with the amplitude X_2 over the second, of whose motion one harmonic is counted. That is exact
-    while the part behind sticks, and up to 3 % off where it slips: the path in time is exact. Of a
-    single Coulomb or Jenkins element the steady cycle itself is found.
-
-    Attributes
-    ----------
-    solid : Solid
-    behind : AmplitudeDependent
-    """
-
-    solid: Solid
-    behind: AmplitudeDependent
-
-    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Return complex stiffness, N/m; the solid's own while the part behind it is stuck."""
-        w, X = np.broadcast_arrays(np.asarray(omega, dtype=float), amplitudes(amplitude))
-        return self.behind.in_series(self.solid, w, X)
-
-    def start(self) -> tuple[Any, Any, float]:
-        """Return both at rest, and the displacement of the part behind."""
-        return _Stepped(self.solid).start(), self.behind.start(), 0.0
-
-    def advance(
-        self, state: tuple[Any, Any, float], dt: float, x: float
-    ) -> tuple[float, tuple[Any, Any, float]]:
-        """Force, N, where that of the solid equals that of the part behind it."""
-        from scipy.optimize import brentq  # costs an import that few need
-
-        first, second, before = state
-        arms = _Stepped(self.solid)
-
-        def compute_excess(y: float) -> float:
-            return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
-
-        # the difference rises with y: widen until it changes its sign
-        reach = max(abs(x - before), 1e-9 * abs(before), _VANISHING)
-        low, high = before - reach, before + reach
-        while compute_excess(low) > 0:
-            low -= 2 * (high - low)
-        while compute_excess(high) < 0:
-            high += 2 * (high - low)
-        y = float(brentq(compute_excess, low, high, xtol=1e-15 * (abs(before) + reach)))
-        force, first = arms.advance(first, dt, x - y)
-        return force, (first, self.behind.advance(second, dt, y)[1], y)
-
-    def __mul__(self, count: float) -> InSeries:
-        """`count` in parallel."""
-        return InSeries(self.solid * count, self.behind * count)
 
 
 @dataclass(frozen=True)

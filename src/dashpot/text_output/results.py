@@ -353,12 +353,6 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
     return [*table(rows), *left_out]
 
 
-def format_bic_differences(orders: Sequence[tuple[str, float]]) -> str:
-    """Return how far each law that was tried is above the best."""
-    least = min(score for _, score in orders)
-    return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
-
-
 def agreement(result: Agreement) -> Text:
     """Return predicted against measured, where the mass rests, and whether it was inferred."""
     lines = comparison(result.comparison)

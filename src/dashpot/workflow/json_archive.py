@@ -32,7 +32,7 @@ from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
-from dashpot.solids.friction import Jenkins
+from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import RateIndependent

@@ -10,7 +10,7 @@ from typing import overload
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import flag_of, iterate_option_fields
 from dashpot.base.provenance import Step
@@ -22,21 +22,11 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.base_excitation import read_shaken
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import HITS, hits_in, read_impact
-from dashpot.registry import RESPONSES
-from dashpot.vibration.impact.checks import (
-    channels_not_clipped,
-    coherence,
-    frf_dissipates,
-    mass_over_base,
-    resonance,
-    scatter_known,
-    segments_resolve,
-)
-from dashpot.vibration.impact.estimators import estimate_transmissibility
+from dashpot.registry import RESPONSES, find_handler
+from dashpot.vibration.impact.checks import coherence, frf_dissipates, mass_over_base, scatter_known
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.frf_prediction import (
@@ -54,8 +44,6 @@ _NO_MASS = (
     "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
 )
-_UNIT = 1.0
-"""kg; the mass that a transmissibility leaves open."""
 _NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
 
 
@@ -73,7 +61,7 @@ def read_measured(
     """
     record: FRF | ShakenTest | ImpactTest
     if options.base_acceleration is not None:
-        record = read_shaken(paths, options)
+        record = find_handler("read several", "shaken base")(paths, options=options)
     elif len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
         record = read_frf(paths[0], options=options)
     else:
@@ -99,7 +87,9 @@ def measured_frf(
     if isinstance(record, ShakenTest):
         if mass is None:
             raise ReadError(_NO_MASS)
-        return estimate_base_transmissibility(record, choices=choices, mass=mass, band=band)[0]
+        estimate = find_handler("estimate frf", record)
+        transmissibility: FRF = estimate(record, choices=choices, mass=mass, band=band)[0]
+        return transmissibility
     if isinstance(record, FRF):
         refuse_choices_of_hits(choices, "the file holds an FRF", but=("motion", "polarity"))
         frf = _apply_polarity(as_measured(record, choices.motion), choices)
@@ -141,38 +131,6 @@ def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[
         replace(frf, value=-frf.value, steps=(*frf.steps, step)) if sign < 0 else frf
         for frf, sign in zip(frfs, polarity, strict=True)
     )
-
-
-def estimate_base_transmissibility(
-    test: ShakenTest,
-    *,
-    choices: HammerChoices,
-    mass: float | None,
-    band: tuple[float, float] | None = None,
-) -> tuple[FRF, tuple[Mode, ...], str]:
-    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
-
-    Frequency and damping do not depend on the mass, kg: where it is not given, 1 kg stands for it.
-    """
-    refuse_choices_of_hits(
-        choices, "the base was shaken (--column base-acceleration)",
-        but=("estimator", "record", "motion"),
-    )  # fmt: skip
-    frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
-    frf = as_measured(frf, choices.motion)
-    whole = channels_not_clipped(test)
-    mass = _UNIT if mass is None else mass
-    modes: tuple[Mode, ...] = ()
-    reason = ""
-    try:
-        modes = frf.to("accelerance", mass=mass).modes(band=band)
-    except (DataError, FitError) as error:
-        reason = str(error)
-    main = next(iter(modes), None)
-    checks = [] if main is not None else [resonance(frf, None)]
-    resolved = segments_resolve(frf, main)
-    frf = add_frf_checks(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, whole, *checks, resolved)), modes, reason
 
 
 def as_measured(frf: FRF, motion: str) -> FRF:
@@ -432,8 +390,11 @@ def impact_files(
         Why no mode was found, else empty.
     """
     options = options or ReadOptions()
-    driven = options.of(files[0]).base_acceleration is not None
-    test = read_shaken(files, options) if driven else read_impact(list(files), options=options)
+    test: ImpactTest | ShakenTest
+    if options.of(files[0]).base_acceleration is not None:
+        test = find_handler("read several", "shaken base")(files, options=options)
+    else:
+        test = read_impact(list(files), options=options)
     result, reason = modes_of_hits(test, hammer=hammer, mass=mass, band=band)
     return replace(result, file=file), reason
 
@@ -451,9 +412,8 @@ def modes_of_hits(
     """
     hammer = hammer or HammerChoices()
     if isinstance(test, ShakenTest):
-        frf, modes, reason = estimate_base_transmissibility(
-            test, choices=hammer, mass=mass, band=band
-        )
+        estimate = find_handler("estimate frf", test)
+        frf, modes, reason = estimate(test, choices=hammer, mass=mass, band=band)
     else:
         frf = average(test, choices=hammer, mass=mass, band=band)
         modes, reason = find_modes_or_reason(frf, band)

@@ -213,7 +213,7 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     X = sizes[np.minimum((t * hz / per).astype(int), len(sizes) - 1)]
     x = X * np.sin(2 * np.pi * hz * t)
     x[0] = 0.0
-    force = dp.solids.friction.InParallel((SEAL, SLIDER)).path_force(t, x)
+    force = (SEAL + SLIDER).path_force(t, x)
     x += drift * t + noise * np.random.default_rng(3).normal(size=len(t))
     path = saved(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
     found = ran(path, "--plot", tmp_path / "loops.svg")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
+from dashpot.extensions.amplitude.friction import Berg, Coulomb, Iwan, Kraus
 from dashpot.extensions.amplitude.response_solver import (
     backbone,
     can_fold,
@@ -15,7 +16,7 @@ from dashpot.extensions.amplitude.response_solver import (
     responses_at,
 )
 from dashpot.solids.demo_seals import PAPER
-from dashpot.solids.friction import Berg, Coulomb, Iwan, Jenkins, Kraus
+from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel

@@ -18,6 +18,7 @@ from dashpot.base.option_fields import RampLawAsked, get_choice_values
 from dashpot.datamodel.fit import Explanation
 from dashpot.export import SUFFIXES
 from dashpot.extensions.app import request_handlers, result_cache, view_models, wire_format
+from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.handler_registry import VERBS
 from dashpot.extensions.app.request_parsing import job_of
 from dashpot.extensions.app.upload_store import Store
@@ -29,7 +30,6 @@ from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.workflow.command_lines import line
 from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once

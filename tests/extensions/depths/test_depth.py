@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from kit.ramps import Law, cubic, linear
 
-from dashpot.base.errors import DataError, FitError
+from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.depths.depth_dependence import fit_depths
 from dashpot.fitting.relaxation import fit
-from dashpot.solids.elastic import ElasticLaw, compare_with_curve
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -140,15 +139,6 @@ def test_eight_long_records_take_seconds(paper_seal: GeneralizedMaxwell) -> None
     assert found.law.tangent(2.6e-3) == pytest.approx(164.7, rel=0.01)
 
 
-def test_the_paper_seal_agrees_with_its_compression_curve() -> None:
-    law = ElasticLaw.linear(196.5, 8e-3)
-    curve = np.linspace(0.0, 10e-3, 21)
-    (agreement,) = compare_with_curve(law, [8e-3], displacement=curve, force=196.5 * curve)
-    assert agreement.relaxed == pytest.approx(1.572)
-    assert agreement.difference == pytest.approx(0.0, abs=1e-12)
-    assert "1.572 N" in agreement.says
-
-
 def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None:
     one = quasi_linear(paper_seal, 8e-3)
     warm, chilled = (
@@ -165,7 +155,3 @@ def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None
         fit_depths([one])
     with pytest.raises(FitError, match="fit equal depths together without depth_law"):
         fit_depths([one, replace(one, force=1.01 * one.force)], arms=1)
-    with pytest.raises(DataError, match="does not reach the depth of 8 mm; measure it deeper"):
-        compare_with_curve(
-            ElasticLaw.linear(196.5, 8e-3), [8e-3], displacement=[0.0, 5e-3], force=[0.0, 1.0]
-        )

@@ -13,9 +13,9 @@ from dashpot.datamodel.structure import FreeModes
 from dashpot.extensions.door.assembly import Assembly, rigid_of
 from dashpot.extensions.door.door_model import Door, ModesChoice, RigidPart, SealChoice, Support
 from dashpot.extensions.door.energy_shares import energy_shares
+from dashpot.extensions.door.free_plate import free_plate
 from dashpot.extensions.door.modes import basis_error, oscillations
 from dashpot.extensions.door.seal_line import Joint, SealLine
-from dashpot.simulation.free_plate import free_plate
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw

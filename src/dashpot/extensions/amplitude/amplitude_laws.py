@@ -24,7 +24,7 @@ from dashpot.numerics.least_squares import (
     stack_real_rows,
 )
 from dashpot.numerics.nonnegative_least_squares import solve_linear
-from dashpot.solids.friction import jenkins_reduction
+from dashpot.solids.jenkins import jenkins_reduction
 
 LAWS = get_choice_values(AmplitudeLaw)
 """Kraus's law as a factor or beside the solid, a cubic spring, and both."""

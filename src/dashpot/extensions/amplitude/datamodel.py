@@ -27,11 +27,11 @@ from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.amplitude.friction import Kraus, RelativeToAmplitude
 from dashpot.extensions.amplitude.payne_softening import Softening, softening_factor
-from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, RelativeToAmplitude
+from dashpot.solids.rate_independent import AmplitudeDependent, InParallel
 
 
 @dataclass(frozen=True, eq=False, repr=False)

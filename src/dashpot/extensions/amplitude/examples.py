@@ -9,10 +9,10 @@ import numpy as np
 
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
+from dashpot.extensions.amplitude.friction import Iwan
 from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.registry import Example
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
-from dashpot.solids.friction import Iwan
 from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 _RUBBING = Iwan(120.0, 0.06)

@@ -25,7 +25,7 @@ from dashpot.extensions.amplitude.level_results import LevelFit, Parts
 from dashpot.extensions.amplitude.response import stiffness_at, with_third_harmonic
 from dashpot.numerics.least_squares import stack_real_rows
 from dashpot.numerics.nonnegative_least_squares import solve_linear
-from dashpot.solids.friction import Jenkins, jenkins_reduction
+from dashpot.solids.jenkins import Jenkins, jenkins_reduction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.vibration.modal.pole_fit import FLOOR

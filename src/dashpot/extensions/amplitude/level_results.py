@@ -20,7 +20,7 @@ from dashpot.base.result_mixins import HasSummary, Series
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_unit, format_quantity
 from dashpot.datamodel.specimen import Specimen
-from dashpot.solids.friction import Jenkins
+from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, angular
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel, RateIndependent

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray
 from dashpot.base.errors import DataError
-from dashpot.solids.friction import Kraus
+from dashpot.extensions.amplitude.friction import Kraus
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import AmplitudeDependent, require_positive_parameters
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,34 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
-from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, groups
-from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.columns.vocabulary import Role, has_word, normalise_name
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
+
+# ASTM D5992 calls the double strain amplitude DSA
+_SPAN = re.compile(
+    r"(?<!\w)(?:(p|pk|peak|spitze|pico|picco|crête)(?: to | a | à | zu | |-|2|t)?\1|dsa"
+    r"|(?:double|doppelte) (?:strain |displacement )?amplitude|doppelamplitude|schwingbreite)(?!\w)"
+    r"|峰峰|[双両全]振幅"
+)
+_RMS = ("rms", "effektiv", "effektivwert", "eff")
+
+
+def over_amplitude(name: str) -> tuple[float, str]:
+    """What a name says its numbers are over the amplitude of a cycle, and in which words.
+
+    >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
+    ((2.0, 'peak to peak'), 2.0)
+    >>> over_amplitude("Strain rms")[1], over_amplitude("Strain amplitude")
+    ('an rms', (1.0, ''))
+    """
+    if _SPAN.search(normalise_name(name)):
+        return 2.0, "peak to peak"
+    return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
+
 
 _WARMER = 10.0
 """K that a rubber does not warm by itself from one visit of an amplitude to the next."""
@@ -52,7 +74,7 @@ def read_amplitude(
         chosen = channels.with_units(file, [*wanted, column])
         _, values, unit, notes = parts_of(file, chosen, ratio)
         called = file.table.columns[column.index]
-        factor, word = vocabulary.over_amplitude(f"{called.name} {called.unit or ''}")
+        factor, word = over_amplitude(f"{called.name} {called.unit or ''}")
         amplitude = values[column.role] / factor
         if word:
             notes.append(f"'{called.name}' is {word}: over {factor:.3g} it is the amplitude")

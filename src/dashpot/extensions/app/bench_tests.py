@@ -11,13 +11,13 @@ from dashpot import plot
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import view_models, wire_format
+from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.figure_cards import make_figure_cards
 from dashpot.extensions.app.request_parsing import build_from_request, sizes_of
 from dashpot.plot.picture import Picture
 from dashpot.report.page_frame import COLOURS
 from dashpot.report.result_page import kind_page
 from dashpot.workflow.bench_tests import fit_files
-from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import to_json
 

@@ -10,6 +10,7 @@ from typing import Any
 from dashpot.base.errors import DataError
 from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.bench_tests import KEPT, WIDE
+from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.figure_cards import draw_cards
 from dashpot.extensions.app.request_parsing import build_from_request, get_list, sizes_of
 from dashpot.extensions.app.upload_store import path_in
@@ -17,7 +18,6 @@ from dashpot.registry import find_handler
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import COLOURS
 from dashpot.report.result_page import JobPage, kind_page, text_of
-from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import LevelJob, ModesJob
 
 

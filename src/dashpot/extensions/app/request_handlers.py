@@ -22,6 +22,7 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.app import record_cache, result_cache, view_models, wire_format
+from dashpot.extensions.app.command_lines import FIT, line, predict_command
 from dashpot.extensions.app.request_parsing import job_of, number, part, sizes_of, word
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.fitting.relaxation import fit
@@ -33,7 +34,6 @@ from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import COLOURS
 from dashpot.vibration.systems.frf_prediction import MassOnSeals, highest_peak, predict_frf
-from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.option_fields import is_path_field, require_choice, texts_of
+from dashpot.base.option_fields import is_path_field, require_choice
 from dashpot.base.units import convert_to_si, si_range
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.app.command_lines import texts_of
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.workflow.job import Job
 

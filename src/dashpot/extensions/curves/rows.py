@@ -8,7 +8,8 @@ EXTENSION = Extension(
             KindOfTest(
                 "dma", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
                 nouns={"dashpot.extensions.curves.datamodel.dynamic:DynamicTest": ""},
-                checks="dashpot.extensions.curves.checks", order=4,
+                checks="dashpot.extensions.curves.checks",
+                examples="dashpot.extensions.curves.examples:SWEEPS", order=4,
         ),
             KindOfTest(
                 "master-curve", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
@@ -20,7 +21,8 @@ EXTENSION = Extension(
             KindOfTest(
                 "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
                 nouns={"dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": ""},
-                checks="dashpot.extensions.curves.checks", order=9,
+                checks="dashpot.extensions.curves.checks",
+                examples="dashpot.extensions.curves.examples:CURVES", order=9,
         ),
             KindOfTest(
                 "creep", "dashpot.extensions.curves.creep.read:read_creep", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",

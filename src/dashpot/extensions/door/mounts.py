@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity
 from dashpot.datamodel.seal_line import LineDirection, Stations
 from dashpot.extensions.door.seal_line import SealLine
-from dashpot.solids.friction import Jenkins
+from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.networks import spring
 from dashpot.vibration.systems.multibody import Mount
 

@@ -5,7 +5,10 @@ from dashpot.registry.row import Extension, KindOfTest
 EXTENSION = Extension(
     "door",
     kinds=(
-            KindOfTest("seal-line", place="part", order=19),
+            KindOfTest(
+                "seal-line", place="part",
+                examples="dashpot.extensions.door.examples:EXAMPLES", order=19,
+        ),
             KindOfTest("free-modes", "dashpot.extensions.door.read_modes:read_modes", place="part", order=20),
     ),
     handlers={

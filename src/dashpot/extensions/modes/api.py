@@ -6,12 +6,25 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dashpot.api.fit import identify_record_kinds, merge_frf_set
+from dashpot.api.fit import identify_record_kinds
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.modes.mass_series_files import ModesByMass
 from dashpot.extensions.modes.measured_modes import modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.workflow.measured_frf import Modes
+
+
+def merge_frf_set(records: Sequence[Any]) -> FRFSet:
+    """Return FRFs as one set of points."""
+    if len(records) == 1 and isinstance(records[0], FRFSet):
+        return records[0]
+    frfs = [
+        frf
+        for record in records
+        for frf in (record.frfs if isinstance(record, FRFSet) else (record,))
+    ]
+    return FRFSet(tuple(frfs))
 
 
 def fit_modes(records: list[Any], *, band: Range | None = None) -> Modes:

@@ -17,6 +17,10 @@ EXTENSION = Extension(
         },
         "read several": {
             "frf": "dashpot.extensions.modes.read_frf_set:read_frfs",
+            "shaken base": "dashpot.extensions.modes.shaken_base:read_shaken",
+        },
+        "estimate frf": {
+            "dashpot.datamodel.vibration_tests:ShakenTest": "dashpot.extensions.modes.base_transmissibility:estimate_base_transmissibility",
         },
         "text": {
             "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.extensions.modes.text:modes",

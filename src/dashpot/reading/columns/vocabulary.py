@@ -213,14 +213,7 @@ _SIZE = re.compile(
 _NO_SIZE = re.compile(
     r"storage|loss|speicher|verlust|real|imag|phase|angle|winkel|viscos|compliance|[ekg]['\"′″]"
 )
-# ASTM D5992 calls the double strain amplitude DSA
-_SPAN = re.compile(
-    r"(?<!\w)(?:(p|pk|peak|spitze|pico|picco|crête)(?: to | a | à | zu | |-|2|t)?\1|dsa"
-    r"|(?:double|doppelte) (?:strain |displacement )?amplitude|doppelamplitude|schwingbreite)(?!\w)"
-    r"|峰峰|[双両全]振幅"
-)
 _BLANKS = re.compile(r" {2,}")
-_RMS = ("rms", "effektiv", "effektivwert", "eff")
 _EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
 """Words that stand in others without a blank."""
 _STEMS = MappingProxyType(
@@ -292,19 +285,6 @@ def says_size(name: str) -> bool:
     text = unicodedata.normalize("NFKC", name).casefold().replace("_", " ").replace(".", " ")
     text = _BLANKS.sub(" ", text)
     return bool(_SIZE.search(text)) and not _NO_SIZE.search(text)
-
-
-def over_amplitude(name: str) -> tuple[float, str]:
-    """Return what a name says its numbers are over the amplitude of a cycle, and in which words.
-
-    >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
-    ((2.0, 'peak to peak'), 2.0)
-    >>> over_amplitude("Strain rms")[1], over_amplitude("Strain amplitude")
-    ('an rms', (1.0, ''))
-    """
-    if _SPAN.search(normalise_name(name)):
-        return 2.0, "peak to peak"
-    return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
 
 
 @lru_cache(maxsize=1 << 16)

@@ -21,6 +21,7 @@ from dashpot.reading.columns.kind_detection import FileKind, cycle_peaks, kind_o
 from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
     RoleAssignment,
+    accelerations,
     ask,
     assign,
     format_column,
@@ -586,3 +587,25 @@ def rows(loaded: LoadedColumns, keep: BoolArray) -> LoadedColumns:
         ]
         lines = tuple((i, loaded.line(int(indices[i]))) for i in runs)
     return LoadedColumns(loaded.values[indices], (0,), ("",), lines, loaded.notes)
+
+
+# From one file or several to the record of a base that is shaken and the mass on it.
+
+
+_SLOWER: tuple[Role, ...] = ("velocity", "displacement")
+
+
+def find_mass_motions(file: OpenedFile, taken: Sequence[int]) -> list[RoleAssignment]:
+    """Return the motions beside the base's: those named, else accelerations, else the others."""
+    options = file.options
+    named = [role for role in _SLOWER if getattr(options, role)]
+    assignments: list[RoleAssignment] = []
+    if options.acceleration or not named:
+        assignments = [
+            RoleAssignment("acceleration", i, "of the mass")
+            for i in accelerations(file.table, taken, options)
+        ]
+    assignments += filter(
+        None, map(file.find_unambiguous_column, named if named or assignments else _SLOWER)
+    )
+    return [assignment for assignment in assignments if assignment.index not in taken]

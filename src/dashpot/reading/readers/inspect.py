@@ -25,8 +25,7 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.raw_file import add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels, cleaning
-from dashpot.reading.readers.base_excitation import find_mass_motions
-from dashpot.reading.readers.channels import OpenedFile
+from dashpot.reading.readers.channels import OpenedFile, find_mass_motions
 from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
 from dashpot.reading.readers.detect_kind import (
     Recognised,

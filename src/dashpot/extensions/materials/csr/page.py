@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.report.result_page import KindPage, Topic, group, lights, make_law_ranking
+from dashpot.extensions.materials.law_ranking import make_law_ranking
+from dashpot.report.result_page import KindPage, Topic, group, lights
 
 
 def page(aging: Aging) -> KindPage:

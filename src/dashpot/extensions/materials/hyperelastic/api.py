@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from dashpot.base.errors import ReadError
-from dashpot.base.option_fields import ElasticKindAsked
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
 from dashpot.registry import KINDS, load_object
 
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import ElasticKind, ElasticKindAsked
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.materials.hyperelastic import checks
@@ -21,6 +20,7 @@ from dashpot.extensions.materials.hyperelastic.datamodel import (
     Span,
     StressStrainTest,
 )
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind, ElasticKindAsked
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     EXACT,
     HyperelasticOptimum,

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from dashpot.base.errors import DataError, FitError, ReadError
-from dashpot.base.option_fields import ElasticKindAsked
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
 from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.fitting.prediction_bounds import memory_of

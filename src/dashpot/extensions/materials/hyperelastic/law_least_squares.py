@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.option_fields import ElasticKind
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind
 from dashpot.extensions.materials.hyperelastic.strain_energy import (
     POWERS,
     Hyperelastic,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-from dashpot.base.option_fields import Measure, option, require_choice
+from dashpot.base.option_fields import option, require_choice
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.hyperelastic.strain_energy import Mode
+
+Measure: TypeAlias = Literal["auto", "nominal", "true"]
 
 
 class FilesOfMode(NamedTuple):

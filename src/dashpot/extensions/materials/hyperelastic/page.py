@@ -5,15 +5,9 @@ from __future__ import annotations
 from dashpot.base.number_format import format_count, round_to_error
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
+from dashpot.extensions.materials.law_ranking import make_law_ranking
 from dashpot.report.page_frame import DeckTerms
-from dashpot.report.result_page import (
-    CollapsibleSection,
-    KindPage,
-    Topic,
-    group,
-    lights,
-    make_law_ranking,
-)
+from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
 from dashpot.report.tables import TextTable
 
 

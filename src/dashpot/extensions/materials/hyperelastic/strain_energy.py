@@ -34,7 +34,8 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import ElasticKind, require_choice
+from dashpot.base.option_fields import require_choice
+from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind
 
 Mode: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "volumetric"]
 SHEARING: tuple[Mode, ...] = ("uniaxial", "equibiaxial", "planar")

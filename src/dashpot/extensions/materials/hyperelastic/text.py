@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dashpot as dp
+from dashpot.extensions.materials.law_ranking import format_bic_differences
 from dashpot.text_output.layout import Text, facts, table
-from dashpot.text_output.results import format_bic_differences, format_rounded
+from dashpot.text_output.results import format_rounded
 
 
 def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import FitError, ReadError
-from dashpot.base.option_fields import ImpactLawAsked
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
+from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 from dashpot.registry import KINDS, load_object
 
 

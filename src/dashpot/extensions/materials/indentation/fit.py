@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.option_fields import ImpactLawAsked, require_choice
+from dashpot.base.option_fields import require_choice
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import get_display_unit
@@ -43,6 +43,7 @@ from dashpot.extensions.materials.indentation.contact_law import (
     reduced_modulus,
 )
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
+from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
 from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.option_fields import ImpactLawAsked
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit import fit_indentation
-from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked, Indenter
 from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions

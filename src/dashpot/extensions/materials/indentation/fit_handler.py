@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import click
 
-from dashpot.base.option_fields import ImpactLawAsked
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.indentation.fit_files import indent_file
+from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 
 
 def run(value: FitRequest) -> CommandResult:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
@@ -63,3 +64,7 @@ class Indenter:
         if self.impact_velocity is not None or self.drop_height is None:
             return self.impact_velocity
         return math.sqrt(2 * GRAVITY * self.drop_height)
+
+
+ImpactLaw: TypeAlias = Literal["kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
+ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]

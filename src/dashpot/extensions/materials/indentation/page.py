@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from dashpot.base.number_format import duration, format_with_error, round_to_error
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
-from dashpot.report.result_page import (
-    KindPage,
-    Topic,
-    group,
-    lights,
-    make_law_ranking,
-    sources_behind,
-)
+from dashpot.extensions.materials.law_ranking import make_law_ranking
+from dashpot.report.result_page import KindPage, Topic, group, lights, sources_behind
 
 
 def page(indentation_fit: IndentationFit) -> KindPage:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dashpot.extensions.materials.law_ranking import format_bic_differences
 from dashpot.text_output.layout import Text, facts
-from dashpot.text_output.results import format_bic_differences
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.indentation.datamodel import IndentationFit

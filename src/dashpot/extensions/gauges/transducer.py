@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import pi, sqrt
+from math import cos, pi, sin, sqrt
 from xml.etree import ElementTree as ET
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
@@ -14,7 +15,6 @@ from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 from dashpot.base.version import byline
 from dashpot.simulation.rig import Rig
-from dashpot.simulation.robot import tilt_motion
 
 # Acquisition card: one converter behind a multiplexer, with or without a filter.
 
@@ -195,6 +195,27 @@ class Transducer:
             ET.SubElement(sensor, "UserAxis", Name=axis, values=values, max=f"{factor * limit:g}")
         ET.indent(root)
         return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def tilt_motion(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> FloatArray:
+    r"""Return the force that a misaligned transducer feels, shape (3, n), N.
+
+    A seal pushes along the plate's normal; a transducer turned by `angle` from it feels
+
+    .. math:: F\,(\sin\theta\cos\varphi,\; \sin\theta\sin\varphi,\; \cos\theta)
+
+    Parameters
+    ----------
+    force : array_like, shape (n,)
+        Along the normal, N.
+    angle, towards : float
+        :math:`\theta` from the normal and :math:`\varphi` from x, rad.
+    """
+    arrow = [sin(angle) * cos(towards), sin(angle) * sin(towards), cos(angle)]
+    return np.asarray(np.multiply.outer(arrow, np.asarray(force, dtype=float)))
+
+
+# The twin of a force/torque transducer, and the acquisition card that reads it.
 
 
 @dataclass(frozen=True)

@@ -9,20 +9,14 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.vibration_tests import ShakenTest
-from dashpot.reading.columns.role_assignment import (
-    RoleAssignment,
-    accelerations,
-    find_column,
-    format_column,
-)
+from dashpot.reading.columns.role_assignment import RoleAssignment, find_column, format_column
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.readers.channels import Channel, OpenedFile, find_mass_motions
 from dashpot.reading.readers.impact import joined_starts, loaded_whole, refuse_same, starts_of
 
 _ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
-_SLOWER: tuple[Role, ...] = ("velocity", "displacement")
 _SAME_RATE = 1e-3
 """Part of a sampling rate by which the files of one set-up may differ."""
 
@@ -107,19 +101,3 @@ def _channels(file: OpenedFile) -> list[Channel]:
             *assignments,
         ],
     )
-
-
-def find_mass_motions(file: OpenedFile, taken: Sequence[int]) -> list[RoleAssignment]:
-    """Return the motions beside the base's: those named, else accelerations, else the others."""
-    options = file.options
-    named = [role for role in _SLOWER if getattr(options, role)]
-    assignments: list[RoleAssignment] = []
-    if options.acceleration or not named:
-        assignments = [
-            RoleAssignment("acceleration", i, "of the mass")
-            for i in accelerations(file.table, taken, options)
-        ]
-    assignments += filter(
-        None, map(file.find_unambiguous_column, named if named or assignments else _SLOWER)
-    )
-    return [assignment for assignment in assignments if assignment.index not in taken]

@@ -10,13 +10,13 @@ from kit.shell import ran
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.formats.ati import read_calibration
+from dashpot.extensions.gauges.transducer import Daq, Instrument, Transducer, nano
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_gauges
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
-from dashpot.simulation.transducer import Daq, Instrument, Transducer, nano
 from dashpot.solids.demo_seals import PAPER
 
 

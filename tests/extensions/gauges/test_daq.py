@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.transducer import Daq
+from dashpot.extensions.gauges.transducer import Daq
 
 
 def test_a_count_is_305_uv():

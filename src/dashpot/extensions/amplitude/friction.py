@@ -7,7 +7,6 @@ Polym. Sci. Symp. 39 (1984) 75. A rotary element is the same value in N m, N m/r
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,115 +15,19 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.solids.maxwell import Solid
-from dashpot.solids.networks import series, spring
+from dashpot.solids.jenkins import Jenkins, Masing, jenkins_reduction
 from dashpot.solids.rate_independent import (
+    AmplitudeDependent,
     InParallel,
     RateIndependent,
     amplitudes,
     require_positive_parameters,
 )
 
-_Path = tuple[tuple[float, float], ...]
+__all__ = ["Berg", "Coulomb", "Iwan", "Jenkins", "Kraus", "RelativeToAmplitude", "jenkins_like"]
 
-
-class Masing(RateIndependent):
-    r"""Element that obeys Masing's rules: a branch is its first loading, twice as large.
-
-    .. math:: F(x) = F_r \pm 2\, g(|x - x_r| / 2)
-
-    from the last turning point (x_r, F_r), with the first loading (backbone) g; a branch that
-    closes a loop goes on as if that loop had never been.
-    """
-
-    @abstractmethod
-    def backbone(self, x: npt.ArrayLike) -> FloatArray:
-        """Force, N, of the first loading, at x >= 0, m."""
-
-    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
-        """Force, N, from the tip of the loop downwards."""
-        return np.asarray(self.backbone(amplitude) - 2 * self.backbone((amplitude - x) / 2))
-
-    def start(self) -> _Path:
-        """At rest, where the first loading begins."""
-        return ((0.0, 0.0), (0.0, 0.0))
-
-    def step(self, state: _Path, x: float) -> tuple[float, _Path]:
-        """Force, N, and the turning points that are not forgotten, the present place last."""
-        *turns, here = state
-        way = x - here[0]
-        if way == 0:
-            return here[1], state
-        if _is_opposite(way, here[0] - turns[-1][0]):
-            turns.append(here)
-        while len(turns) > 2 and not _is_opposite(x - turns[-2][0], way):
-            del turns[-2:]
-        if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _is_opposite(x, turns[1][0]):
-            del turns[1]  # past the mirror of its end the first loading goes on
-        x_r, f_r = turns[-1]
-        share = 1 if len(turns) == 1 else 2
-        rise = share * float(self.backbone(abs(x - x_r) / share))
-        force = f_r + float(np.copysign(rise, x - x_r))
-        return force, (*turns, (x, force))
-
-
-def _is_opposite(first: float, second: float) -> bool:
-    """Whether two motions go opposite ways; their product may be too small to have a sign."""
-    return first < 0 < second or second < 0 < first
-
-
-@dataclass(frozen=True)
-class Jenkins(Masing):
-    r"""Spring and Coulomb slider in series: elastic up to its yield displacement, then slips.
-
-    .. math:: N = k \left[\frac{\theta - \tfrac12 \sin 2\theta}{\pi}
-        + j \frac4\pi \frac{x_y}{X}\left(1 - \frac{x_y}{X}\right)\right], \quad
-        \cos\theta = 1 - \frac{2 x_y}{X}, \quad x_y = \frac{F_c}{k}
-
-    and N = k while X does not exceed x_y.
-
-    Attributes
-    ----------
-    k : float
-        N/m, > 0 (N m/rad for a rotary element, whose amplitudes are in rad).
-    slip : float
-        Force F_c at which it slips, N, > 0.
-    """
-
-    k: float
-    slip: float
-
-    def __post_init__(self) -> None:
-        require_positive_parameters(self, "k", "slip")
-
-    @property
-    def yields_at(self) -> float:
-        """Yield displacement x_y = F_c / k, m."""
-        return self.slip / self.k
-
-    def backbone(self, x: npt.ArrayLike) -> FloatArray:
-        """Force, N, of the first loading."""
-        return np.minimum(self.k * np.asarray(x), self.slip)
-
-    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Equivalent stiffness, N/m, in closed form."""
-        return self.k * jenkins_reduction(amplitudes(amplitude), self.yields_at)
-
-    def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
-        """Complex stiffness of a solid and this behind it: its spring belongs to the solid."""
-        both = series(solid.maxwell, spring(self.k))
-        return Coulomb(self.slip).in_series(both, omega, amplitude)
-
-    def __mul__(self, count: float) -> Jenkins:
-        """`count` in parallel."""
-        return replace(self, k=count * self.k, slip=count * self.slip)
-
-
-def jenkins_reduction(amplitude: npt.ArrayLike, yields_at: npt.ArrayLike) -> ComplexArray:
-    """Equivalent stiffness of a Jenkins element over its k; broadcasts over both, m."""
-    r = np.minimum(np.divide(yields_at, amplitude), 1.0)
-    theta = np.arccos(1 - 2 * r)
-    return np.asarray((theta - np.sin(2 * theta) / 2) / np.pi + 4j / np.pi * r * (1 - r))
+_VANISHING = 1e-30
+"""m."""
 
 
 @dataclass(frozen=True)
@@ -149,22 +52,6 @@ class Coulomb(RateIndependent):
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""
         return np.asarray(4j * self.slip / (np.pi * amplitudes(amplitude)))
-
-    def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
-        """Complex stiffness of a solid and this behind it, N/m: of the steady cycle itself."""
-        K, arms = solid.complex_stiffness(omega=omega), solid.maxwell
-        if not arms.arms and not arms.b:
-            return Jenkins(arms.k_inf, self.slip).stiffness(amplitude)
-        from dashpot.solids.coulomb_in_series import (
-            coulomb_in_series,  # costs an import that few need
-        )
-
-        values = np.empty(K.shape, dtype=complex)
-        for value in np.unique(omega):
-            here = omega == value
-            ratio = amplitude[here] * np.abs(K[here]) / self.slip
-            values[here] = K[here] * coulomb_in_series(arms, float(value), ratio)
-        return values
 
     def start(self) -> tuple[float, float]:
         """Return displacement and force."""
@@ -371,3 +258,37 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
             if value > 1e-9 * k.sum()
         )
     )
+
+
+@dataclass(frozen=True)
+class RelativeToAmplitude(AmplitudeDependent):
+    r"""What an element has changed by since an amplitude: :math:`N(X) - N(X_0)`.
+
+    Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
+    element at X.
+    """
+
+    element: AmplitudeDependent
+    amplitude: float
+
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Change of the equivalent stiffness, N/m."""
+        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
+        return self.element.equivalent(omega, amplitude) - values
+
+    def start(self) -> Any:
+        """Refused: a change of stiffness has no path.
+
+        Raises
+        ------
+        DataError
+        """
+        raise DataError("a change since an amplitude has no force along a path; take the element")
+
+    def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
+        """Refused, as :meth:`start`."""
+        return self.start()  # type: ignore[no-any-return]  # it raises
+
+    def __mul__(self, count: float) -> RelativeToAmplitude:
+        """`count` in parallel."""
+        return replace(self, element=self.element * count)

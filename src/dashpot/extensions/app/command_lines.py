@@ -1,0 +1,119 @@
+"""A job as the command that is typed for it, so that what a page shows can be repeated."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import Field, fields, replace
+from glob import escape
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
+from dashpot.base.units import format_command_quantity
+from dashpot.datamodel.frf import FRF
+from dashpot.reading.read_options import ReadOptions
+from dashpot.workflow.job import Job, LevelJob, ModesJob, with_paths
+
+
+def format_command_words(attribute: Field[Any], text: str) -> list[str]:
+    """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
+    if "under" not in attribute.metadata:
+        return [flag_of(attribute), text]
+    return [flag_of(attribute), f"{key_of(attribute)}{attribute.metadata.get('sign', '=')}{text}"]
+
+
+def words_of(result: Any, *names: str) -> list[str]:
+    """Return the options that say what a noun says, or these fields of it, as they are typed.
+
+    Nothing of its defaults; its parts say theirs.
+
+    >>> from dashpot.reading.read_options import ReadOptions
+    >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
+    ['--units', 'force=N', '--text', 'skip=3']
+    """
+    sentences: list[str] = []
+    for glob, item in getattr(result, "own", ()):
+        words = iter(words_of(item))
+        sentences += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
+    for attribute in fields(result):
+        value = getattr(result, attribute.name)
+        if names and attribute.name not in names:
+            continue
+        if "part" in attribute.metadata:
+            sentences += words_of(value)
+        elif value != attribute.default and attribute in iterate_option_fields(result):
+            if "is_flag" in attribute.metadata:
+                sentences.append(flag_of(attribute))
+            else:
+                sentences += [
+                    word
+                    for text in texts_of(attribute, value)
+                    for word in format_command_words(attribute, text)
+                ]
+    return sentences
+
+
+def texts_of(attribute: Field[Any], value: Any) -> list[str]:
+    """Return a field's value as it is typed, one text for every time."""
+    how = attribute.metadata
+    if "typed" in how:
+        return list(how["typed"](value))
+    if "ends" in how:
+        return [f"{value[0]!r}:{format_command_quantity(value[1], how['unit'])}"]
+    several = value if isinstance(value, tuple) else (value,)
+    if "unit" in how:
+        return [format_command_quantity(item, how["unit"]) for item in several]
+    return [repr(number).removesuffix(".0") if isinstance(number, float) else str(number)
+            for number in several]  # fmt: skip
+
+
+# A job as the command that is typed for it, so that what a page shows can be repeated.
+
+
+FIT = "fit.json"
+"""What the solid is called that one command writes and the next reads."""
+
+
+def line(command: str, job: Job | LevelJob | ModesJob) -> str:
+    """Return ``dashpot command ...`` for a job: run where its files are, it gives its numbers.
+
+    >>> line("fit", Job("tests/seal.csv", arms=2, temperatures=(296.15,)))
+    'dashpot fit seal.csv --arms 2 --temperature 23degC'
+    """
+    files: list[str] = []
+    named = with_paths(job, lambda path: Path(path).name)
+    records = [field for field in fields(named) if "argument" in field.metadata]
+    for record in sorted(records, key=lambda field: int(field.metadata["argument"])):
+        value = getattr(named, record.name)
+        files += [value] if isinstance(value, str) else value
+    if isinstance(named, Job):
+        named = replace(named, reading=_merge_read_options(named), reading_impact=ReadOptions())
+    return shlex.join(["dashpot", command, *files, *words_of(named)])
+
+
+def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
+    """Return ``dashpot predict ... --base`` for the mass of a job on the solid in the file `fit`.
+
+    It gives the lines of `frf`, a transmissibility, evenly spaced.
+    """
+    requested_job = replace(job, band=(float(frf.frequency[0]), float(frf.frequency[-1])))
+    words = words_of(requested_job, "mass", "seal_mass", "seals", "compression", "band")
+    return shlex.join(["dashpot", "predict", fit, *words, "--base"])
+
+
+def _merge_read_options(job: Job) -> ReadOptions:
+    """What the files are read by: the units of all of them, and of each what is its own.
+
+    A column or a mark of one file would make the other another kind of test.
+    """
+    if not job.impact:
+        return job.reading
+    bench, hammer = job.reading, job.reading_impact
+    shared = ("units",) if bench.units == hammer.units else ()
+    sides = ((job.relaxation, *job.further), bench), (job.impact, hammer)
+    pairs = [
+        (escape(path), replace(options, own=()).without(shared))
+        for paths, options in sides
+        for path in dict.fromkeys(paths)
+    ]
+    return replace(bench.only(shared), own=(*pairs, *bench.own, *hammer.own))

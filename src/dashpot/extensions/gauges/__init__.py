@@ -1,0 +1,1 @@
+"""A force/torque transducer of six strain gauges: simulated records in its voltages."""

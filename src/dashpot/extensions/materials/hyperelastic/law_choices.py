@@ -1,0 +1,8 @@
+"""The elastic laws among which a user chooses."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+ElasticKind: TypeAlias = Literal["neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
+ElasticKindAsked: TypeAlias = Literal["auto", ElasticKind]

@@ -1,0 +1,26 @@
+"""The laws that were tried, by their BIC: on a page and in a line of text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dashpot.base.number_format import round_to_error
+from dashpot.report.result_page import CollapsibleSection
+from dashpot.report.tables import TextTable
+
+
+def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
+    """Every law that was tried, best first."""
+    least = min(score for _, score in orders)
+    rows = tuple(
+        (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
+    )
+    return CollapsibleSection(
+        "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
+    )
+
+
+def format_bic_differences(orders: Sequence[tuple[str, float]]) -> str:
+    """Return how far each law that was tried is above the best."""
+    least = min(score for _, score in orders)
+    return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)

@@ -1,0 +1,165 @@
+"""From a base that is shaken and the mass on it to a transmissibility that is judged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Step
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.frf import FRF, Kind, Mode
+from dashpot.datamodel.vibration_tests import ShakenTest
+from dashpot.vibration.impact.checks import channels_not_clipped, resonance, segments_resolve
+from dashpot.vibration.impact.estimators import Estimator, Spectra, coherence, estimate
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.measured_frf import add_frf_checks, as_measured, refuse_choices_of_hits
+
+USUAL_SEGMENTS = 8
+"""Lengths of a segment in a record, if none is said."""
+FEWEST_SEGMENTS = 3
+OVERLAP = 1 / (1 + 2 / 36)
+"""What a segment is worth that shares half of its samples with either neighbour (Hann)."""
+HIGHEST_OF_RATE = 0.4
+"""Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
+BASE_MOVES = 1e-3
+"""Part of the base's strongest line below which it is not moved."""
+COHERENT_BY_CHANCE = 1e-3
+"""How often the coherence of mere noise is that of a line that is kept."""
+_MOST = 0.5
+"""A coherence that is kept however few segments there are."""
+_NEAR = 5
+"""Neighbouring lines of which the middle one tells."""
+
+
+def estimate_transmissibility(
+    test: ShakenTest, *, estimator: Estimator | str = Estimator.H1, segment: Quantity | None = None
+) -> FRF:
+    r"""Transmissibility from the base to the mass, by averages over segments (Welch).
+
+    Segments under a Hann window, half of each shared with the next, their straight line taken off:
+    what hits are to :func:`~dashpot.vibration.impact.estimators.estimate`, with the base's motion
+    in place of the force. Coherence tells the scatter, each segment counted as the 0.95 that it is
+    worth beside its neighbours. Where the mass's motion is no acceleration the ratio is
+    differentiated; relative to the base it is a relative transmissibility.
+
+    Parameters
+    ----------
+    test : ShakenTest
+    estimator : {"H1", "H2", "Hv"}
+        Noise on the mass, on the base, or on both.
+    segment : float, optional
+        Length of a segment, s; by default an eighth of the longest record. A resonance is read
+        lower where it is hardly wider than the lines are apart.
+
+    Raises
+    ------
+    DataError
+        If fewer than 3 segments fit, the base does not move, or the estimator needs a quiet before
+        a hit.
+    """
+    estimator = Estimator(estimator)
+    if estimator is Estimator.HS:
+        raise DataError("Hs needs the quiet before a hit; over a base take H1, H2 or Hv")
+    longest = max(record.stop - record.start for record in test.records())
+    seconds = convert_to_si(segment, "time")
+    wanted = longest / USUAL_SEGMENTS if seconds is None else seconds * test.rate
+    length = max(int(wanted) // 2 * 2, 8)
+    base, mass = (_transform_segments(test, signal, length) for signal in (test.base, test.mass))
+    if len(base) < FEWEST_SEGMENTS:
+        raise DataError(
+            f"{len(base)} segments of {length / test.rate:.4g} s in the record; expected "
+            f"{FEWEST_SEGMENTS} or more: record longer, or take shorter segments (--hit-length)"
+        )
+    frequency: FloatArray = np.fft.rfftfreq(length, 1 / test.rate).astype(float)
+    power = (np.abs(base) ** 2).mean(axis=0)
+    # the first two lines are the window's: the offset leaks into them
+    keep = (frequency <= HIGHEST_OF_RATE * test.rate) & (np.arange(len(frequency)) > 1)
+    keep &= power > BASE_MOVES**2 * power[keep].max()
+    if not keep.any():
+        raise DataError("the base does not move")
+    whole = coherence(Spectra(frequency, base, mass))
+    keep &= whole is None or _select_coherent_lines(whole, len(base))
+    if np.count_nonzero(keep) < FEWEST_SEGMENTS:
+        raise DataError(
+            "the mass does not answer the base at any line: the coherence is that of noise; check "
+            "which column is which, and that both ran on one clock"
+        )
+    spectra = Spectra(frequency[keep], base[:, keep], mass[:, keep])
+    settings = (
+        ("estimator", str(estimator)),
+        ("segment", f"{length / test.rate:.6g} s"),
+        ("segments", str(len(base))),
+    )
+    return FRF(
+        spectra.frequency,
+        estimate(spectra, estimator) * (2j * np.pi * spectra.frequency) ** (2 - test.order),
+        Kind.RELATIVE_TRANSMISSIBILITY if test.relative else Kind.TRANSMISSIBILITY,
+        coherence=coherence(spectra),
+        averages=max(int(OVERLAP * len(base)), 2),
+        source=test.source,
+        steps=(Step("estimate_transmissibility", settings),),
+        units="SI",
+    )
+
+
+def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
+    r"""Lines where base and mass have more in common than chance has, with their neighbours.
+
+    Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
+    """
+    least = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _MOST)
+    near = np.pad(coherence, _NEAR // 2, mode="edge")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(near, _NEAR), axis=1)
+    return np.asarray(middle > least)
+
+
+def _transform_segments(test: ShakenTest, signal: FloatArray, length: int) -> ComplexArray:
+    """Fourier transforms of the segments, shape (segments, lines)."""
+    t = np.linspace(-1.0, 1.0, length)
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
+    rows = []
+    for record in test.records():
+        for first in range(record.start, record.stop - length + 1, length // 2):
+            difference = signal[first : first + length]
+            difference = difference - difference.mean() - t * (t @ difference) / (t @ t)
+            rows.append(np.fft.rfft(window * difference))
+    return np.array(rows).reshape(len(rows), length // 2 + 1)
+
+
+_UNIT = 1.0
+"""kg; the mass that a transmissibility leaves open."""
+
+
+def estimate_base_transmissibility(
+    test: ShakenTest,
+    *,
+    choices: HammerChoices,
+    mass: float | None,
+    band: tuple[float, float] | None = None,
+) -> tuple[FRF, tuple[Mode, ...], str]:
+    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
+
+    Frequency and damping do not depend on the mass, kg: where it is not given, 1 kg stands for it.
+    """
+    refuse_choices_of_hits(
+        choices, "the base was shaken (--column base-acceleration)",
+        but=("estimator", "record", "motion"),
+    )  # fmt: skip
+    frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
+    frf = as_measured(frf, choices.motion)
+    whole = channels_not_clipped(test)
+    mass = _UNIT if mass is None else mass
+    modes: tuple[Mode, ...] = ()
+    reason = ""
+    try:
+        modes = frf.to("accelerance", mass=mass).modes(band=band)
+    except (DataError, FitError) as error:
+        reason = str(error)
+    main = next(iter(modes), None)
+    checks = [] if main is not None else [resonance(frf, None)]
+    resolved = segments_resolve(frf, main)
+    frf = add_frf_checks(frf, band, mass=mass)
+    return replace(frf, checks=(*frf.checks, whole, *checks, resolved)), modes, reason
