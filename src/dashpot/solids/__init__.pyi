@@ -1,4 +1,5 @@
 from dashpot.extensions.amplitude import friction as friction
+from dashpot.extensions.amplitude import nonlinear_springs as nonlinear_springs
 from dashpot.extensions.amplitude.polynomial_law import PolynomialLaw as PolynomialLaw
 from dashpot.extensions.curves.datamodel.superposition import Superposition as Superposition
 from dashpot.extensions.curves.relaxation_spectrum import (
@@ -6,13 +7,13 @@ from dashpot.extensions.curves.relaxation_spectrum import (
 )
 from dashpot.extensions.curves.relaxation_spectrum import master_curve as master_curve
 from dashpot.extensions.curves.superposition.superpose import superpose as superpose
+from dashpot.extensions.depths.curve_agreement import compare_with_curve as compare_with_curve
 from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic as Hyperelastic
 from dashpot.extensions.paper.exponential_sum import (
     exponential_sum as exponential_sum,
 )
 
 from . import networks as networks
-from . import nonlinear_springs as nonlinear_springs
 from .elastic import ElasticLaw as ElasticLaw
 from .fractional import FractionalZener as FractionalZener
 from .maxwell import GeneralizedMaxwell as GeneralizedMaxwell

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.amplitude.friction import Berg, Coulomb, Iwan, Kraus, jenkins_like
+from dashpot.extensions.amplitude.nonlinear_springs import Cubic, StagedSpring
 from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import kelvin_voigt, spring
-from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel, RateIndependent
 
 ELEMENTS = (
@@ -21,6 +21,7 @@ ELEMENTS = (
     Iwan(5e3, 2.0),
     Berg(10.0, 1e-4),
     Cubic(1e9),
+    StagedSpring((100.0, 900.0, 400.0), (2e-4, 6e-4)),
     Jenkins(100.0, 0.05) + Iwan(5e3, 2.0) + Berg(3.0, 1e-3),
 )
 
@@ -165,6 +166,8 @@ class TestRefused:
             lambda: Kraus(1.0, 1.0, loss=-0.1),
             lambda: Kraus(1.0, 1.0, loss=np.inf),
             lambda: Cubic(0.0),
+            lambda: StagedSpring((1.0, 2.0), (0.0,)),
+            lambda: StagedSpring((1.0, -2.0), (1.0,)),
             lambda: InParallel(()),
         ],
     )

@@ -1,0 +1,67 @@
+r"""Springs that stiffen with deflection: cubic, and in stages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.errors import DataError
+from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.solids.rate_independent import RateIndependent, amplitudes
+
+__all__ = ["Cubic", "StagedSpring"]
+
+
+@dataclass(frozen=True)
+class StagedSpring(RateIndependent):
+    r"""Spring of several stages, the same either way: stops, clutch hubs.
+
+    .. math:: N = k_1 + \sum_i (k_{i+1} - k_i) \left[1 - \frac2\pi
+        \left(\arcsin r_i + r_i \sqrt{1 - r_i^2}\right)\right], \quad
+        r_i = \min(x_i / X, 1)
+
+    Attributes
+    ----------
+    k : tuple of float
+        Tangent stiffness of each stage, N/m, >= 0.
+    until : tuple of float
+        Where all stages but the last end, m, rising from above 0.
+    """
+
+    k: tuple[float, ...]
+    until: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        k, until = samples("k", self.k), increasing("until", samples("until", self.until))
+        same_length(until=until, k=k[1:])
+        if (k < 0).any() or until[0] <= 0:
+            raise DataError(
+                f"StagedSpring: k = {self.k!r}, until = {self.until!r}; expected stiffnesses >= 0 "
+                "and ends > 0"
+            )
+
+    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Return the force, N: the same up and down."""
+        size, ends = np.abs(x), np.asarray(self.until)
+        excess = np.maximum(size[..., None] - ends, 0.0)
+        return np.asarray(np.copysign(self.k[0] * size + excess @ np.diff(self.k), x))
+
+    def start(self) -> None:
+        """Return no state: a spring remembers nothing."""
+
+    def step(self, state: None, x: float) -> tuple[float, None]:  # noqa: ARG002
+        """Return the force, N."""
+        return float(self.unloading(np.asarray(x), np.abs(x))), None
+
+    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Return the equivalent stiffness, N/m, in closed form."""
+        r = np.minimum(np.asarray(self.until) / amplitudes(amplitude)[..., None], 1.0)
+        saturated = 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2))
+        return np.asarray(self.k[0] + (1 - saturated) @ np.diff(self.k) + 0j)
+
+    def __mul__(self, count: float) -> StagedSpring:
+        """Return `count` in parallel."""
+        return replace(self, k=tuple(count * value for value in self.k))
