@@ -41,7 +41,7 @@ from dashpot.registry import Piece
 from dashpot.report import tables
 from dashpot.report.first_screen import rows as answer_rows
 from dashpot.report.result_page import kind_page
-from dashpot.text_output import results as text_of
+from dashpot.text_output import results
 from dashpot.text_output.layout import facts
 from dashpot.workflow.dataframes import frame
 from dashpot.workflow.json_archive import to_document
@@ -161,7 +161,7 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
 
 def in_the_terminal(fit):
     """What `-v` prints of a fit, every parameter first."""
-    told = text_of.fit(fit)
+    told = results.fit(fit)
     return table([*told.details, *told.lines])
 
 
@@ -170,7 +170,7 @@ def test_the_text_has_every_fact(fit):
 
 
 def test_the_row_of_an_arm_holds_what_is_known_of_it(fit):
-    rows, known = table(text_of.fit(fit).lines), {fact.name: fact for fact in fit.known}
+    rows, known = table(results.fit(fit).lines), {fact.name: fact for fact in fit.known}
     for j in range(1, fit.model.arms + 1):
         arm = [known.get(f"{name}_{j}") for name in ("k", "tau", "b")]
         if all(arm):
@@ -275,7 +275,7 @@ def test_what_a_fit_needed_is_told_alike(fits, bench):
     for fit in fits.values():
         if not fit.nuisance:
             continue
-        text = text_of.fit(fit)
+        text = results.fit(fit)
         (line,) = [one for one in (*text.lines, *text.details) if "  fitted too  " in one]
         told = [term.fact for term in fit.nuisance]
         each = ", ".join(f"{fact.called} {fact.cells.ascii.with_unit}" for fact in told)
@@ -288,12 +288,12 @@ def test_what_a_fit_needed_is_told_alike(fits, bench):
 
 def test_compliances_and_shifts_are_told_as_they_are(fits):
     found = fits["creep"]
-    (line,) = [one for one in text_of.fit(found).lines if one.startswith("  creep ")]
+    (line,) = [one for one in results.fit(found).lines if one.startswith("  creep ")]
     for fact in found.creep.facts("1/Pa"):
         assert fact.cells.ascii.with_unit in line
         assert same(fact, fact.cells.value, fact.cells.unit)
     moved = fits["temperatures"].temperatures
-    lines = text_of.fit(fits["temperatures"]).lines
+    lines = results.fit(fits["temperatures"]).lines
     (law,) = [one for one in lines if one.startswith("  law ")]
     assert all(f"{one.called} {one.cells.ascii.with_unit}" in law for one in moved.constants)
     rows = table(lines)

@@ -27,7 +27,7 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.text_output import results as text_of
+from dashpot.text_output import results
 from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.frf_prediction import predict_frf
@@ -82,7 +82,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert [check for check in checks if check.failed] == []
     assert study.fit.ok
     assert study.joint.ok
-    printed = format_for_screen(text_of.study(study), study.verdict, checks, verbose=False)
+    printed = format_for_screen(results.study(study), study.verdict, checks, verbose=False)
     assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(to_json(study))
     assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
@@ -195,7 +195,7 @@ def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
     fit = altered(handmade.study().fit, checks=(STOP, OPEN, NOTE))
-    printed = format_for_screen(text_of.fit(fit), fit.verdict, fit.checks, verbose=True)
+    printed = format_for_screen(results.fit(fit), fit.verdict, fit.checks, verbose=True)
     lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "Do not use: a stop. Do that."
     assert any(line.split()[:1] == ["optimiser"] for line in lines)

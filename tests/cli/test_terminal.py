@@ -25,8 +25,7 @@ from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import result as told
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.export import TARGETS
-from dashpot.text_output import layout
-from dashpot.text_output import results as text_of
+from dashpot.text_output import layout, results
 from dashpot.text_output.layout import (
     COLUMNS,
     LINES,
@@ -161,9 +160,9 @@ def test_a_file_name_cannot_steer_the_terminal(name):
 def test_every_story_fits_a_screen():
     study = handmade.study()
     for text, found, checks in (
-        (text_of.study(study), study.verdict, study.every_check),
-        (text_of.fit(study.fit), study.fit.verdict, study.fit.checks),
-        (text_of.fit(study.joint), study.joint.verdict, study.joint.checks),
+        (results.study(study), study.verdict, study.every_check),
+        (results.fit(study.fit), study.fit.verdict, study.fit.checks),
+        (results.fit(study.joint), study.joint.verdict, study.joint.checks),
     ):
         short = bare(format_for_screen(text, found, checks, verbose=False))
         assert len(short) <= LINES
@@ -180,7 +179,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
     for name in ("k_1", "ln_tau_1"):
         row = fit.parameters.index(name)
         wide[row, row] *= 1e8
-    text = text_of.fit(altered(fit, covariance=wide, profiles=()))
+    text = results.fit(altered(fit, covariance=wide, profiles=()))
     rows = {line.split()[0]: line for line in text.lines if line.strip()}
     # an arm is a row, and what is not known of it stands in the place of its error
     assert rows["1"].count("not identified") == 3
@@ -195,7 +194,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
 def test_the_arms_of_a_study_stand_on_the_first_screen():
     """Of 24 lines of 80 columns: an arm is a row, beside what was predicted and measured."""
     study = handmade.study()
-    lines = bare(format_for_screen(text_of.study(study), study.verdict, study.checks, size=NARROW))
+    lines = bare(format_for_screen(results.study(study), study.verdict, study.checks, size=NARROW))
     assert max(map(len, lines)) <= NARROW.columns
     assert len(lines) <= NARROW.lines
     solid = study.fit if study.joint is None else study.joint
@@ -402,7 +401,7 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
         DepthStiffness(8e-3, 200.0, 202.0, (100.0, 0.0), (1.0, 1.0)),
         DepthStiffness(4e-3, 150.0, 152.0, (80.0, 20.0), (1.0, 1.0)),
     )
-    lines = "\n".join(text_of.fit(a_fit(solid, by_depth=depths)).lines)
+    lines = "\n".join(results.fit(a_fit(solid, by_depth=depths)).lines)
     assert "k_2" in lines
     assert "0.0200" in lines
 

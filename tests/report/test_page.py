@@ -36,7 +36,7 @@ from dashpot.report.first_screen import MOST_WORDS
 from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.text_output import results as text_of
+from dashpot.text_output import results
 from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
@@ -334,7 +334,7 @@ def test_page_and_terminal_tell_one_shift(whole):
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
     (line,) = [
         row
-        for row in text_of.fit(joint).details
+        for row in results.fit(joint).details
         if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
     ]
     assert line.split()[-1] == "-2.0"
@@ -724,7 +724,7 @@ def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
     lead = Explanation("mass", 0.115, 0.001, "kg", 0.1, 1067.0, True, "the mass is 115 g")
     near = replace(lead, explains=False, fall=0.5)
     tried = (lead, near, replace(near, fall=-251.1))
-    lines = text_of.fit(altered(S.joint, explanations=tried)).lines
+    lines = results.fit(altered(S.joint, explanations=tried)).lines
     ends = [line.partition(" (")[2] for line in lines if line.startswith("  tried  ")]
     assert ends == [
         "a match; chi-square falls by 1067)",

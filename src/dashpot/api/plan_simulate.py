@@ -68,7 +68,7 @@ def plan(
     True
     """
     from dashpot.planning.assumed_seal import SupposedSeal
-    from dashpot.planning.plan import plan as planned
+    from dashpot.planning.plan import plan as compute_plan
     from dashpot.planning.plan_options import HammerPlan
     from dashpot.planning.planned_ramp_hold import Bench
 
@@ -83,7 +83,7 @@ def plan(
         baseline=convert_to_si(baseline, "time"),
         machine=machine or Machine(),
     )
-    return planned(
+    return compute_plan(
         bench,
         at=frequency,
         seal=SupposedSeal(model=solid.maxwell, law=law),

@@ -272,9 +272,9 @@ def _to_name(path: str, options: ReadOptions) -> str:
 
 def get_kind_name(kind: str) -> str:
     """Return the name of a file's kind, such as 'a relaxation test'."""
-    from dashpot.reading.readers import detect_kind as recognise
+    from dashpot.reading.readers import detect_kind
 
-    return recognise.get_kind_label(kind)
+    return detect_kind.get_kind_label(kind)
 
 
 def format_override_hint(kinds: Collection[str]) -> str:

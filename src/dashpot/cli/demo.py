@@ -117,16 +117,16 @@ def _examples(folder: Path, *, every: bool) -> CommandResult:
 
 def _stories(folder: Path, seed: int) -> CommandResult:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
-    from dashpot.text_output import results as text_of
+    from dashpot.text_output import results
 
     claim(folder / f"{name}{file}" for name in NAMES for file in _files(name))
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
-        verdict, whole = story.verdict, text_of.study(story)
+        verdict, whole = story.verdict, results.study(story)
         lines += [f"{name} seal. {verdict}"]
         if story.comparison is not None:
-            lines += [*text_of.comparison(story.comparison, story.joint_comparison), ""]
+            lines += [*results.comparison(story.comparison, story.joint_comparison), ""]
         details += ["", f"{name} seal", *whole.lines, *whole.details]
     seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
@@ -134,7 +134,7 @@ def _stories(folder: Path, seed: int) -> CommandResult:
         fit, cold, bound = _fit_both_temperatures(folder, seed, puzzle.measured)
         lines += [
             f"{PUZZLE} seal at 23 and 0 degC, without the hammer: {fit.verdict.use}",
-            *text_of.comparison(cold),
+            *results.comparison(cold),
             _loss(fit, bound, puzzle.joint),
         ]
         seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
@@ -167,7 +167,7 @@ def _fit_both_temperatures(
     folder: Path, seed: int, measured: dp.FRF
 ) -> tuple[dp.Fit, dp.Comparison, StiffnessBounds]:
     """Fit the puzzling seal's tests at both temperatures, and hold them against the hammer."""
-    from dashpot.solids.demo_seals import SEALS as KNOWN
+    from dashpot.solids.demo_seals import SEALS as KNOWN_SEALS
 
     send_progress(f"the {PUZZLE} seal at 0 degC")
     made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
@@ -178,7 +178,7 @@ def _fit_both_temperatures(
         for file in (FILES[0], COLD[0])
     )
     fit = dp.fit(warm, cold)
-    held = dp.compare(fit, measured, mass=KNOWN[PUZZLE][1], seals=SEALS).comparison
+    held = dp.compare(fit, measured, mass=KNOWN_SEALS[PUZZLE][1], seals=SEALS).comparison
     return fit, held, workflow.unseen_arm_band(fit, (warm, cold), [held.measured_hz])
 
 

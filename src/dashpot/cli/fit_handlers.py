@@ -25,13 +25,13 @@ from dashpot.cli._command_io import (
     write,
     write_figure,
 )
-from dashpot.cli._options import get_typed_options as typed_again
+from dashpot.cli._options import get_typed_options
 from dashpot.cli._param_types import format_suggestion
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, find_handler, load_object
-from dashpot.text_output import results as text_of
+from dashpot.text_output import results
 from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
@@ -189,7 +189,7 @@ class FitRequest:
 
     def get_option_words(self, *but: str) -> list[str]:
         """Return the options as they were typed."""
-        return typed_again(but=("picture", "output", *but))
+        return get_typed_options(but=("picture", "output", *but))
 
 
 # Bench tests of one part.
@@ -214,7 +214,7 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
     request.keep(fit, **_make_bench_figures(fit, records))
     return CommandResult(
         fit,
-        text_of.fit(fit, asked=request["arms"]),
+        results.fit(fit, asked=request["arms"]),
         fit.checks,
         verdict=fit.verdict,
         follow=_format_bench_next_steps(request, fit),

@@ -30,7 +30,7 @@ from dashpot.numerics.inference.correlated_noise import (
 )
 from dashpot.numerics.inference.model_order import bic, significant
 from dashpot.numerics.inference.profile_likelihood import BEYOND, Coordinate, ProfileTarget
-from dashpot.numerics.inference.profile_likelihood import profiles as walked
+from dashpot.numerics.inference.profile_likelihood import profiles as walk_profiles
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -487,7 +487,7 @@ def compute_profiles(
         t_quantile(value, estimate.dof) ** 2 for value in (_WIDEST_LEVEL, _USUAL_LEVEL)
     )
     limit = min(widest, max(1.1 * usual, _MEASURE))
-    results = walked(stack, solution, list(targets.values()), limit=limit)
+    results = walk_profiles(stack, solution, list(targets.values()), limit=limit)
     return tuple(Profile(name, *result) for name, result in zip(targets, results, strict=True))
 
 

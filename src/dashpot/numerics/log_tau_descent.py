@@ -13,7 +13,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.least_squares import FINISHED, LocalOptimum, Objective, triangle
-from dashpot.numerics.least_squares import descend as downhill
+from dashpot.numerics.least_squares import descend as descend_problem
 from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
 
 # Descent in ln tau, linear parameters solved exactly.
@@ -275,7 +275,7 @@ def descend(
         lambda log_tau, _: point_at(stack, log_tau, restricted=restricted),
         low, high, stack.floor, stack.rounding_floor,
     )  # fmt: skip
-    return downhill(
+    return descend_problem(
         objective,
         np.sort(start),
         wanted=wanted,

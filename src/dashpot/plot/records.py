@@ -30,7 +30,7 @@ from dashpot.plot.plotted_data import (
     downsample_to_extremes,
     format_frf_stamp,
 )
-from dashpot.plot.plotted_data import compute_padded_limits as about
+from dashpot.plot.plotted_data import compute_padded_limits as pad_limits
 from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 # Hits: force and accelerations.
@@ -123,7 +123,7 @@ def _pulses(plotted_hits: Sequence[PlottedHit]) -> Panel:
     accepted = sum(hit.accepted for hit in plotted_hits)
     span = convert_to_unit(-0.6 * width, "ms"), convert_to_unit(end, "ms")
     axes = (Scale("time after the hit, ms", span),
-            Scale("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
+            Scale("hammer force, N", pad_limits(*(line.y for line in lines))))  # fmt: skip
     title = f"{accepted} of {len(plotted_hits)} hits accepted"
     return Panel(*axes, tuple(lines), title=title, height=150)
 

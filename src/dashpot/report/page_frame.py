@@ -22,7 +22,7 @@ from dashpot.base.version import byline, software
 from dashpot.datamodel.fit import Fit
 from dashpot.export import SUFFIXES, DeckText, deck_for, reads
 from dashpot.export.deck import NonlinearFit
-from dashpot.plot import style as tokens
+from dashpot.plot import style as drawing_style
 from dashpot.registry import find_handler
 from dashpot.workflow.json_archive import from_json
 
@@ -68,7 +68,7 @@ def _part(package: str, *path: str) -> str:
 
 def frame() -> dict[str, Any]:
     """Return the common parts of every page: style, script, policy, software versions."""
-    style = f"{tokens.css()}\n{_part('dashpot.report', 'templates', 'report.css')}"
+    style = f"{drawing_style.css()}\n{_part('dashpot.report', 'templates', 'report.css')}"
     name = _part("dashpot.report", "templates", "report.js")
     # the one page holds the modules one after the other, so the second imports nothing
     script = f"{_part('dashpot.plot', 'charts.js')}\n{name.partition(chr(10))[2]}"

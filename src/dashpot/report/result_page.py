@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from dashpot.base.checks import Check, Verdict
-from dashpot.base.checks import format_check_tally as how_many
+from dashpot.base.checks import Check, Verdict, format_check_tally
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.result_mixins import HasVerdict
@@ -134,7 +133,7 @@ def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light
 def _light(part: Topic, behind: Sequence[Check]) -> Light:
     mark, count = tally(behind, behind)
     text = part.says if mark in {"good", "note"} else part.fails
-    return Light(part.name, mark, text or how_many(behind).rstrip(".") or count)
+    return Light(part.name, mark, text or format_check_tally(behind).rstrip(".") or count)
 
 
 def row(fact: ReportedValue, name: str = "") -> Row:

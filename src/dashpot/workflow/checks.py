@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.base.number_format import seals as numbered
+from dashpot.base.number_format import seals as format_seals
 from dashpot.base.plain_text import sentence
 from dashpot.datamodel.frf import Mode
 
@@ -57,7 +57,7 @@ def fit_is_tested(fitted: int) -> Finding:
 def seals_counted(seals: float) -> Finding:
     """The number of seals under the block was given."""
     return Finding(
-        f"The number of seals is not given, so {numbered(seals)} is assumed",
+        f"The number of seals is not given, so {format_seals(seals)} is assumed",
         because="The stiffness of one seal goes with it",
         remedy=Remedy("Count the seals under the block.", "seals"),
         faulted=True,

@@ -44,7 +44,7 @@ from dashpot.plot.plotted_data import (
     read_as,
     unit_of,
 )
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
@@ -158,7 +158,7 @@ def amplitude_sweep(
     """
     strips = tuple((panel,) for panel in _over_amplitude(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
-    stamp = stamp or stamped(sources_of([sweep]), sweep.specimen)
+    stamp = stamp or format_stamp(sources_of([sweep]), sweep.specimen)
     return Picture("amplitude", caption, strips, 2, stamp, width=_WIDE)
 
 
@@ -177,7 +177,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     stamp : str
         What the figure says of its origin; by default files, mass and seals.
     """
-    text = stamp or stamped(fit.source, mass=fit.mass, seals=fit.seals)
+    text = stamp or format_stamp(fit.source, mass=fit.mass, seals=fit.seals)
     strips = ((_magnitudes(fit, frfs),), *((panel,) for panel in _draw_amplitude_panels(fit, frfs)))
     caption = (
         "The FRF at each level with the one solid that follows them all and its backbone, and "
@@ -226,7 +226,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         limits = compute_padded_limits(dots, lower[within], upper[within], margin=0.3)
         strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
-    text = stamp or stamped(levels.frf.source)
+    text = stamp or format_stamp(levels.frf.source)
     return Picture("hits", caption, tuple(strips), 2, text, width=_WIDE)
 
 

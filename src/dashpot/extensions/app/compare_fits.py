@@ -37,8 +37,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
 )
-from dashpot.plot.plotted_data import compute_padded_limits as limits_around
-from dashpot.plot.plotted_data import downsample_to_means
+from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import COLOURS
 from dashpot.workflow.job import Job
@@ -293,7 +292,7 @@ def _residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     span = (min(low for low, _ in spans), max(high for _, high in spans))
     panel = Panel(
         Scale(relaxation.SINCE_RAMP, span, log=True),
-        Scale(f"residual, {unit}", limits_around(*tops, np.array([noise, -noise]))),
+        Scale(f"residual, {unit}", compute_padded_limits(*tops, np.array([noise, -noise]))),
         (*rules, *marks),
     )
     title = f"Residual of the hold, {unit}, mean"

@@ -100,11 +100,11 @@ def batch(what: Any, /, **how: Any) -> Any:
             'a batch is of files, dp.batch("tests/", to="lot"), or of arrays on one clock: '
             'dp.batch(forces, time=t, displacement=x, units="s, mm, N")'
         )
-    from dashpot.extensions.batch.batch_run import batch as of_files
+    from dashpot.extensions.batch.batch_run import batch as run_batch
 
     if "frequency" in how:
         how["at"] = how.pop("frequency")
-    return of_files(paths, output=how.pop("to", None), **how)
+    return run_batch(paths, output=how.pop("to", None), **how)
 
 
 def _arrays(

@@ -17,7 +17,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.random_response import RandomResponse
 from dashpot.datamodel.seal_line import SealSection, Shear
 from dashpot.datamodel.structure import FreeModes
-from dashpot.extensions.door import checks as asked
+from dashpot.extensions.door import checks
 from dashpot.extensions.door.assembly import BODY, DOOR, Assembly, implied_mass
 from dashpot.extensions.door.door_model import Door, DoorPoint, SealChoice
 from dashpot.extensions.door.modes import (
@@ -266,14 +266,14 @@ def _check_door(
     """Every check of a door."""
     door = assembly.door
     yield from _check_lateral_stiffness(assembly)
-    yield asked.door_held(count_free_motions(assembly.system()))
+    yield checks.door_held(count_free_motions(assembly.system()))
     if fit is not None and door.line is not None:
         response = [
             (mode.mode.frequency, max(mode.share(SEAL), mode.loss_share(SEAL))) for mode in modes
         ]
         section = door.line.section
         band = fit.band if section is None else _intersect_bands(fit.band, section.shear.band)
-        yield asked.door_modes_informed(response, band)
+        yield checks.door_modes_informed(response, band)
         yield from _check_seal_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
@@ -288,20 +288,20 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
     if line is None or section is None:
         return
     if not section.shear.holds:
-        yield asked.line_holds_sideways(*count_lateral_free_motions(assembly))
+        yield checks.line_holds_sideways(*count_lateral_free_motions(assembly))
         return
     stations = line.stations(assembly.door.pitch)
     normal, *others = (way.solid.k_inf * way.share.sum() for way in section.ways(stations))
     if normal > 0:
-        yield asked.shear_usual(float(max(others) / normal))
+        yield checks.shear_usual(float(max(others) / normal))
 
 
 def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
     pieces = np.diff(line.along).tolist()
-    yield asked.line_closed(line.length, 0.0 if line.closed else norm, pieces)
-    yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
+    yield checks.line_closed(line.length, 0.0 if line.closed else norm, pieces)
+    yield checks.stations_suffice(station_error(assembly, below), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     pressed = stations.compression
     if pressed is not None:
@@ -313,7 +313,7 @@ def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float)
 def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Check:
     """Return whether the seal touches at all stations, by their compressions and places, m."""
     worst = int(pressed.argmin())
-    return asked.seal_touches(
+    return checks.seal_touches(
         float((pressed < 0).mean()),
         length=length,
         least=float(pressed[worst]),
@@ -324,11 +324,11 @@ def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Chec
 
 def _check_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
     """Whether the shapes are known where they are held, and enough of them."""
-    yield asked.shapes_known_there(*find_farthest_point(assembly, modes))
+    yield checks.shapes_known_there(*find_farthest_point(assembly, modes))
     elastic = modes.frequency[~modes.rigid]
     highest = float(elastic.max(initial=0.0))
-    yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)
+    yield checks.modes_suffice(basis_error(assembly, below), len(elastic), highest)
     rigid = assembly.door.rigid
     implied = None if rigid is None else implied_mass(modes, rigid)
     if rigid is not None and implied is not None:
-        yield asked.masses_agree(rigid.mass, implied)
+        yield checks.masses_agree(rigid.mass, implied)

@@ -11,7 +11,7 @@ from dashpot.extensions.door.closing_analysis import Closing, Scatter
 from dashpot.extensions.door.closing_result import ClosingResult
 from dashpot.plot.picture import FIT, REF, Area, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
 from dashpot.plot.plotted_data import compute_padded_limits
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
 _HALF = 0.36
@@ -45,7 +45,9 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
         "A door that closes: what each term takes of its energy, their moments and its speed over "
         "the way, and the least speed that closes doors within their tolerances."
     )
-    return Picture("closing", caption, tuple(strips), 2, stamp or stamped(result.sources), 900.0)
+    return Picture(
+        "closing", caption, tuple(strips), 2, stamp or format_stamp(result.sources), 900.0
+    )
 
 
 def waterfall(done: Closing) -> Panel:

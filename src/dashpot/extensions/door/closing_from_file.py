@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.door import checks as asked
+from dashpot.extensions.door import checks
 from dashpot.extensions.door.analyse_file import add_file_to_errors, open_door, touches_along
 from dashpot.extensions.door.closing_analysis import Closing, SealDoubt, close_door
 from dashpot.extensions.door.closing_result import ClosingResult
@@ -49,13 +49,13 @@ def close_file(
 
 
 def _check_closing(closing: Closing, fit: Fit | None) -> Iterator[Check]:
-    yield asked.faster_doors_close(closing.monotone)
+    yield checks.faster_doors_close(closing.monotone)
     pressed, pieces = closing.door.compression, closing.door.length
     yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
     if fit is None:
         return
     solid = closing.door.section.solid
-    yield asked.closing_informed(
+    yield checks.closing_informed(
         closing.sealing,
         fit.band,
         glassy=solid.k_0 / solid.k_inf if solid.k_inf > 0 else float("inf"),

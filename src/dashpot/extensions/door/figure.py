@@ -31,7 +31,7 @@ from dashpot.plot.plotted_data import (
     compute_padded_log_limits,
     split_at_band,
 )
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 from dashpot.vibration.systems.multibody import Point
 
@@ -86,7 +86,7 @@ def door(result: DoorResult, *, stamp: str = "") -> Picture:
         "A door on its seal, seen from outside: where and how far the seal is pressed, how its "
         "line moves in the first modes, and the accelerance with the seal and without."
     )
-    stamp = stamp or stamped(result.sources)
+    stamp = stamp or format_stamp(result.sources)
     return Picture(
         "door", caption, tuple(strips), 3, stamp, width=960.0, rows=tuple(filter(None, rows))
     )

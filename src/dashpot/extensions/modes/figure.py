@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.modes.mass_series import SeveralMasses
 from dashpot.extensions.modes.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
-from dashpot.extensions.modes.stabilisation import stabilisation as find_poles
+from dashpot.extensions.modes.stabilisation import stabilisation as compute_stabilisation
 from dashpot.plot.picture import MEASURED, Dots, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
 from dashpot.plot.plotted_data import compute_padded_limits, compute_padded_log_limits
 from dashpot.plot.style import sequential
@@ -157,4 +157,4 @@ def draw_masses(modes: ModesByMass) -> Picture:
 
 def draw_poles(frf: FRF, *, band: tuple[float, float] | None = None) -> Picture:
     """Return the stabilisation chart of an FRF with its modes."""
-    return stabilisation(find_poles(FRFSet((frf,)), band=band), frf.modes(band=band))
+    return stabilisation(compute_stabilisation(FRFSet((frf,)), band=band), frf.modes(band=band))

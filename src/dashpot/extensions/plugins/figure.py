@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.plugins.datamodel import PluggedFit
 from dashpot.plot.picture import FIT, Dots, Line, Panel, Picture, Scale
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 
 _HEIGHT = 60.0
 
@@ -23,7 +23,7 @@ def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    origin = stamped(fit.sources) if fit.sources else ""
+    origin = format_stamp(fit.sources) if fit.sources else ""
     caption = f"Numbers of '{fit.kind}' of {fit.by}, each with its interval."
     panels = tuple((_panel(fact),) for fact in fit.found)
     return Picture("plugged", caption, panels, 1, stamp or origin)

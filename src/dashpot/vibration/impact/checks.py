@@ -13,7 +13,7 @@ from dashpot.base.number_format import with_error
 from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.vibration_tests import ShakenTest
-from dashpot.numerics.inference.covariance_estimate import estimate as knowledge
+from dashpot.numerics.inference.covariance_estimate import estimate as estimate_optimum
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
@@ -571,7 +571,7 @@ def apparent_mass(
     w = 1 / (relative * np.abs(inverse))
     rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
     best = solve_ordinary(inverse.real * w, rows)
-    uncertainty = knowledge(best, noises=[white_noise(best)])
+    uncertainty = estimate_optimum(best, noises=[white_noise(best)])
     return float(best.beta[0]), float(uncertainty.standard_error[0])
 
 

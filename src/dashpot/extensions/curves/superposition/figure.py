@@ -34,7 +34,7 @@ from dashpot.plot.plotted_data import (
     format_fit_stamp,
     read_as,
 )
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import SEQUENTIAL, sequential
 from dashpot.solids.maxwell import Solid
 
@@ -72,7 +72,7 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
         "spectrum that all share, and the shift factors with their law and two standard errors."
     )
     text = stamp or (
-        stamped(data.sources, data.curve.specimen) if fit is None else format_fit_stamp(fit)
+        format_stamp(data.sources, data.curve.specimen) if fit is None else format_fit_stamp(fit)
     )
     strips = tuple((panel,) for panel in (*panels, shifted))
     return Picture("superposition", caption, strips, 2, text, width=860.0)

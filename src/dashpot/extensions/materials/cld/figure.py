@@ -13,7 +13,7 @@ from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED, Branch, Cycle
 from dashpot.plot.picture import REF, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span, Tag
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_extremes
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def cld(
         "and its tolerance."
     )
     return Picture(
-        "cld", caption, ((panel,),), 1, stamp or stamped(sources_of(pieces), first.specimen)
+        "cld", caption, ((panel,),), 1, stamp or format_stamp(sources_of(pieces), first.specimen)
     )
 
 

@@ -15,7 +15,7 @@ from dashpot.extensions.materials.cld.datamodel import (
     format_hysteresis,
 )
 from dashpot.extensions.materials.cld.fit_files import Pieces
-from dashpot.text_output import results as text_of
+from dashpot.text_output import results
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import cell, format_rounded, with_error
 
@@ -36,7 +36,7 @@ def cld(pieces: Pieces) -> Text:
         lines = [*(_overview(pieces) if len(pieces.pieces) > _BLOCKS else lines), *scatter]
     lines += _capability(pieces.capability)
     if pieces.fit is not None and pieces.relaxed is None:
-        fitted = text_of.fit(pieces.fit)
+        fitted = results.fit(pieces.fit)
         lines = [*_overview(pieces), *fitted.lines]
         details += fitted.details
     if pieces.rate is not None:

@@ -9,7 +9,7 @@ from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.law import FIRST
 from dashpot.extensions.materials.csr.lifetime_prediction import Aged
 from dashpot.plot.picture import FIT, PREDICTED, Area, Dots, Line, Panel, Picture, Scale
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 
 
 def csr(aging: Aging, *, stamp: str = "") -> Picture:
@@ -33,7 +33,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
         marks = (Line(hours, 100 * values, FIT, "law"), dots)
         panels.append(Panel(across, up, marks, title=format_quantity(item.temperature, "°C")))
     caption = "Force that pieces kept in each oven: measured, and by the law of aging."
-    origin = stamped(aging.sources) if aging.sources else ""
+    origin = format_stamp(aging.sources) if aging.sources else ""
     return Picture("csr", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
 
@@ -63,6 +63,6 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     up = Scale("F/F0, %", (max(100 * float(values.min()) - 10, 0.0), 105.0))
     title = format_quantity(kelvin, "°C") + (", at least" if law.bound_alone else "")
     caption = "Force that is left over time at one temperature, with its 95 % interval."
-    origin = stamped(prediction.aging.sources) if prediction.aging.sources else ""
+    origin = format_stamp(prediction.aging.sources) if prediction.aging.sources else ""
     panel = Panel(across, up, marks, title=title, height=240)
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)

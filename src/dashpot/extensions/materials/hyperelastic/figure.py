@@ -24,7 +24,7 @@ from dashpot.plot.picture import (
     Span,
 )
 from dashpot.plot.plotted_data import compute_padded_limits
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 
 _MARGIN = 0.08
 _AXES = (
@@ -45,7 +45,7 @@ def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
     volume = [curve.mode for curve in fit.curves if curve.mode == "volumetric"][:1]
     panels = [_panel(fit, mode) for mode in (*SHEARING, *volume)]
     caption = "Stress over stretch: tested, the law's, and where the law is not stable."
-    origin = stamped(fit.sources) if fit.sources else ""
+    origin = format_stamp(fit.sources) if fit.sources else ""
     return Picture("hyperelastic", caption, tuple((panel,) for panel in panels), 2, stamp or origin)
 
 

@@ -9,7 +9,7 @@ from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.indentation.datamodel import UNITS, IndentationFit
 from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale, Span
 from dashpot.plot.plotted_data import compute_padded_limits
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 
 
 def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
@@ -40,5 +40,5 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
         height=90, note=f"{round_to_error(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip
     caption = "Motion of the indenter: recorded, the law's, and what that leaves."
-    origin = stamped((fit.source,), mass=fit.indenter.mass) if fit.source else ""
+    origin = format_stamp((fit.source,), mass=fit.indenter.mass) if fit.source else ""
     return Picture("indentation", caption, ((upper, lower),), 1, stamp or origin)

@@ -11,7 +11,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span
 from dashpot.plot.plotted_data import FREQUENCY, compute_padded_limits
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.rod.fit_files import Rod
@@ -82,5 +82,5 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
 def draw_rod(new_rod: Rod) -> Picture:
     """Return the figure of a rod under a mass, stamped with its test."""
     return rod(
-        new_rod.modulus, fit=new_rod.fit, stamp=stamped(new_rod.frf.source, mass=new_rod.mass)
+        new_rod.modulus, fit=new_rod.fit, stamp=format_stamp(new_rod.frf.source, mass=new_rod.mass)
     )

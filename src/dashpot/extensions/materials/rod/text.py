@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.rod.fit_files import Rod
-from dashpot.text_output import results as text_of
+from dashpot.text_output import results
 from dashpot.text_output.layout import Text
 from dashpot.text_output.results import format_error_sensitivity, hertz
 
@@ -36,7 +36,7 @@ def rod(rod: Rod) -> Text:
     if rod.fit is None:
         lines.append(f"  No model was fitted: {rod.reason}")
         return Text(lines, _lines(rod, len(of.frequency)))
-    fitted = text_of.fit(rod.fit)
+    fitted = results.fit(rod.fit)
     details = ["every line", *_lines(rod, len(of.frequency))]
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 

@@ -8,7 +8,7 @@ from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.slam.datamodel import SlamFit
 from dashpot.extensions.materials.slam.prediction import Slam
 from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
-from dashpot.plot.plotted_data import stamp as stamped
+from dashpot.plot.plotted_data import stamp as format_stamp
 
 _MOST = 6
 """Slams that a figure shows."""
@@ -35,7 +35,7 @@ def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
         title = f"{hit.speed.value:.3g} m/s"
         panels.append(Panel(across, Scale("force, N", (-0.08 * top, top)), marks, title=title))
     caption = "Force of slams on a piece over time: measured, and by the fitted motion."
-    origin = stamped(slam_fit.sources) if slam_fit.sources else ""
+    origin = format_stamp(slam_fit.sources) if slam_fit.sources else ""
     return Picture("slams", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
 
@@ -66,5 +66,5 @@ def slam(slam: Slam, *, stamp: str = "") -> Picture:
         ),
     )
     caption = "Force of a mass slammed on the piece, over time and over compression."
-    origin = stamped(slam.sources) if slam.sources else ""
+    origin = format_stamp(slam.sources) if slam.sources else ""
     return Picture("slam", caption, ((whole,), (loop,)), 2, stamp or origin)
