@@ -52,7 +52,6 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "extensions/materials/rod/test_rod_command.py::test_what_no_line_shows_is_a_scale": 0,
     "cli/test_wrong_files.py::test_a_comparison_draws_the_bound_where_the_record_is_at_hand": 0,
     "cli/test_wrong_files.py::test_identify_takes_what_is_known_of_the_seals": 0,
-    "cli/test_wrong_files.py::test_predict_reads_its_record_as_it_is_told": 0,
     "cli/test_wrong_files.py::test_predict_refuses_a_record_that_was_not_fitted": 0,
     "cli/test_wrong_files.py::test_the_second_file_of_a_command_has_its_own_answers": 0,
     "cli/test_wrong_files.py::test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile": 0,

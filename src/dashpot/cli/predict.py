@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from inspect import signature
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -176,11 +175,14 @@ def command(*, path: str, **said: Any) -> CommandResult:
     for name in _BY_OPTION:
         if said[name]:
             return _predict_with_option(name, path, said)
-    others = (
-        option.names for option in command.options if option.kinds and _SOLID not in option.kinds
-    )
-    left_out = {*_BY_OPTION, *chain.from_iterable(others)}
-    return _under_mass(path, **{name: item for name, item in said.items() if name not in left_out})
+    # an argument may be filled by several options, such as those of reading
+    taken = {
+        name
+        for option in command.options
+        if not option.kinds or _SOLID in option.kinds
+        for name in option.names
+    }.difference(_BY_OPTION)
+    return _under_mass(path, **{name: item for name, item in said.items() if name in taken})
 
 
 def _predict_kind(path: str, row: KindOfTest, stated: dict[str, Any]) -> CommandResult:
