@@ -38,7 +38,7 @@ from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.numerics.exponential_fit import solve
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.vibration.mass_on_seals import model_modes
 
 ROOT = Path(__file__).resolve().parents[1]
 CURVES = ROOT / "tests" / "data" / "pyvisco-master-curves"

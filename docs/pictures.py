@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main as run
-from dashpot.extensions.door.door_model import ShearChoice
+from dashpot.extensions.systems.door.door_model import ShearChoice
 from dashpot.solids.demo_seals import PAPER
 
 if TYPE_CHECKING:

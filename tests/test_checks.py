@@ -42,7 +42,6 @@ from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.shift_law_fit import LawScore, ShiftOutlier
 from dashpot.extensions.curves.superposition import checks
 from dashpot.extensions.curves.temperatures import checks as several
-from dashpot.extensions.door import checks as seals
 from dashpot.extensions.materials.cld import checks as cld
 from dashpot.extensions.materials.csr import checks as csr
 from dashpot.extensions.materials.hyperelastic import checks as hyper
@@ -55,6 +54,7 @@ from dashpot.extensions.materials.slam import checks as slam
 from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
 from dashpot.extensions.projects import verification_checks
+from dashpot.extensions.systems.door import checks as seals
 from dashpot.fitting.checks import relaxation, solid
 from dashpot.fitting.fractional_model import checks as fractional
 from dashpot.fitting.identification import checks as identification
@@ -91,8 +91,8 @@ from dashpot.vibration.impact.amplitude_trend import RegressionLine
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.rocking import Combination
+from dashpot.vibration.mass_on_seals import OperatingPoint, moving_mass, predict_frf
 from dashpot.vibration.modal.peaks import Peak
-from dashpot.vibration.systems.frf_prediction import OperatingPoint, moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
 from dashpot.workflow.json_archive import to_json
 
@@ -1647,7 +1647,7 @@ STAGES = {
     "extensions/batch": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
-    "extensions/door": SEALS,
+    "extensions/systems/door": SEALS,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
     "extensions/modes": MODAL,
@@ -1802,7 +1802,7 @@ LIMITS = {
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0, "scatter_normal": 0.25},
     "planning": {"tip_excites": -10},
-    "extensions/door": {
+    "extensions/systems/door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
         "closing_informed": 1.0, "line_holds_sideways": 0,
@@ -1841,7 +1841,7 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
-        "extensions/door": {"line_closed", "faster_doors_close"},
+        "extensions/systems/door": {"line_closed", "faster_doors_close"},
         "extensions/batch": {"records_distinct", "stands_out_of_lot", "scatter_normal"},
         "extensions/materials/cld": {"unloading_recorded", "length_given"},
         "preprocessing": {

@@ -27,7 +27,6 @@ from dashpot.extensions.batch import page
 from dashpot.extensions.batch import table_row as row
 from dashpot.extensions.batch.limits import read_limits
 from dashpot.extensions.batch.summary import summary
-from dashpot.extensions.door.analyse_file import door_file
 from dashpot.extensions.materials.cld.fit_files import cld_files
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 from dashpot.extensions.materials.indentation import text as indentation_text
@@ -36,6 +35,7 @@ from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.lot_row import build_lot_row as indentation_row
 from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.extensions.modes.page import list_mode_facts
+from dashpot.extensions.systems.door.analyse_file import door_file
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import Piece
 from dashpot.report import tables

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 
 stiffness = st.floats(1e-2, 1e6)
 time = st.floats(1e-4, 1e4)

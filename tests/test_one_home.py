@@ -45,13 +45,13 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         ("numerics/", "extensions/batch/arrays/"),
         {
             "fitting/valid_band.py": "a posterior of unit priors, sixty times a fit",
-            "datamodel/structure.py": "a change of coordinates",
+            "extensions/systems/free_modes.py": "a change of coordinates",
             "extensions/paper/exponential_sum.py": "errors of a sum of exponentials of arrays",
             "vibration/modal/peaks.py": "a complex parabola, whose covariance is complex",
             "vibration/modal/pole_fit.py": "the information of channels, the inverse of a triangle",
-            "vibration/systems/state_space.py": "a mass matrix",
+            "extensions/systems/state_space.py": "a mass matrix",
             "extensions/amplitude/preloaded_response.py": "a parabola through three points",
-            "vibration/systems/multibody.py": "the FRF of a system is the inverse of its stiffness",
+            "extensions/systems/multibody.py": "the FRF of a system is the inverse of its stiffness",
         },
     ),
     "a rule of correlated residuals": (

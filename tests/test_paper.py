@@ -7,7 +7,7 @@ import pytest
 
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.frf_prediction import moving_mass, predict_frf
+from dashpot.vibration.mass_on_seals import moving_mass, predict_frf
 
 # Table 1, in the paper's units: N/mm and N s/mm
 K_INF, K1, K2, B1, B2 = 0.1965, 0.1175, 0.0178, 0.0590, 0.2922

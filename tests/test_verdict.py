@@ -30,7 +30,7 @@ from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.text_output import results
 from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.study import characterise

@@ -48,7 +48,6 @@ from .extensions.curves.datamodel.creep import CreepCompliance as CreepComplianc
 from .extensions.curves.datamodel.creep import CreepTest as CreepTest
 from .extensions.curves.datamodel.dynamic import DynamicTest as DynamicTest
 from .extensions.curves.datamodel.modulus import RelaxationModulus as RelaxationModulus
-from .extensions.door.door_model import Door as Door
 from .extensions.materials.cld.datamodel import CompressionTest as CompressionTest
 from .extensions.materials.cld.fit_files import Pieces as Pieces
 from .extensions.materials.csr.datamodel import CounterforceTest as CounterforceTest
@@ -58,6 +57,7 @@ from .extensions.materials.indentation.datamodel import IndentationFit as Indent
 from .extensions.materials.indentation.datamodel import IndentationTest as IndentationTest
 from .extensions.materials.slam.datamodel import SlamTest as SlamTest
 from .extensions.modes.mass_series_files import ModesByMass as ModesByMass
+from .extensions.systems.door.door_model import Door as Door
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .vibration.comparison.comparison import Comparison as Comparison
 from .workflow.frf_comparison import Agreement as Agreement

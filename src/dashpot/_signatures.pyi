@@ -20,9 +20,6 @@ from .extensions.batch.lot import Lot
 from .extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
 from .extensions.curves.datamodel.dynamic import DynamicTest
 from .extensions.curves.datamodel.modulus import RelaxationModulus
-from .extensions.door.closing_result import ClosingResult
-from .extensions.door.door_model import Door
-from .extensions.door.result import DoorResult
 from .extensions.materials.cld.datamodel import CompressionTest
 from .extensions.materials.cld.fit_files import Pieces
 from .extensions.materials.csr.datamodel import Aging, CounterforceTest
@@ -32,6 +29,9 @@ from .extensions.materials.indentation.datamodel import IndentationFit, Indentat
 from .extensions.materials.slam.datamodel import SlamFit, SlamTest
 from .extensions.materials.slam.prediction import Slam
 from .extensions.modes.mass_series_files import ModesByMass
+from .extensions.systems.door.closing_result import ClosingResult
+from .extensions.systems.door.door_model import Door
+from .extensions.systems.door.result import DoorResult
 from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from .solids.maxwell import Solid
 from .solids.part_geometry import Block, Disc, Geometry

@@ -3,10 +3,10 @@ from dashpot.datamodel.relaxation import (
 )
 from dashpot.extensions import acquisition as _acquisition
 from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts as read_shifts
-from dashpot.extensions.door.read_modes import read_modes as read_modes
 from dashpot.extensions.formats.write_uff import (
     frf_uff as frf_uff,
 )
+from dashpot.extensions.systems.door.read_modes import read_modes as read_modes
 from dashpot.reading.read_options import ReadOptions as ReadOptions
 from dashpot.reading.read_options import dump_profile as dump_profile
 from dashpot.reading.read_options import load_profile as load_profile

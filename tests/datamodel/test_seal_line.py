@@ -13,7 +13,7 @@ from kit.fits import a_fit, altered
 from dashpot.base.errors import DataError
 from dashpot.datamodel.seal_line import SealSection, Shear
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.door.seal_line import Joint, SealLine
+from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
 

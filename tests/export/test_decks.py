@@ -33,7 +33,7 @@ from dashpot.export.unit_systems import format_fixed_width, text
 from dashpot.extensions import solver_inputs
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
-from dashpot.extensions.door.seal_line import SealLine
+from dashpot.extensions.systems.door.seal_line import SealLine
 from dashpot.registry import SOLVER_INPUTS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

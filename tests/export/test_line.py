@@ -36,7 +36,7 @@ from dashpot.datamodel.seal_line import Shear
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS
 from dashpot.export.seal_line_springs import LineStation, SpringRow, row_of
-from dashpot.extensions.door.seal_line import SealLine
+from dashpot.extensions.systems.door.seal_line import SealLine
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -19,9 +19,9 @@ from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.export.decks.nastran import BushComponent, bush_property
 from dashpot.export.frequency_tables import tabulate
 from dashpot.export.unit_systems import format_fixed_width
-from dashpot.extensions.door.seal_line import SealLine
+from dashpot.extensions.systems.door.seal_line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 
 GOLDEN = Path(__file__).parent / "golden"
 positive = st.floats(-2, 2).map(lambda power: 10.0**power)

@@ -51,8 +51,8 @@ from dashpot.plot.picture import Tag
 from dashpot.preprocessing.prepare import prepare
 from dashpot.report.figures import lead
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.static_equilibrium import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study

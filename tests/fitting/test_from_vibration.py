@@ -18,7 +18,7 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import infer_mass
-from dashpot.vibration.systems.frf_prediction import accelerance, model_modes, poles, predict_frf
+from dashpot.vibration.mass_on_seals import accelerance, model_modes, poles, predict_frf
 
 EXACT_RIG = HammerRig(mass_sd=0.0, gain_sd=0.0, delay_sd=0.0)
 VOIGT = KnownSolid(parallel_dashpot=True)

@@ -40,7 +40,7 @@ from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 
 pytestmark = pytest.mark.once
 

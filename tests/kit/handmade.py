@@ -25,8 +25,8 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 from dashpot.vibration.comparison.compare import compare
+from dashpot.vibration.mass_on_seals import MassOnSeals, predict_frf
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, predict_frf
 from dashpot.workflow.static_equilibrium import find_static_equilibrium
 from dashpot.workflow.study import STIFFNESS_LINES, Study
 from kit.fits import a_fit, altered

@@ -15,12 +15,12 @@ from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.friction import Kraus
 from dashpot.extensions.amplitude.level_results import LevelFit
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
-from dashpot.extensions.amplitude.response_solver import response_at_level
+from dashpot.extensions.systems.level_response import response_at_level
+from dashpot.extensions.systems.multibody import Mount, System, point_mass
 from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 SEAL = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.502, 0.012))
 SLIDER = Jenkins(100.0, 0.05)

@@ -35,7 +35,7 @@ from dashpot.planning.expected_errors import (
 from dashpot.planning.planned_ramp_hold import Bench
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.frf_prediction import mass_for_peak, predict_frf
+from dashpot.vibration.mass_on_seals import mass_for_peak, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 LSB = 1 / 1280

@@ -39,7 +39,7 @@ from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.hits import HitBlock
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 
 S = handmade.study()
 SPRING = GeneralizedMaxwell(0.1 * (2 * np.pi * 10.0) ** 2)

@@ -9,8 +9,8 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DashpotError
-from dashpot.extensions.door.read import read_door
 from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.systems.door.read import read_door
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.impact import read_impact

@@ -37,7 +37,7 @@ from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.text_output import results
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes
+from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation

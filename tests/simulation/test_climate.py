@@ -22,7 +22,7 @@ from dashpot.simulation import (
 )
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, HIDDEN, HIDDEN_MASS, SHIFT
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, shift_to_temperature
-from dashpot.vibration.systems.frf_prediction import accelerance, mass_for_peak
+from dashpot.vibration.mass_on_seals import accelerance, mass_for_peak
 
 OMEGA = 2 * np.pi * 12.71
 # computed apart: degC, K' N/mm and loss factor at 12.71 Hz, peak Hz and 1/kg of .114829829 kg on 2

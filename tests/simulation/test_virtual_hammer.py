@@ -10,7 +10,7 @@ import pytest
 from dashpot.base.errors import DataError
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 
 
 def ratio(test):

@@ -9,7 +9,7 @@ from scipy.special import erfcx
 from dashpot.base.errors import DataError
 from dashpot.solids.fractional import FractionalZener, weights_at
 from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
-from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.vibration.mass_on_seals import model_modes
 from dashpot.workflow.json_archive import from_json, to_json
 
 PARK = FractionalZener(k_0=1.0, k_inf=10.0, tau=0.01, alpha=0.5)

@@ -6,17 +6,12 @@ import numpy as np
 import pytest
 
 from dashpot.datamodel.frf import FRF
+from dashpot.extensions.systems.multibody import Mount, System, point_mass
+from dashpot.extensions.systems.state_space import complex_modes, newton_modes, respond
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass
-from dashpot.vibration.systems.frf_prediction import (
-    accelerance,
-    mass_for_peak,
-    model_modes,
-    predict_frf,
-)
-from dashpot.vibration.systems.multibody import Mount, System, point_mass
-from dashpot.vibration.systems.state_space import complex_modes, newton_modes, respond
+from dashpot.vibration.mass_on_seals import accelerance, mass_for_peak, model_modes, predict_frf
 
 MASS = 0.2
 LINES = np.linspace(2.0, 60.0, 233)

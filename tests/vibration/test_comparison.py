@@ -18,7 +18,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.systems.frf_prediction import accelerance, predict_frf
+from dashpot.vibration.mass_on_seals import accelerance, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 BROAD = PAPER + GeneralizedMaxwell(0.0, (20.0, 20.0, 20.0), (0.08, 0.016, 0.0032))

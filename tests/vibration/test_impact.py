@@ -15,7 +15,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.amplitude_trend import trend_of_hits
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
+from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 
 pytestmark = pytest.mark.once
 

@@ -13,10 +13,10 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 from dashpot.vibration.modal.modes import Method
 from dashpot.vibration.modal.peaks import mount_band
 from dashpot.vibration.modal.pole_fit import BackgroundProjection, FRFLines, PoleTrial, pole_kernel
-from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829
 TRUE = 12.70975, 0.00443503

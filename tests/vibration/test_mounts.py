@@ -10,11 +10,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.reading.write import write_frf
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
-from dashpot.vibration.systems.frf_prediction import (
-    compute_coupled_mass,
-    on_heavy_mounts,
-    on_light_mounts,
-)
+from dashpot.vibration.mass_on_seals import compute_coupled_mass, on_heavy_mounts, on_light_mounts
 
 pytestmark = pytest.mark.once
 

@@ -19,7 +19,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.comparison.compare import compare
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
+from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 
 TABLE_1 = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 MASS, SEALS = 0.104, 2.0

@@ -15,12 +15,12 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.payne_softening import Softening
-from dashpot.extensions.amplitude.response_solver import response_at_level
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
+from dashpot.extensions.systems.level_response import response_at_level
+from dashpot.extensions.systems.multibody import Mount, System, point_mass
 from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, bonded_block, bonded_cylinder
-from dashpot.vibration.systems.frf_prediction import geometry_factor, mass_for_peak
-from dashpot.vibration.systems.multibody import Mount, System, point_mass
+from dashpot.vibration.mass_on_seals import geometry_factor, mass_for_peak
 
 ELEMENTS = Path(__file__).parents[1] / "solids"
 TAU = np.geomspace(1e-7, 1e3, 21)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.mass_on_seals import accelerance, poles, predict_frf, residues
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import accelerance, poles, predict_frf, residues
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 

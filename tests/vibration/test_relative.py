@@ -20,8 +20,8 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.write import write_frf
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-from dashpot.vibration.systems.frf_prediction import MassOnSeals
 
 pytestmark = pytest.mark.once
 

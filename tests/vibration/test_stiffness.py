@@ -13,8 +13,8 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.mass_on_seals import predict_frf
 from dashpot.vibration.modal.dynamic_stiffness import causal_loss_factor, dynamic_stiffness
-from dashpot.vibration.systems.frf_prediction import predict_frf
 
 LINES = np.array([1.0, 2.0, 5.0, 8.0, 10.0, 12.0, 12.71, 13.0, 15.0, 20.0, 30.0, 50.0])
 MASS = 0.05202

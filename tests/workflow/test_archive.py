@@ -30,7 +30,7 @@ from dashpot.reading.table import Question
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts
 from dashpot.vibration.comparison.compare import compare
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json, to_json

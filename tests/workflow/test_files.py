@@ -19,7 +19,7 @@ from dashpot.reading.write import write_relaxation
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
+from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.example_files import EXAMPLES
 from dashpot.workflow.frf_comparison import compare_files, weighed

@@ -13,7 +13,7 @@ from kit.fits import altered
 from dashpot.base.checks import Check
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
-from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.vibration.mass_on_seals import model_modes
 from dashpot.workflow.recommendation import recommendation
 
 S = handmade.study()

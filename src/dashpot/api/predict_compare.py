@@ -102,7 +102,7 @@ def _predict_solid_frf(
 ) -> FRF:
     import numpy as np
 
-    from dashpot.vibration.systems.frf_prediction import predict_frf
+    from dashpot.vibration.mass_on_seals import predict_frf
 
     hertz = np.linspace(*(si_range(band, "frequency") or BAND), lines)
     kilograms = convert_to_si(mass, "mass")

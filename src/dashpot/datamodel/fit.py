@@ -832,7 +832,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         shape : Geometry, str or float
             A :class:`~dashpot.solids.part_geometry.Disc`, ``Block``, ``Bush`` or ``Bulb``, or in
             words ``"disc:20mm,20mm"``; or the factor itself, m: as ``geometry_factor`` of
-            :mod:`dashpot.vibration.systems.frf_prediction` finds it.
+            :mod:`dashpot.vibration.mass_on_seals` finds it.
         mode : str, optional
             How the shape is loaded.
         bonded : bool

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, frozen, samples
+from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import load_function
 from dashpot.datamodel.frf import FRF, Kind, Mode
 
@@ -164,146 +162,3 @@ RIGID = 1e-3
 """Part of a shape that may be no rigid motion, and it is one."""
 _NEAR = 8
 """Points among which the next ones to a place are looked for."""
-
-
-@dataclass(frozen=True, eq=False)
-class FreeModes(EqualByValue):
-    r"""Undamped modes, scaled to a modal mass of 1 kg: :math:`u(p) = \sum_r \phi_r(p)\,q_r`.
-
-    Attributes
-    ----------
-    frequency : array, shape (r,)
-        Hz; 0, or nearly, of a rigid motion.
-    place : array, shape (p, 3)
-        Where the shapes are known, m.
-    shapes : array, shape (r, p, 3)
-        :math:`\phi`, along x, y and z, 1/sqrt(kg).
-    damping_ratio : float or array, shape (r,)
-        Of the structure by itself.
-    source : Source or None
-    """
-
-    frequency: FloatArray
-    place: FloatArray
-    shapes: FloatArray
-    damping_ratio: FloatArray = 0.0  # type: ignore[assignment]
-    source: Source | None = None
-
-    def __post_init__(self) -> None:
-        f = samples("frequency", self.frequency)
-        place = np.array(self.place, dtype=float)
-        shape = np.array(self.shapes, dtype=float)
-        if place.ndim != 2 or place.shape[1] != 3 or shape.shape != (len(f), len(place), 3):
-            raise DataError(
-                f"modes need places of shape (p, 3) and shapes of (modes, p, 3); found "
-                f"{place.shape} and {shape.shape} for {len(f)} frequencies"
-            )
-        if not (np.isfinite(place).all() and np.isfinite(shape).all()):
-            raise DataError("a place or a shape of the modes is not finite")
-        if (f < 0).any():
-            raise DataError(f"a mode has a frequency of {f.min():g} Hz; expected numbers >= 0")
-        zeta = _expand_damping_ratios(self.damping_ratio, len(f))
-        still = np.flatnonzero(np.abs(shape).max(axis=(1, 2)) == 0)
-        if still.size:
-            raise DataError(
-                f"mode {int(still[0]) + 1} of {len(f)}, at {f[still[0]]:.5g} Hz, does not move any "
-                "of its points"
-            )
-        checked = {"frequency": f, "place": place, "shapes": shape, "damping_ratio": zeta}
-        for name, value in checked.items():
-            object.__setattr__(self, name, frozen(value))
-
-    def __len__(self) -> int:
-        return len(self.frequency)
-
-    def only(self, chosen: npt.ArrayLike) -> FreeModes:
-        """Some of the modes, by a mask or by their numbers."""
-        which = np.asarray(chosen)
-        return replace(
-            self,
-            frequency=self.frequency[which],
-            shapes=self.shapes[which],
-            damping_ratio=self.damping_ratio[which],
-        )
-
-    def at(self, place: npt.ArrayLike) -> tuple[FloatArray, float]:
-        """Shapes at a place, shape (r, 3), and how far it lies from where they are known, m.
-
-        Straight between the two neighbouring points whose connection passes nearest: exact at a
-        point, and of second order between points along a line.
-        """
-        p = np.asarray(place, dtype=float)
-        away = np.linalg.norm(self.place - p, axis=1)
-        near = np.argsort(away, kind="stable")[:_NEAR]
-        first = int(near[0])
-        legs = self.place[near[1:]] - self.place[first]
-        square = np.einsum("ij,ij->i", legs, legs)
-        difference = square > 0
-        if away[first] == 0 or not difference.any():
-            return self.shapes[:, first], float(away[first])
-        others, legs, square = near[1:][difference], legs[difference], square[difference]
-        share = np.clip(legs @ (p - self.place[first]) / square, 0.0, 1.0)
-        norm = np.linalg.norm(self.place[first] + share[:, None] * legs - p, axis=1)
-        # of connections as near, the shortest
-        best = int(np.lexsort((square, np.round(norm, 12)))[0])
-        t, other = float(share[best]), int(others[best])
-        return (1 - t) * self.shapes[:, first] + t * self.shapes[:, other], float(norm[best])
-
-    @property
-    def rigid(self) -> BoolArray:
-        """Whether each mode is a rigid motion of its points, shape (r,)."""
-        motions, _ = self._as_rigid()
-        shapes = self.shapes.reshape(len(self), -1)
-        residual = shapes - motions
-        size = np.linalg.norm(shapes, axis=1)
-        elastic = float(self.frequency.max())
-        change = np.linalg.norm(residual, axis=1) <= RIGID * size
-        return np.asarray(change & (self.frequency <= 0.5 * elastic))
-
-    @property
-    def rigid_motion(self) -> FloatArray:
-        """Translation of the origin and rotation about it of each rigid mode, shape (rigid, 6)."""
-        return self._as_rigid()[1][self.rigid]
-
-    def rigid_mass(self) -> FloatArray:
-        r"""Mass and inertia about the origin that six rigid modes imply, shape (6, 6), kg, kg m^2.
-
-        With :math:`\phi_r = R\,t_r` of a modal mass of 1, :math:`T^T M T = 1`.
-
-        Raises
-        ------
-        DataError
-            If there are not six of them.
-        """
-        T = self.rigid_motion.T
-        if T.shape != (6, 6) or np.linalg.matrix_rank(T) < 6:
-            raise DataError(
-                f"{T.shape[1]} of the {len(self)} modes are rigid motions, and only six say what "
-                "the door weighs; give its mass, centre and inertia"
-            )
-        inverse = np.linalg.inv(T)
-        return np.asarray(inverse.T @ inverse)
-
-    def _as_rigid(self) -> tuple[FloatArray, FloatArray]:
-        """Return the rigid motion next to each shape, (r, 3p), and its six numbers, (r, 6)."""
-        x, y, z = self.place.T
-        nil, item = np.zeros_like(x), np.ones_like(x)
-        R = np.stack(
-            [
-                np.stack((item, nil, nil, nil, z, -y), axis=1),
-                np.stack((nil, item, nil, -z, nil, x), axis=1),
-                np.stack((nil, nil, item, y, -x, nil), axis=1),
-            ],
-            axis=1,
-        ).reshape(-1, 6)
-        motion = np.linalg.lstsq(R, self.shapes.reshape(len(self), -1).T, rcond=None)[0].T
-        return motion @ R.T, motion
-
-
-def _expand_damping_ratios(damping_ratio: npt.ArrayLike, count: int) -> FloatArray:
-    """Return the damping ratio of each of so many modes."""
-    zeta = np.array(damping_ratio, dtype=float)
-    zeta = np.full(count, zeta) if zeta.shape == () else zeta
-    if zeta.shape != (count,) or not ((zeta >= 0) & (zeta < 1)).all():
-        raise DataError("the damping ratios of modes must be one each, from 0 up to 1")
-    return zeta

@@ -29,7 +29,7 @@ from dashpot.fitting.relaxation_data import misfits
 from dashpot.fitting.relaxation_likelihood import relaxation_data
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
-from dashpot.vibration.systems.frf_prediction import MassOnSeals
+from dashpot.vibration.mass_on_seals import MassOnSeals
 
 # Parameters of a fit as a vector, and the solid of a vector.
 
@@ -256,7 +256,7 @@ def frf_band(
         An accelerance, 1/kg, or the transmissibility from a base that moves, relative or not.
     coupled : float
         Of mounts that weigh something, the mass that couples both ends, kg
-        (:mod:`dashpot.vibration.systems.frf_prediction`); of a transmissibility alone.
+        (:mod:`dashpot.vibration.mass_on_seals`); of a transmissibility alone.
     """
     mass, kind = convert_to_si(mass, "mass"), Kind(kind)
     if kind is not Kind.ACCELERANCE and not kind.over_base:

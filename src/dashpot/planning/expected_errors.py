@@ -30,7 +30,7 @@ from dashpot.datamodel.bounds import STANDS, naming
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, rows_with
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.frf_prediction import accelerance, ringing_pole
+from dashpot.vibration.mass_on_seals import accelerance, ringing_pole
 
 # directions with less than this share of the information are not known at all
 SINGULAR = 1e-14

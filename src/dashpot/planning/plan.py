@@ -36,7 +36,7 @@ from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, plan_repeat, re
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
-from dashpot.vibration.systems.frf_prediction import mass_for_peak
+from dashpot.vibration.mass_on_seals import mass_for_peak
 
 # Advice on a planned test, as text.
 

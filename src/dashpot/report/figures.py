@@ -10,7 +10,7 @@ from dashpot import plot
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import strip, swatch, validate_svg_id
 from dashpot.registry import find_handler
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 from dashpot.workflow.study import Study
 
 PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0

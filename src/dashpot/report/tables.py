@@ -29,7 +29,7 @@ from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, model_modes, operating_point
+from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.static_equilibrium import rival_of
 from dashpot.workflow.study import Study

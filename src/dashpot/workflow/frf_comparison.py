@@ -22,7 +22,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import find_handler
 from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, operating_point, predict_frf
+from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
 from dashpot.workflow.checks import fit_is_tested
 from dashpot.workflow.job import BlockOnSeals, HammerChoices

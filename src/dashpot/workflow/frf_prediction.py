@@ -30,7 +30,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, Geometry, named_shape
-from dashpot.vibration.systems.frf_prediction import (
+from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
     compute_coupled_mass,
     geometry_factor,
@@ -434,7 +434,7 @@ def prediction(
         Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
     kind : str, optional
         What the FRF of a force relates, as in
-        :func:`~dashpot.vibration.systems.frf_prediction.predict_frf`.
+        :func:`~dashpot.vibration.mass_on_seals.predict_frf`.
     base, relative : bool
         The base moves, and the motion of the mass is taken relative to it.
     temperature : float, optional

@@ -20,8 +20,8 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.identification.prior_knowledge import HammerRig
 from dashpot.reading.read_options import ReadOptions
+from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness, dynamic_stiffness
-from dashpot.vibration.systems.frf_prediction import MassOnSeals
 from dashpot.workflow.bench_tests import BenchFitOptions, prepared_files
 from dashpot.workflow.checks import seals_counted
 from dashpot.workflow.frf_comparison import select_failed_stops

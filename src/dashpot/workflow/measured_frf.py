@@ -28,13 +28,13 @@ from dashpot.reading.readers.impact import HITS, hits_in, read_impact
 from dashpot.registry import RESPONSES, find_handler
 from dashpot.vibration.impact.checks import coherence, frf_dissipates, mass_over_base, scatter_known
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import (
+from dashpot.vibration.mass_on_seals import (
     as_relative,
     compute_coupled_mass,
     moving_mass,
     on_light_mounts,
 )
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 
 # FRF of files, with checks.

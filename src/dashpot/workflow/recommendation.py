@@ -13,14 +13,14 @@ from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit
 from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import (
+from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
     OperatingPoint,
     model_modes,
     operating_point,
     predict_frf,
 )
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.study import Study
 
 Quantity = Literal[

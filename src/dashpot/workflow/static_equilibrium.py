@@ -21,7 +21,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import PredictedFRF, formal_frf_band, frf_band
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested, mass_of_a_block
-from dashpot.vibration.systems.frf_prediction import (
+from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
     OperatingPoint,
     model_modes,

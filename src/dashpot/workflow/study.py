@@ -33,15 +33,15 @@ from dashpot.fitting.relaxation import fit
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
-from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import (
+from dashpot.vibration.mass_on_seals import (
     REACH,
     MassOnSeals,
     OperatingPoint,
     highest_peak,
     predict_frf,
 )
+from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.bench_tests import fit_fixed_order, prepared_tests
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.frf_comparison import compare_with_measured, weighed

@@ -12,12 +12,12 @@ from kit.kinds import saved
 import dashpot as dp
 from dashpot.extensions.amplitude.fit_files import level_files
 from dashpot.extensions.amplitude.page import format_residual_note, numbers
+from dashpot.extensions.systems.multibody import Mount, System, point_mass
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.write import write_frf
 from dashpot.solids.networks import spring
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 pytestmark = pytest.mark.once
 

@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.extensions.modes import leave_one_out as module
 from dashpot.plot.frf_figure import curves_of
 from dashpot.reading.readers.impact import read_impact
-from dashpot.vibration.systems.frf_prediction import MassOnSeals
+from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.workflow.example_files import EXAMPLES
 from dashpot.workflow.job import HammerChoices
 

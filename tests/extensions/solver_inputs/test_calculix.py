@@ -10,7 +10,7 @@ from kit.solvers import needs_ccx, printed, run_ccx
 
 from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.frf_prediction import predict_frf
+from dashpot.vibration.mass_on_seals import predict_frf
 
 pytestmark = needs_ccx
 

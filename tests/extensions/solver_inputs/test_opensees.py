@@ -7,9 +7,9 @@ import pytest
 from kit.solvers import PULSE, run_opensees
 
 from dashpot.export import TARGETS
+from dashpot.extensions.systems.multibody import Mount, System, point_mass
+from dashpot.extensions.systems.state_space import respond
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.multibody import Mount, System, point_mass
-from dashpot.vibration.systems.state_space import respond
 
 
 @pytest.mark.parametrize("b", [0.0, 5.0])

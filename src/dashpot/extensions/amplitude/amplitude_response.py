@@ -22,9 +22,9 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.amplitude.checks import level_covered
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
+from dashpot.extensions.amplitude.mass_response import mass_at_level
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
 from dashpot.extensions.amplitude.read import read_amplitude
-from dashpot.extensions.amplitude.response_solver import mass_at_level
 from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -34,7 +34,7 @@ from dashpot.registry import RESPONSES
 from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.part_geometry import Block, Disc
-from dashpot.vibration.systems.frf_prediction import on_heavy_mounts
+from dashpot.vibration.mass_on_seals import on_heavy_mounts
 from dashpot.workflow.frf_prediction import _PART_SHAPES, parse_part_shape
 from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
 

@@ -10,10 +10,8 @@ import numpy as np
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.extensions.amplitude.friction import Iwan
-from dashpot.extensions.amplitude.response_solver import response_at_level
-from dashpot.registry import Example
+from dashpot.registry import Example, find_handler
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
-from dashpot.vibration.systems.multibody import Mount, System, point_mass
 
 _RUBBING = Iwan(120.0, 0.06)
 """Friction beside a seal, N/m and N: it softens with amplitude."""
@@ -40,10 +38,10 @@ def _make_frf_writer(level: float, seed: int) -> Callable[[], str]:
     """The FRF of the block on two seals that rub, under a force of that amplitude, 0.5 % noisy."""
 
     def render_file() -> str:
-        mount = Mount(2 * BROAD, ("block", "ground"), friction=2 * _RUBBING)
-        frf = response_at_level(
-            System((point_mass("block", round(BROAD_MASS, 4)),), (mount,)),
-            response="block.z", force="block.z", level=level, frequency=np.linspace(8, 20, 97),
+        sweep = find_handler("sweep at level", "mass")
+        frf = sweep(
+            2 * BROAD, 2 * _RUBBING,
+            mass=round(BROAD_MASS, 4), level=level, frequency=np.linspace(8, 20, 97),
         ).frf()  # fmt: skip
         draw = np.random.default_rng(seed).standard_normal
         value = frf.value * (1 + 0.005 * (draw(97) + 1j * draw(97)))

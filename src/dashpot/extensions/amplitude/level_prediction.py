@@ -20,7 +20,7 @@ from dashpot.extensions.amplitude.amplitude_response import (
 from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, preloaded_levels
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
-from dashpot.vibration.systems.frf_prediction import model_modes
+from dashpot.vibration.mass_on_seals import model_modes
 from dashpot.workflow.frf_prediction import MountedMass, Prediction
 from dashpot.workflow.job import LevelChoices, PartChoices
 

@@ -32,8 +32,8 @@ from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArra
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import SIZES, format_quantity_short, require_positive
-from dashpot.extensions.amplitude.harmonic_balance import AlternatingFrequencyTime, newton
 from dashpot.extensions.amplitude.polynomial_law import PolynomialLaw
+from dashpot.numerics.harmonic_balance import AlternatingFrequencyTime, find_root_by_newton
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
@@ -461,7 +461,7 @@ class _PressedBalance:
 
     def from_start(self, z: FloatArray) -> BalancedState | None:
         """Return the answer near some unknowns."""
-        values = newton(
+        values = find_root_by_newton(
             lambda z: self.balance(z, 1.0),
             lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
             z,
@@ -555,7 +555,7 @@ class _PressedBalance:
             border[:n] /= self.size
             return np.asarray(np.linalg.solve(border, r))
 
-        values = newton(residual, step, ahead, size=1.0, most=10)
+        values = find_root_by_newton(residual, step, ahead, size=1.0, most=10)
         if values is None:
             return None
         off = float(np.linalg.norm((values - ahead) / scale))

@@ -26,7 +26,7 @@ from dashpot.extensions.amplitude.preloaded_mass import (
 from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, on_heavy_mounts
+from dashpot.vibration.mass_on_seals import MassOnSeals, on_heavy_mounts
 
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the

@@ -8,7 +8,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.level_results import LevelFit, Parts
-from dashpot.extensions.amplitude.response_solver import mass_at_level
+from dashpot.extensions.amplitude.mass_response import mass_at_level
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import InParallel
 

@@ -33,7 +33,7 @@ from dashpot.registry import KINDS, asks_of, find_handler
 from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import COLOURS
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, highest_peak, predict_frf
+from dashpot.vibration.mass_on_seals import MassOnSeals, highest_peak, predict_frf
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation

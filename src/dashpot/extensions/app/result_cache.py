@@ -12,7 +12,7 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.app import record_cache
 from dashpot.fitting.relaxation import fit, refit_nearby
-from dashpot.vibration.systems.frf_prediction import highest_peak
+from dashpot.vibration.mass_on_seals import highest_peak
 from dashpot.workflow.bench_tests import prepared_tests
 from dashpot.workflow.frf_prediction import Prediction, prediction
 from dashpot.workflow.job import Cuts, Job

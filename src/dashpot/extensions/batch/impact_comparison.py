@@ -14,8 +14,8 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import MassOnSeals
 from dashpot.workflow.frf_comparison import compare_with_measured
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import read_measured

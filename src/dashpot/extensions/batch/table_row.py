@@ -28,7 +28,7 @@ from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 from dashpot.reading.readers.detect_kind import Recognised, recognise
 from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, find_handler, load_object, row_of
 from dashpot.solids.elastic import require_plausible_compression
-from dashpot.vibration.systems.frf_prediction import MassOnSeals
+from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.static_equilibrium import find_static_equilibrium
 

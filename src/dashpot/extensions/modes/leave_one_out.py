@@ -19,8 +19,8 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.identification.identify import identify
+from dashpot.vibration.mass_on_seals import MassOnSeals, predict_frf
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, predict_frf
 from dashpot.workflow.frf_comparison import LeaveOneOut
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average

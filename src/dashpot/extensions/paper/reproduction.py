@@ -33,8 +33,8 @@ from dashpot.simulation.motion import SimulatedRelaxation, simulate_relaxation
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.frf_prediction import model_modes, predict_frf
 from dashpot.workflow.job import BlockOnSeals
 from dashpot.workflow.study import Study, characterise
 

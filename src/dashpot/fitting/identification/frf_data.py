@@ -12,9 +12,9 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.numerics.least_squares import stack_real_rows
 from dashpot.solids.maxwell import Solid
+from dashpot.vibration.mass_on_seals import Response
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.modal.pole_fit import FLOOR
-from dashpot.vibration.systems.frf_prediction import Response
 
 # lines within this factor of the peak are fitted unless a band is given
 AROUND_THE_PEAK = 3.0

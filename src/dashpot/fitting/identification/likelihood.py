@@ -50,7 +50,7 @@ from dashpot.numerics.least_squares import (
 )
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.frf_prediction import Lost, Response, residues, ringing_pole
+from dashpot.vibration.mass_on_seals import Lost, Response, residues, ringing_pole
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4

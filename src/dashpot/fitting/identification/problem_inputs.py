@@ -19,7 +19,7 @@ from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import relaxation_data
-from dashpot.vibration.systems.frf_prediction import MassOnSeals, OperatingPoint, operating_point
+from dashpot.vibration.mass_on_seals import MassOnSeals, OperatingPoint, operating_point
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001

@@ -22,8 +22,8 @@ from dashpot.base.plain_text import clip_sentences
 from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.mass_on_seals import OperatingPoint
 from dashpot.vibration.modal.peaks import Peak
-from dashpot.vibration.systems.frf_prediction import OperatingPoint
 
 # limits of the verdict: a frequency within 5 % is stiffness within 10 %
 FREQUENCY_LIMIT = 0.05

@@ -16,8 +16,7 @@ from dashpot.numerics.inference.model_order import significant
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.comparison.checks import checks, format_conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
-from dashpot.vibration.modal.peaks import Peak, find_peak
-from dashpot.vibration.systems.frf_prediction import (
+from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
     OperatingPoint,
     accelerance,
@@ -25,6 +24,7 @@ from dashpot.vibration.systems.frf_prediction import (
     model_modes,
     operating_point,
 )
+from dashpot.vibration.modal.peaks import Peak, find_peak
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
@@ -69,7 +69,7 @@ def compare(
         The solid behind the prediction; `seals` times it carries the mass.
     fit : Fit, optional
         Where the solid came from: gives `model`, the tangent where the mass rests
-        (:mod:`~dashpot.vibration.systems.frf_prediction`), and tells which arms the relaxation
+        (:mod:`~dashpot.vibration.mass_on_seals`), and tells which arms the relaxation
         test saw.
     mass : float, optional
         kg; with a solid known but no mass given, the mass inside `predicted` is used. A
@@ -139,7 +139,7 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
     r"""Mass that puts the predicted peak of the accelerance on the measured one.
 
     A frequency predicted with this mass proves nothing: it was put there
-    (:func:`~dashpot.vibration.systems.frf_prediction.mass_for_peak`).
+    (:func:`~dashpot.vibration.mass_on_seals.mass_for_peak`).
 
     Parameters
     ----------

@@ -1,1 +1,0 @@
-"""Random base motion: response of a mass on seals, and of multibody systems."""

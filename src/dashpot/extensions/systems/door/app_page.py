@@ -1,0 +1,126 @@
+"""Door on its seal in the app, predicted with the open files."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import ReadError
+from dashpot.base.number_format import hertz, round_to_error
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.systems.door.analyse_file import door_file
+from dashpot.extensions.systems.door.figure import View, frf_panel, line_panel, shape_panels
+from dashpot.extensions.systems.door.page import format_door_summary, lights_of, modes_of
+from dashpot.extensions.systems.door.result import DoorResult
+from dashpot.plot.picture import Picture
+from dashpot.reading.toml import parsed_toml
+from dashpot.report.first_screen import Row
+from dashpot.report.page_frame import environment
+from dashpot.report.result_page import AppCard, Group, KindPage
+from dashpot.workflow.json_archive import to_json
+
+_HEIGHT = 300.0
+"""Of a response beside no seal line, px."""
+
+
+def describe_file(path: Path) -> dict[str, Any]:
+    """Return what the list of files says of a door."""
+    return {"kind": "door", "page": "judged", "line": "a door on its seal", "mark": "good",
+            "simulated": False, "long": False, "asks": [], "alone": False,
+            "name": path.name}  # fmt: skip
+
+
+def page(result: DoorResult) -> KindPage:
+    """Return what the page of a door tells, in the form of the other kinds."""
+    rows = tuple(
+        Row(
+            f"Mode {i}",
+            round_to_error(mode.mode.frequency, digits=4),
+            "",
+            "",
+            "Hz",
+            "",
+            bound=False,
+        )
+        for i, mode in enumerate(result.modes[:8], 1)
+    )
+    return KindPage(
+        about=format_door_summary(result),
+        strip=(("Door", format_door_summary(result)), ("Band", hertz(result.band))),
+        lights=tuple(lights_of(result, None, result.checks, result.verdict)),
+        answers="A door",
+        picture=result.plot(),
+        told="Modes",
+        groups=(Group("", rows),),
+        sources=tuple(dict.fromkeys(result.sources)),
+        note="",
+        name="door",
+    )
+
+
+def list_cards(result: DoorResult) -> list[AppCard]:
+    """Return the seal line and the response, the modes with their shares, and their shapes."""
+    view = View.from_result(result)
+    panels = [] if view is None else [line_panel(result, view)]
+    if result.frfs:
+        panels.append(frf_panel(result, 0, height=panels[0].height if panels else _HEIGHT))
+    cards: list[AppCard] = []
+    if panels:
+        picture = Picture("door", "", tuple((panel,) for panel in panels), len(panels))
+        cards.append(AppCard("", picture))
+    if result.modes:
+        table = environment("dashpot.extensions.systems.door").get_template("modes_table.html")
+        html = table.render(modes=modes_of(result))
+        cards.append(AppCard("Modes: who holds, who loses", html))
+    shapes = [] if view is None else shape_panels(result, view)
+    if shapes:
+        cards.append(AppCard("Shapes, from outside", tuple(shapes)))
+    return cards
+
+
+def predict_open_files(
+    files: Sequence[str], home: Path, fit_test: Callable[[], Fit] | None = None
+) -> DoorResult:
+    """Predict a door with the files that are open beside it: it names them, and none elsewhere.
+
+    Parameters
+    ----------
+    files : sequence of path
+        The door's own first.
+    home : path
+        Where they are put together; what was there is removed.
+    fit_test : callable, optional
+        Fits the open relaxation test, whose fit the door may name.
+    """
+    path = Path(files[0])
+    names = {Path(file).name: Path(file) for file in files[1:]}
+    try:
+        toml = parsed_toml(path.read_bytes())
+    except ReadError as error:
+        raise ReadError(f"{path.name}: {error}") from None
+    for text in _texts(toml):
+        if Path(text).is_absolute() or ".." in Path(text).parts or text[1:3] == ":\\":
+            raise ReadError(
+                f"{path.name} names a file elsewhere ({text}). Name it alone, and open it here"
+            )
+    shutil.rmtree(home, ignore_errors=True)
+    home.mkdir(parents=True)
+    shutil.copy(path, home / path.name)
+    for name, item in names.items():
+        shutil.copy(item, home / name)
+    wanted = toml.get("seal", {}).get("fit") if isinstance(toml.get("seal"), dict) else None
+    if isinstance(wanted, str) and wanted not in names and fit_test is not None:
+        # the door names the fit of a test that is open
+        (home / wanted).write_text(to_json(fit_test()), encoding="utf-8")
+    return door_file(home / path.name)
+
+
+def _texts(text: Any) -> Iterator[str]:
+    """Every text in a document."""
+    if isinstance(text, str):
+        yield text
+    elif isinstance(text, dict | list):
+        for item in text.values() if isinstance(text, dict) else text:
+            yield from _texts(item)

@@ -1,0 +1,177 @@
+"""Assembly of a door's system: its bodies, mounts and seal line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.extensions.systems.door.door_model import Door, RigidPart, Support
+from dashpot.extensions.systems.door.mounts import line_mounts
+from dashpot.extensions.systems.free_modes import FreeModes
+from dashpot.extensions.systems.multibody import Body, Mount, System
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+DOOR, BODY = "door", "body"
+_ALIKE = 0.01
+"""Relative difference of the masses that rigid modes imply along x, y and z."""
+_STILL = 1.0
+"""Hz, below which no door bends."""
+AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Door with the contents of its files.
+
+    Attributes
+    ----------
+    door : Door
+        Its line with the section, if it has a seal.
+    modes : FreeModes or None
+        Of the door.
+    parts : mapping
+        From the path of a fit to the solid of the part, N/m.
+    """
+
+    door: Door
+    modes: FreeModes | None = None
+    parts: Mapping[str, Solid] | None = None
+
+    def body(self) -> Body:
+        """Return the door by itself: mass and inertia as stated, else those that its modes imply.
+
+        Raises
+        ------
+        DataError
+            If neither says them, or the rigid modes contradict themselves.
+        """
+        rigid, modes = self.door.rigid, self.modes
+        choice = self.door.modes
+        held = choice is not None and choice.held
+        if modes is not None and held:
+            return Body(DOOR, 1.0 if rigid is None else rigid.mass, free=(), modes=modes)
+        if rigid is None:
+            if modes is None:
+                raise DataError(
+                    "the door has no mass: give [door] its mass, centre and inertia, or [modes] "
+                    "with its six rigid ones"
+                )
+            rigid = rigid_of(modes)
+        elastic = None if modes is None else _elastic(modes)
+        return Body(
+            DOOR, rigid.mass, rigid.inertia, at=rigid.centre, free=rigid.motions, modes=elastic
+        )
+
+    def system(
+        self, *, sealed: bool = True, pitch: float | None = None, stuck: bool = True
+    ) -> System:
+        """Return the door on its hinges, latch and bumpers, with its seal or without.
+
+        Parameters
+        ----------
+        sealed : bool
+        pitch : float, optional
+            Of the stations, m; by default the one stated.
+        stuck : bool
+            The friction of the seal sticks, as under small vibration; else it may slip, and the
+            system answers at a level.
+        """
+        door = self.door
+        bodies = [self.body()]
+        grounds: tuple[str, ...] = (BODY,)
+        if door.body is not None:
+            car = door.body
+            bodies.append(Body(BODY, car.mass, car.inertia, at=car.centre, free=car.motions))
+            grounds = ()
+        latches = () if door.latch is None else (door.latch,)
+        mounts = [
+            mount
+            for support in (*door.hinges, *latches, *door.bumpers)
+            for mount in self._held_by(support)
+        ]
+        if sealed and door.line is not None:
+            wanted = pitch or self.door.pitch
+            mounts += line_mounts(door.line, DOOR, wanted, ground=BODY, stuck=stuck)
+        return System(tuple(bodies), tuple(mounts), grounds)
+
+    def _held_by(self, support: Support) -> list[Mount]:
+        if support.fit:
+            solids = [(self.parts or {})[support.fit]]
+        else:
+            damping = support.damping or (0.0,) * len(support.stiffness)
+            pairs = zip(support.stiffness, damping, strict=True)
+            solids = [GeneralizedMaxwell(k, b=b) for k, b in pairs]
+        ways = AXES if support.along is None else (support.along,)
+        return [
+            Mount(solid, (DOOR, BODY), support.at, along, name=support.name)
+            for solid, along in zip(solids, ways, strict=True)
+            if solid.k_0 > 0 or solid.maxwell.b > 0
+        ]
+
+
+def _elastic(modes: FreeModes) -> FreeModes | None:
+    """Return the modes by which a door bends; those at rest must be rigid motions."""
+    bends = ~modes.rigid
+    still = int((modes.frequency[bends] < _STILL).sum())
+    if still:
+        raise DataError(
+            f"{still} of {len(modes)} modes lie below {_STILL:g} Hz and are no rigid motions of "
+            "their points: the axes of shapes and points differ, or the points are not those of "
+            "the shapes; modes of a door that hangs need held = true"
+        )
+    return modes.only(bends) if bends.any() else None
+
+
+def about_origin(part: RigidPart) -> FloatArray:
+    """Mass and inertia of a rigid part about the origin, shape (6, 6), kg, kg m, kg m^2."""
+    x, y, z = part.centre
+    tensor = np.array(part.inertia, dtype=float)
+    offset = np.array([(0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0)])  # u = d + offset @ rotation
+    whole = np.zeros((6, 6))
+    whole[:3, :3] = part.mass * np.eye(3)
+    whole[:3, 3:] = part.mass * offset
+    whole[3:, :3] = whole[:3, 3:].T
+    turning = np.diag(tensor) if tensor.ndim == 1 else tensor
+    whole[3:, 3:] = turning + part.mass * offset.T @ offset
+    return whole
+
+
+def implied_mass(modes: FreeModes, part: RigidPart) -> float | None:
+    r"""Mass, kg, of a door like `part` whose rigid modes those are, :math:`m\,t^T M t = m'`.
+
+    None if no mode is rigid.
+    """
+    motion = modes.rigid_motion
+    if not len(motion):
+        return None
+    modal = np.einsum("ri,ij,rj->r", motion, about_origin(part), motion)
+    return float(part.mass / np.median(modal))
+
+
+def rigid_of(modes: FreeModes) -> RigidPart:
+    """Mass, centre and the inertia tensor about it that six rigid modes imply.
+
+    Raises
+    ------
+    DataError
+        If there are not six, or they imply three different masses along x, y and z.
+    """
+    whole = modes.rigid_mass()
+    masses = np.diag(whole)[:3]
+    mass = float(masses.mean())
+    if np.ptp(masses) > _ALIKE * mass:
+        listed = ", ".join(f"{mass:.4g}" for mass in masses)
+        raise DataError(
+            f"the rigid modes imply masses of {listed} kg along x, y and z; expected one: their "
+            "modal masses, or the unit of their coordinates, are not what was said"
+        )
+    coupled = whole[:3, 3:] / mass
+    c = np.array([coupled[1, 2], coupled[2, 0], coupled[0, 1]])
+    tensor = whole[3:, 3:] - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = ((tensor + tensor.T) / 2).ravel().tolist()
+    x, y, z = c.tolist()
+    return RigidPart(mass, ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)), (x, y, z))

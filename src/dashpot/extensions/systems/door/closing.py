@@ -1,0 +1,319 @@
+r"""Closing motion of a door onto its seal.
+
+.. math:: I\ddot\theta = -\sum_i M_i, \qquad \delta_s = (\delta_{c,s} - \ell_s\theta)_+
+
+The angle falls from where the door has its speed to closed, in steps: over each the kinetic energy
+loses the work of every term, so that energy balances by construction and the time follows as
+step over mean speed, to second order. The arms of the seal answer a compression that is straight
+within a step exactly, whatever their times; air leaves by
+:mod:`dashpot.extensions.systems.door.air_flow`. Any number of doors close side by side.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.value_ranges import require_positive
+from dashpot.datamodel.seal_line import SealSection
+from dashpot.extensions.systems.door.closing_forces import Chambers, PressedSeal
+from dashpot.extensions.systems.door.closing_setup import ClosingSetup
+
+ELASTIC, VISCOUS = "seal, elastic", "seal, viscous"
+HINGE, CHECK, LATCH, GRAVITY = "hinge friction", "check", "latch", "gravity"
+STEPS = 200
+_FARTHEST = 1.2
+"""rad, at which a seal near the hinges is taken as pressed from the start."""
+
+
+@dataclass(frozen=True)
+class ClosingDoor:
+    """Door about its hinges, with the seal that it meets.
+
+    Attributes
+    ----------
+    inertia : float
+        I about the hinge axis, kg m^2.
+    edge : float
+        Distance from that axis at which speeds are meant, m: v = edge * angular speed.
+    lever : array, shape (stations,)
+        By how much each station's gap grows with the angle, m.
+    compression : array, shape (stations,)
+        With the door closed, m; below 0 where the seal does not reach.
+    length : array, shape (stations,)
+        m of seal that each stands for, by the factor of its joints where it is stiffer.
+    section : SealSection
+        One metre of it.
+    weight : (float, float)
+        Moments of gravity against closing, N m, by the cosine and the sine of the angle.
+    setup : ClosingSetup
+        All else.
+    """
+
+    inertia: float
+    edge: float
+    lever: FloatArray
+    compression: FloatArray
+    length: FloatArray
+    section: SealSection
+    weight: tuple[float, float] = (0.0, 0.0)
+    setup: ClosingSetup = field(default_factory=ClosingSetup)
+
+    def __post_init__(self) -> None:
+        require_positive(inertia=self.inertia, edge=self.edge, unit=" of a closing door")
+        shapes = {np.shape(values) for values in (self.lever, self.compression, self.length)}
+        if len(shapes) != 1 or not all(
+            np.isfinite(values).all() for values in (self.lever, self.compression, self.length)
+        ):
+            raise DataError(
+                f"levers, compressions and lengths of the seal's stations have the shapes "
+                f"{sorted(shapes)}; expected one, all finite"
+            )
+
+    @property
+    def closed(self) -> float:
+        """The angle at which the door is latched, rad: below 0 where the latch wants more."""
+        latch = self.setup.latch
+        return 0.0 if latch is None else -latch.beyond / latch.lever
+
+    @property
+    def touching(self) -> float:
+        """The angle at which the seal first touches, rad, 0 if it never does."""
+        turned = self.lever > 0
+        angles = self.compression[turned] / self.lever[turned]
+        return float(np.clip(angles.max(initial=0.0), 0.0, _FARTHEST))
+
+    @property
+    def begins(self) -> float:
+        """The angle at which the door has its speed, rad."""
+        if self.setup.start is not None:
+            return self.setup.start
+        travel = self.setup.latch.travel[-1] / self.setup.latch.lever if self.setup.latch else 0.0
+        return max(self.touching, self.closed + travel) or 1e-3
+
+    def angles(self, steps: int = STEPS, touching: float | None = None) -> FloatArray:
+        """From where the door has its speed to closed, rad, densest near closed, shape (n + 1,)."""
+        start, end = self.begins, self.closed
+        near = min(self.touching if touching is None else touching, start) - end
+        fine = end + near * np.linspace(1.0, 0.0, steps + 1) ** 1.5
+        if near >= start - end:
+            return fine
+        far = np.linspace(start, end + near, max(steps // 4, 2) + 1)
+        return np.concatenate((far[:-1], fine)) if near > 0 else far
+
+    def resisting(self, angle: FloatArray) -> dict[str, FloatArray]:
+        """Moments against closing that the angle alone decides, N m."""
+        setup, entries = self.setup, {}
+        if setup.friction:
+            entries[HINGE] = np.full_like(angle, setup.friction)
+        if setup.check is not None:
+            entries[CHECK] = setup.check.at(angle)
+        if setup.latch is not None:
+            entries[LATCH] = setup.latch.moment(angle - self.closed)
+        if any(self.weight):
+            entries[GRAVITY] = self.weight[0] * np.cos(angle) + self.weight[1] * np.sin(angle)
+        return entries
+
+
+@dataclass(frozen=True)
+class ClosingHistory:
+    """History of closing doors, step by step.
+
+    Attributes
+    ----------
+    angle : array, shape (n + 1,)
+        rad.
+    kinetic, time : array, shape (n + 1, doors)
+        J, nan once a door has stopped, and s.
+    work : mapping of str to array, shape (n, doors)
+        Of every term in every step, J: what it took from the motion.
+    stored : mapping of str to array, shape (doors,)
+        Of which it would give back, J, at the end of the march; nan for doors that stopped.
+    pressure : mapping of str to array, shape (n + 1, doors)
+        Highest gauge pressure in the chambers, Pa.
+    returned : float
+        Of the first door, if it stopped: kinetic energy with which it comes back, J.
+    """
+
+    angle: FloatArray
+    kinetic: FloatArray
+    time: FloatArray
+    work: Mapping[str, FloatArray]
+    stored: Mapping[str, FloatArray]
+    pressure: Mapping[str, FloatArray]
+    returned: float = 0.0
+
+    @property
+    def is_latched(self) -> BoolArray:
+        """Whether each door reached the end, shape (doors,)."""
+        return np.asarray(np.isfinite(self.kinetic[-1]))
+
+    @property
+    def least_kinetic_energy(self) -> FloatArray:
+        """The least kinetic energy on the way, J, nan for those that stopped, shape (doors,)."""
+        return np.asarray(self.kinetic.min(axis=0))
+
+
+@dataclass
+class _Doors:
+    """Doors as they stand in the middle of a march."""
+
+    door: ClosingDoor
+    seal: PressedSeal
+    chambers: list[Chambers]
+    angle: float
+
+    @classmethod
+    def from_angle(
+        cls,
+        door: ClosingDoor,
+        closed: FloatArray,
+        load: FloatArray,
+        dashpot: FloatArray,
+        angle: float,
+    ) -> _Doors:
+        """At an angle, each with its compressions of the closed door and its seal's force."""
+        about: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
+        share = door.length * load[:, None]
+        seal = PressedSeal(door.section, share=share, dashpot=dashpot, **about)
+        airs = [
+            Chambers(name, chamber_air, length=door.length, **about)
+            for name, chamber_air in door.setup.airs
+        ]
+        return cls(door, seal, airs, angle)
+
+    def copy_state(self) -> _Doors:
+        """Return the same, which the next step leaves where they are."""
+        return replace(
+            self, seal=copy(self.seal), chambers=[copy(chamber) for chamber in self.chambers]
+        )
+
+    def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Return what every term would give back of its work in all the steps, J."""
+        back = {name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work}
+        back |= {
+            VISCOUS: self.seal.compute_stored_energy(),
+            **{chamber.name: chamber.compute_stored_energy() for chamber in self.chambers},
+        }
+        return {name: back.get(name, np.zeros(values.shape[1])) for name, values in work.items()}
+
+    def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Instants:
+        """Turn to an angle, with the moment of the step before to tell how long it takes."""
+        ends = np.array([self.angle, angle])
+        turned = float(ends[0] - ends[1])
+        seconds = _seconds(self.door.inertia, kinetic, moment * turned, turned)
+        work: dict[str, FloatArray | float] = {}
+        for name, values in self.door.resisting(ends).items():
+            along = abs(turned) if name == HINGE else turned
+            work[name] = float(values.mean()) * along
+        work[ELASTIC], work[VISCOUS] = self.seal.step(angle, seconds)
+        for chamber in self.chambers:
+            work[chamber.name] = chamber.step(angle, seconds)
+        self.angle = angle
+        return _Instants(work, sum(work.values()), seconds)  # type: ignore[arg-type]
+
+
+class _Instants(NamedTuple):
+    work: dict[str, FloatArray | float]
+    taken: FloatArray
+    seconds: FloatArray
+
+
+def march(
+    door: ClosingDoor,
+    speed: FloatArray,
+    *,
+    compression: FloatArray | None = None,
+    load: FloatArray | None = None,
+    dashpot: FloatArray | None = None,
+    steps: int = STEPS,
+) -> ClosingHistory:
+    """Let doors close that differ in speed, compression of the seal and its force.
+
+    Parameters
+    ----------
+    door : ClosingDoor
+    speed : array, shape (doors,)
+        At the edge where the march begins, m/s.
+    compression : array, shape (doors, stations), optional
+        With the door closed, m.
+    load : array, shape (doors,), optional
+        Factor of the seal's force.
+    dashpot : array, shape (doors,), optional
+        Beside the seal before that factor, N s/m per m.
+    steps : int
+        Of the angle over which the seal is pressed.
+    """
+    doors = len(speed)
+    pressed = np.broadcast_to(
+        door.compression if compression is None else compression, (doors, len(door.lever))
+    )
+    angle = replace(door, compression=pressed.max(axis=0)).angles(steps)
+    first = float(angle[0])
+    load = np.ones(doors) if load is None else load
+    dashpot = np.zeros(doors) if dashpot is None else dashpot
+    going = _Doors.from_angle(door, pressed, load, dashpot, first)
+    n = len(angle) - 1
+    work: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n, doors)))
+    pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
+    kinetic, time = np.zeros((2, n + 1, doors))
+    kinetic[0] = 0.5 * door.inertia * (np.asarray(speed) / door.edge) ** 2
+    moment, returned = np.zeros(doors), 0.0
+    for i in range(n):
+        # of one door alone it is asked with what it comes back
+        before = going.copy_state() if doors == 1 else going
+        done = going.step(float(angle[i + 1]), kinetic[i], moment)
+        kinetic[i + 1] = kinetic[i] - done.taken
+        on = kinetic[i + 1] > 0
+        kinetic[i + 1, ~on] = np.nan
+        for name, values in done.work.items():
+            work[name][i] = np.where(on, values, 0.0)
+        for chamber in going.chambers:
+            pressure[chamber.name][i + 1] = np.where(on, chamber.gauge, 0.0)
+        time[i + 1] = time[i] + np.where(on, done.seconds, 0.0)
+        moment = done.taken / float(angle[i] - angle[i + 1])
+        if not on.any():
+            kinetic[i + 1 :] = np.nan
+            time[i + 1 :] = time[i + 1]
+            if doors == 1:
+                returned = _compute_rebound_energy(before, angle[i::-1])
+            break
+    stopped = np.isnan(kinetic[-1])
+    held = {
+        name: np.where(stopped, np.nan, row)
+        for name, row in going.compute_stored_energy(work).items()
+    }
+    return ClosingHistory(angle, kinetic, time, dict(work), held, dict(pressure), returned)
+
+
+def _compute_rebound_energy(going: _Doors, angle: FloatArray) -> float:
+    """With what energy a door comes back that stopped at the first of the angles, J."""
+    kinetic, moment = np.zeros(1), np.zeros(1)
+    for at in angle[1:].tolist():
+        turned = going.angle - at
+        if not kinetic[0]:
+            # as it starts, the relaxed force and what the arms still carry tell its pace
+            trial = copy(going.seal).step(at, np.full(1, 1e-3))
+            moment = np.full(1, (trial[0][0] + trial[1][0]) / turned)
+        done = going.step(at, kinetic, moment)
+        kinetic = np.maximum(kinetic - done.taken, 0.0)
+        moment = done.taken / turned
+        if not kinetic[0]:
+            break
+    return float(kinetic[0])
+
+
+def _seconds(inertia: float, kinetic: FloatArray, taken: FloatArray, turned: float) -> FloatArray:
+    """Return how long a step takes that takes so much energy, s."""
+    now = np.nan_to_num(kinetic)
+    after = np.maximum(now - np.nan_to_num(taken), 0.0)
+    mean = 0.5 * (np.sqrt(2 * now / inertia) + np.sqrt(2 * after / inertia))
+    # a door that has stopped is counted out by its energy, and takes any time
+    return np.asarray(np.where(mean > 1e-6, abs(turned) / np.maximum(mean, 1e-6), 1e-3))

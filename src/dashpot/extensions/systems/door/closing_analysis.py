@@ -1,0 +1,515 @@
+"""Closing analysis of a door: outcome, minimum speed, and their scatter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import GRAVITY, Quantity, convert_to_si
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.systems.door.closing import (
+    ELASTIC,
+    STEPS,
+    ClosingDoor,
+    ClosingHistory,
+    march,
+)
+from dashpot.extensions.systems.door.closing_setup import ClosingSetup, Tolerances
+from dashpot.extensions.systems.door.door_model import Door, RigidPart
+from dashpot.extensions.systems.door.seal_line import SealLine
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+FASTEST = 20.0
+"""m/s: a door that needs more does not close."""
+_SIGNIFICANT = 1e-5
+_COARSE, _FEW, _ROUGH = 60, 24, 1e-3
+"""Steps, stations and tolerance of the many doors of a scatter."""
+_NOTHING = 1e-9
+"""Of the energy at 1 m/s: a door that closes with so little closes by itself."""
+_TRIES = 60
+_FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
+
+
+@dataclass(frozen=True)
+class Share(Serialisable):
+    """Energy that one term took from the motion.
+
+    Attributes
+    ----------
+    name : str
+    work : float
+        J; below 0 where it helped.
+    stored : float
+        Of which it would give back, J; nan of a door that stopped.
+    moment : float
+        The largest against closing, N m.
+    """
+
+    keys = ("name", "work", "stored~", "lost~", "peak_moment=moment")
+
+    name: str
+    work: float
+    stored: float
+    moment: float
+
+    @property
+    def lost(self) -> float:
+        """What does not come back, J."""
+        return self.work - self.stored
+
+
+@dataclass(frozen=True)
+class Scatter(Serialisable):
+    """Closing of doors drawn within their tolerances.
+
+    Attributes
+    ----------
+    variation : Tolerances
+    speed : array, shape (doors,)
+        The least that closes each, m/s; inf where none does.
+    least : array, shape (doors,)
+        Least compression along the line once closed, m; below 0 it leaks.
+    contact : array, shape (doors,)
+        Least relaxed force of contact along the line, N/m.
+    """
+
+    keys = (
+        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=above", "leaking",
+        "least_compression=least", "least_contact_force=contact",
+    )  # fmt: skip
+
+    variation: Tolerances
+    speed: FloatArray
+    least: FloatArray
+    contact: FloatArray
+
+    def quantile(self, part: float) -> float:
+        """Return the speed that closes so many of the doors, m/s."""
+        return float(np.quantile(self.speed, part, method="higher"))
+
+    @property
+    def least_speed_95(self) -> float:
+        """The speed that closes 95 % of the doors, m/s."""
+        return self.quantile(0.95)
+
+    @property
+    def above(self) -> float | None:
+        """Share of the doors that need more than the limit; None without one."""
+        limit = self.variation.limit
+        return None if limit is None else float((self.speed > limit).mean())
+
+    @property
+    def leaking(self) -> float:
+        """Share of the doors whose seal does not touch all along."""
+        return float((self.least < 0).mean())
+
+
+@dataclass(frozen=True)
+class SealDoubt:
+    """Uncertainty of the seal's response within milliseconds.
+
+    Attributes
+    ----------
+    relative : float
+        Half width of the 95 % interval of its instantaneous stiffness, of that stiffness.
+    delay : float
+        By how much the force may lead the displacement for arms faster than the ramp of its test,
+        s: so long, times the stiffness, is the dashpot that they may hide as. inf where the test
+        does not limit it.
+    highest : float
+        To which frequency it informs, Hz: what is slower hides nothing.
+    """
+
+    relative: float = 0.0
+    delay: float = 0.0
+    highest: float = 0.0
+
+    @classmethod
+    def of(cls, fit: Fit) -> SealDoubt:
+        """What a fit leaves open: its covariance, and arms that look like a lead of the force.
+
+        A fast arm and clocks that differ are one column of the fit: the lead that was found may be
+        all of the arms', and more by as much as the clocks may hide. A hold alone, a bent ramp and
+        a sweep limit neither.
+        """
+        names = fit.estimate.parameters
+        stiff = np.array([name.startswith("k_") for name in names], dtype=float)
+        variance = float(stiff @ fit.covariance @ stiff)
+        k_0 = fit.model.k_0
+        law = fit.elastic_law
+        straight = law is not None and law.kind == "linear"
+        leads = [
+            max(
+                NORMAL * float(np.hypot(nuisance.standard_error, nuisance.prior_sd))
+                - nuisance.value,
+                0.0,
+            )
+            for nuisance in fit.nuisance
+            if straight and nuisance.name.startswith("delay") and nuisance.prior_sd is not None
+        ]
+        return cls(
+            NORMAL * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
+            # every test is of the same arms
+            min((lead for lead in leads if np.isfinite(lead)), default=float("inf")),
+            fit.band[1],
+        )
+
+    def extremes(
+        self, solid: GeneralizedMaxwell, frequency: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the softest and the hardest seal that is left open at a frequency, Hz.
+
+        Factors of its force, and dashpots beside it before those, N s/m per m: inf where nothing
+        limits it.
+        """
+        load = np.array([max(1 - self.relative, 1e-6), 1 + self.relative])
+        hides = self.delay if frequency > self.highest else 0.0
+        return load, np.array([0.0, hides * solid.k_0 / load[1]])
+
+
+@dataclass(frozen=True)
+class Closing:
+    """Closing of a door.
+
+    Attributes
+    ----------
+    door : ClosingDoor
+    speed : float
+        At the edge where it began, m/s.
+    march : March
+        Every step of it.
+    terms : tuple of Share
+    minimum : float
+        The least speed that closes it, m/s; 0 where it closes by itself, inf where none does.
+    interval : (float, float) or None
+        Between which limits the doubt of the seal leaves that; None where it is not known.
+    monotone : bool
+        Whether every faster door that was tried closes too.
+    scatter : Scatter or None
+    along : array, shape (stations,)
+        Of the line, m.
+    """
+
+    door: ClosingDoor
+    speed: float
+    march: ClosingHistory
+    terms: tuple[Share, ...]
+    minimum: float
+    interval: tuple[float, float] | None
+    monotone: bool
+    scatter: Scatter | None
+
+    @property
+    def latched(self) -> bool:
+        """Whether it closed."""
+        return bool(self.march.is_latched[0])
+
+    @property
+    def energy(self) -> float:
+        """Kinetic, where it began, J."""
+        return float(self.march.kinetic[0, 0])
+
+    @property
+    def left(self) -> float:
+        """What is left of it when it latches, for the bumpers and the striker, J; 0 if not."""
+        return float(np.nan_to_num(self.march.kinetic[-1, 0]))
+
+    @property
+    def stopped(self) -> float | None:
+        """Where the edge stops short of closed, m; None if it does not."""
+        if self.latched:
+            return None
+        last = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
+        return self.door.edge * float(self.march.angle[last])
+
+    @property
+    def rebound(self) -> float:
+        """Speed of the edge of a door that comes back, m/s."""
+        return self.door.edge * float(np.sqrt(2 * self.march.returned / self.door.inertia))
+
+    @property
+    def seconds(self) -> float:
+        """From where it began to closed, or to where it stops, s."""
+        return float(self.march.time[-1, 0])
+
+    @property
+    def sealing(self) -> float:
+        """Seconds in which the last nine tenths of the relaxed force's work are done."""
+        work = np.cumsum(self.march.work[ELASTIC][:, 0])
+        begun = int(np.searchsorted(work, 0.1 * work[-1]))
+        return self.seconds - float(self.march.time[begun, 0])
+
+    @property
+    def frequency(self) -> float:
+        """Of a quarter of a period as long as that, Hz."""
+        return 1 / (4 * self.sealing) if self.sealing > 0 else float("inf")
+
+    def share(self, name: str) -> Share:
+        """Return the term of that name, of no work if it is not there."""
+        return next((term for term in self.terms if term.name == name), Share(name, 0.0, 0.0, 0.0))
+
+
+def close_door(
+    door: Door | ClosingDoor,
+    line: SealLine | None = None,
+    speed: Quantity = 1.0,
+    *,
+    doubt: SealDoubt | None = None,
+    steps: int = STEPS,
+) -> Closing:
+    r"""Close a door against its seal.
+
+    Parameters
+    ----------
+    door : Door or ClosingDoor
+        One as its file describes it, with `closing`, or the motion itself.
+    line : SealLine, optional
+        With its section and compression; by default the door's own.
+    speed : str or float
+        At the edge where it begins, m/s.
+    doubt : SealDoubt, optional
+        What of the seal is not known.
+    steps : int
+        Of the angle over which the seal is pressed.
+
+    Raises
+    ------
+    DataError
+        If the door lacks what closing needs, or the speed is not > 0.
+    """
+    v = convert_to_si(speed, "velocity")
+    if not 0 < v <= FASTEST:
+        raise DataError(
+            f"a closing speed of {v:g} m/s; expected > 0 and at most {FASTEST:g} m/s, such as 1m/s"
+        )
+    moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
+    done = march(moving, np.array([v]), steps=steps)
+    closing = Closing(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
+    load, hidden = np.ones(1), np.zeros(1)
+    if doubt is not None:
+        extremes = doubt.extremes(moving.section.solid.maxwell, closing.frequency)
+        load, hidden = (
+            np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
+        )
+    least, limited = np.full(len(load), np.inf), np.isfinite(hidden)
+    least[limited] = least_speed(moving, load=load[limited], dashpot=hidden[limited], steps=steps)
+    minimum, variation = float(least[0]), moving.setup.variation
+    return replace(
+        closing,
+        minimum=minimum,
+        interval=None if doubt is None else (float(least[1]), float(least[2])),
+        monotone=_faster_close(moving, minimum),
+        scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
+    )
+
+
+def _shares(done: ClosingHistory) -> list[Share]:
+    turned = -np.diff(done.angle)
+    return [
+        Share(
+            name,
+            float(work[:, 0].sum()),
+            float(done.stored[name][0]),
+            float((work[:, 0] / turned).max()),
+        )
+        for name, work in done.work.items()
+    ]
+
+
+def _faster_close(door: ClosingDoor, minimum: float) -> bool:
+    if not np.isfinite(minimum):
+        return True
+    faster = max(minimum, 1e-2) * np.array(_FASTER)
+    return bool(march(door, faster, steps=_COARSE).is_latched.all())
+
+
+def least_speed(
+    door: ClosingDoor,
+    *,
+    compression: FloatArray | None = None,
+    load: FloatArray | None = None,
+    dashpot: FloatArray | None = None,
+    steps: int = STEPS,
+    tolerance: float = _SIGNIFICANT,
+) -> FloatArray:
+    """Return the least speed of the edge that closes each of some doors, m/s.
+
+    From a door that closes, the least kinetic energy that it kept on the way is taken off, by as
+    much more as slower doors were found to meet less; where that was too much, the middle of what
+    closes and what does not is next.
+
+    Parameters
+    ----------
+    door : ClosingDoor
+    compression : array, shape (doors, stations), optional
+        With the door closed, m.
+    load : array, shape (doors,), optional
+        Factor of the seal's force.
+    dashpot : array, shape (doors,), optional
+        Beside the seal before that factor, N s/m per m.
+    steps : int
+    tolerance : float
+        Of the speed, relative.
+    """
+    row = load if compression is None else compression
+    doors = 1 if row is None else len(row)
+    entries: dict[str, Any] = {"compression": compression, "load": load, "dashpot": dashpot}
+    half = 0.5 * door.inertia / door.edge**2
+
+    def spare(energy: FloatArray) -> FloatArray:
+        speed = np.sqrt(np.maximum(energy, _NOTHING * half) / half)
+        return march(door, speed, steps=steps, **entries).least_kinetic_energy
+
+    high, low = np.full(doors, half), np.zeros(doors)
+    spared = spare(high)
+    while np.isnan(spared).any() and high.max() < half * FASTEST**2:
+        stopped = np.isnan(spared)
+        low, high = np.where(stopped, high, low), np.where(stopped, 4 * high, high)
+        spared = spare(high)
+    never, slope = np.isnan(spared), np.ones(doors)
+    for _ in range(_TRIES):
+        near = (high - low <= 2 * tolerance * high) | (slope * spared <= tolerance * high)
+        open_ = ~never & ~near
+        if not open_.any():
+            break
+        guess = high - spared * slope
+        guess = np.where((guess > low) | (low == 0), np.maximum(guess, 0.0), 0.5 * (low + high))
+        values = spare(np.where(open_, guess, high))
+        closes = open_ & ~np.isnan(values)
+        low = np.where(open_ & ~closes, guess, low)
+        # what is spared falls faster than the energy where the air takes a part that grows with it
+        fell = np.where(closes, spared - values, np.nan)
+        steeper = np.where(fell > 0, (high - guess) / np.where(fell > 0, fell, 1.0), slope)
+        slope = np.where(closes, np.clip(steeper, 1.0, 50.0), slope)
+        high, spared = np.where(closes, guess, high), np.where(closes, values, spared)
+    return np.where(never, np.inf, np.sqrt(high / half))
+
+
+def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
+    """Return the same door with few stations, and which of them each of its own belongs to."""
+    n = len(door.lever)
+    group = np.arange(n) * min(n, _FEW) // n
+    length = np.asarray(np.bincount(group, door.length), dtype=float)
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.asarray(np.bincount(group, values * door.length) / np.maximum(length, 1e-12))
+
+    few = replace(door, lever=mean(door.lever), compression=mean(door.compression), length=length)
+    return few, group
+
+
+def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatter:
+    """Draw doors within their tolerances, and find the least speed that closes each.
+
+    The gap moves as one, or by a normal process along the line whose correlation falls to 1/e over
+    the length stated; the seal's force differs as a whole. Both are cut at their tolerance, three
+    standard deviations.
+    """
+    random = np.random.default_rng(variation.seed)
+    n, count = len(door.lever), variation.count
+    if variation.correlation is None:
+        shape = np.ones((n, 1))
+    else:
+        along = np.cumsum(door.length) - 0.5 * door.length
+        magnitude = np.abs(along[:, None] - along)
+        magnitude = np.minimum(magnitude, door.length.sum() - magnitude)
+        value, vector = np.linalg.eigh(np.exp(-magnitude / variation.correlation))
+        shape = vector * np.sqrt(np.maximum(value, 0.0))
+    drawn = random.standard_normal((count, shape.shape[1])) @ shape.T
+    displacement = variation.gap * np.clip(drawn / 3, -1, 1)
+    load = 1 + variation.load * np.clip(random.standard_normal(count) / 3, -1, 1)
+    pressed = door.compression + displacement
+    few, group = _reduce_stations(door)
+    share = door.length / few.length[group]
+    groups = np.zeros((n, len(few.lever)))
+    groups[np.arange(n), group] = share
+    rough = least_speed(
+        few, compression=pressed @ groups, load=load, steps=_COARSE, tolerance=_ROUGH
+    )
+    nominal = least_speed(few, steps=_COARSE, tolerance=_ROUGH)[0]
+    # few stations and steps miss alike in every door what the nominal one shows of it
+    scale = minimum / nominal if 0 < nominal < np.inf and np.isfinite(minimum) else 1.0
+    speed = scale * rough
+    force = load[:, None] * door.section.force(pressed)
+    return Scatter(variation, speed, pressed.min(axis=1), force.min(axis=1))
+
+
+def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
+    """Return the motion of a door about its hinges.
+
+    Raises
+    ------
+    DataError
+        If the hinge axis, the inertia, the seal or its compression is not known.
+    """
+    line, setup = line or door.line, door.closing
+    if line is None or line.section is None or line.compression is None:
+        raise DataError(
+            "closing needs a seal line with its fit and how far it is pressed when closed: "
+            "compression, or gap and height"
+        )
+    if not door.hinges:
+        raise DataError("closing needs the hinges of the door; none is there")
+    stations = line.stations(min(door.pitch, line.length))
+    hinge = np.array(door.hinges[0].at)
+    axis = _axis(door, setup)
+    lever = -(np.cross(axis, stations.place - hinge) * stations.normal).sum(axis=1)
+    if (lever * stations.length).sum() < 0:
+        axis, lever = -axis, -lever
+    width = setup.edge if setup.edge is not None else door.width
+    if width is None:
+        raise DataError("closing needs edge, the distance from the hinges at which speed is meant")
+    inertia, weight = _compute_hinge_inertia(door.rigid, setup, hinge, axis)
+    return ClosingDoor(
+        inertia,
+        width,
+        lever,
+        np.array(stations.compression),
+        stations.length * stations.factor,
+        line.section,
+        weight,
+        setup,
+    )
+
+
+def _compute_hinge_inertia(
+    rigid: RigidPart | None, setup: ClosingSetup, hinge: FloatArray, axis: FloatArray
+) -> tuple[float, tuple[float, float]]:
+    """Inertia about the hinges, kg m^2, and the moments of gravity as in :class:`ClosingDoor`."""
+    if rigid is None:
+        if setup.gravity is not None:
+            raise DataError("gravity needs mass and centre of the door in [door]")
+        if setup.inertia is None:
+            raise DataError("closing needs inertia about the hinges, or mass and centre in [door]")
+        return setup.inertia, (0.0, 0.0)
+    across = np.array(rigid.centre) - hinge
+    across = across - (across @ axis) * axis
+    tensor = np.array(rigid.inertia)
+    tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
+    inertia = setup.inertia
+    if inertia is None:
+        inertia = float(axis @ tensor @ axis + rigid.mass * across @ across)
+    if setup.gravity is None:
+        return inertia, (0.0, 0.0)
+    pull = rigid.mass * GRAVITY * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
+    turning = float(axis @ np.cross(across, pull))
+    return inertia, (turning, float(axis @ np.cross(np.cross(axis, across), pull)))
+
+
+def _axis(door: Door, setup: ClosingSetup) -> FloatArray:
+    if setup.axis is not None:
+        way = np.array(setup.axis, dtype=float)
+    elif len(door.hinges) >= 2:
+        way = np.array(door.hinges[-1].at) - np.array(door.hinges[0].at)
+    else:
+        raise DataError("one hinge has no axis: give axis in [closing], such as [0, 1, 0]")
+    size = float(np.linalg.norm(way))
+    if not size > 0:
+        raise DataError("the hinges lie at one place: give axis in [closing], such as [0, 1, 0]")
+    return np.asarray(way / size)

@@ -1,0 +1,191 @@
+"""Figure of a closing door: energy by source and place, and which doors close."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import format_with_error, round_to_error
+from dashpot.base.units import convert_to_unit
+from dashpot.extensions.systems.door.closing_analysis import Closing, Scatter
+from dashpot.extensions.systems.door.closing_result import ClosingResult
+from dashpot.plot.picture import FIT, REF, Area, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
+from dashpot.plot.plotted_data import compute_padded_limits
+from dashpot.plot.plotted_data import stamp as format_stamp
+from dashpot.plot.style import sequential
+
+_HALF = 0.36
+"""Of a bar, its rows being 1 apart."""
+_NEAR = 6.0
+"""How many times the way on which most of the seal is pressed is drawn."""
+_WORDS, _NAMES = 1.18, 0.55
+"""How far the axis of energy goes, to hold the number beside a bar, and the name left of it."""
+_COARSE = 2.0
+"""Energy above which its axis has whole numbers, J."""
+
+
+def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
+    """Energy term by term, moments and speed over the way, and the least speed of many doors.
+
+    Parameters
+    ----------
+    result : ClosingResult
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    done = result.closing
+    strips: list[tuple[Panel, ...]] = [
+        (waterfall(done),),
+        (moments_panel(done),),
+        (speed_panel(done),),
+    ]
+    if done.scatter is not None and np.isfinite(done.scatter.speed).any():
+        strips.append((doors_panel(done, done.scatter),))
+    caption = (
+        "A door that closes: what each term takes of its energy, their moments and its speed over "
+        "the way, and the least speed that closes doors within their tolerances."
+    )
+    return Picture(
+        "closing", caption, tuple(strips), 2, stamp or format_stamp(result.sources), 900.0
+    )
+
+
+def waterfall(done: Closing) -> Panel:
+    """Return what each term takes of the energy, the largest first, and what is left."""
+    rows = [("door", 0.0, done.energy)]
+    at = done.energy
+    for energy_term in sorted(done.terms, key=lambda term: -abs(term.work)):
+        rows.append((energy_term.name, at - energy_term.work, at))
+        at -= energy_term.work
+    rows.append(("left", 0.0, done.left) if done.latched else ("stopped", 0.0, max(at, 0.0)))
+    begins = -_NAMES * done.energy
+    # one count of decimals down the column
+    decimals = max(2 - int(np.floor(np.log10(done.energy))), 0)
+    marks: list[Mark] = []
+    for y, (name, low, high) in zip(range(len(rows), 0, -1), rows, strict=True):
+        left, right = sorted((low, high))
+        whole = name in {"door", "left", "stopped"}
+        colour, label = ("fit", "seal") if name.startswith("seal") else ("ref", "all else")
+        ends = np.array([left, right])
+        marks.append(
+            Area(ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, label, tint=0.75)
+        )
+        taken = high if whole else low - high
+        marks.append(Tag(begins, y, name, "ink", end=True))
+        marks.append(
+            Tag(right, y, f"{taken:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
+        )
+    step = max(round(done.energy / 3), 1) if done.energy > _COARSE else done.energy / 2
+    ticks = tuple(np.arange(0.0, done.energy * 1.001, step).tolist())
+    return Panel(
+        Scale("energy, J", (begins, _WORDS * done.energy), ticks=ticks),
+        Scale("", (0.4, len(rows) + 0.6), unnumbered=True),
+        tuple(marks),
+        title="where the energy goes",
+        height=20.0 * len(rows),
+        note="closes" if done.latched else "does not close",
+    )
+
+
+def _way(done: Closing) -> tuple[FloatArray, float]:
+    """Return where the edge is, mm to closed, and how far of it is drawn."""
+    way = convert_to_unit(done.door.edge * done.march.angle, "mm")
+    door = done.door
+    angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
+    most = 0.0
+    if len(angles):
+        most = _NEAR * convert_to_unit(door.edge * float(np.median(angles)), "mm")
+    return way, min(float(way[0]), most) if most > 0 else float(way[0])
+
+
+def moments_panel(done: Closing) -> Panel:
+    """Return the moment of each term over the last of the way."""
+    way, most = _way(done)
+    middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(done.march.angle)
+    on = np.isfinite(done.march.kinetic[1:, 0]) & (middle <= most)
+    marks: list[Mark] = [Rule(0.0, REF, across=True)]
+    highest = []
+    pens = [Pen(colour, 1.8) for colour in sequential(5)]
+    pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]
+    for pen, (name, work) in zip(pens, done.march.work.items(), strict=False):
+        moment = (work[:, 0] / turned)[on]
+        highest.append(moment)
+        marks.append(Line(middle[on], moment, pen, name))
+    return Panel(
+        Scale("edge to closed, mm", (float(way[-1]), most)),
+        Scale("moment against closing, N m", compute_padded_limits(*highest)),
+        tuple(marks),
+        title="moments",
+        height=250,
+    )
+
+
+def speed_panel(done: Closing) -> Panel:
+    """Return the speed of the edge over its way."""
+    way, _ = _way(done)
+    speed = done.door.edge * np.sqrt(2 * done.march.kinetic[:, 0] / done.door.inertia)
+    finite = np.isfinite(speed)
+    marks: list[Mark] = [Line(way[finite], speed[finite], FIT)]
+    return Panel(
+        Scale("edge to closed, mm", (float(way[-1]), float(way[0]))),
+        Scale("speed of the edge, m/s", compute_padded_limits(speed[finite], np.zeros(1))),
+        tuple(marks),
+        title="speed",
+        height=220,
+        note=f"{format_with_error(done.sealing, 'ms')} for the seal",
+    )
+
+
+def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Panel:
+    """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
+    speed = scatter.speed[np.isfinite(scatter.speed)]
+    limit, above = scatter.variation.limit, scatter.above
+    bars, top = _bars(speed, limit)
+    marks: list[Mark] = [*bars]
+    ends = [speed]
+    if done.interval is not None and np.isfinite(done.interval).all():
+        ends.append(np.array(done.interval))
+        low_edge, high_edge = np.full(2, 1.06 * top), np.full(2, 1.14 * top)
+        words = "nominal, as far as its seal is known"
+        marks.append(Area(ends[-1], low_edge, high_edge, "fit", words, hatched=True))
+    for at, pen, name, ink, level in (
+        (done.minimum, Pen("measured", 1.4), "nominal", "ink", 1.36),
+        (limit, Pen("bad", 1.4, (5, 3)), "limit", "bad-ink", 1.23),
+    ):
+        if at is not None and np.isfinite(at):
+            # each ends where it is named: the name of one may reach over the other
+            marks.append(Line(np.full(2, at), np.array([0.0, level * top]), pen))
+            ends.append(np.array([at]))
+            words = f"{name} {round_to_error(at, digits=3)}"
+            marks.append(Tag(at, level * top, words, ink, end=True))
+    return Panel(
+        Scale("least speed of the edge, m/s", compute_padded_limits(*ends, margin=0.12)),
+        Scale("doors", (0.0, 1.45 * top)),
+        tuple(marks),
+        title=f"least speed of {len(scatter.speed)} doors",
+        height=height,
+        note=""
+        if above is None
+        else f"{round_to_error(100 * above, digits=3)} % need more than the limit",
+    )
+
+
+def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
+    """How many doors need which speed, those beyond the limit apart, and the most in one bar."""
+    bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
+    if limit is not None and bins[0] < limit < bins[-1]:
+        # an edge at the limit: no bar is on both sides of it
+        bins = bins + (limit - bins)[int(np.abs(bins - limit).argmin())]
+        bins = np.concatenate([[bins[0] - (bins[1] - bins[0])], bins, [2 * bins[-1] - bins[-2]]])
+    counts, _ = np.histogram(speed, bins=bins)
+    bars: list[Area] = []
+    for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
+        if not count:
+            continue
+        outside = limit is not None and (low + high) / 2 > limit
+        # the limit is named at its line, and the axis says that they are doors
+        colour = "bad" if outside else "ref"
+        gap = 0.04 * (high - low)
+        side = np.array([low + gap, high - gap])
+        bars.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, tint=0.6))
+    return bars, float(counts.max())

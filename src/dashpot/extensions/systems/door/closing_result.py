@@ -1,0 +1,90 @@
+"""Result of the closing of a door."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, HasChecks
+from dashpot.base.provenance import Source
+from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
+from dashpot.base.serialisation import Serialisable
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.systems.door.closing_analysis import Closing
+from dashpot.extensions.systems.door.door_model import Door
+
+
+@dataclass(frozen=True, repr=False)
+class ClosingResult(HasChecks, HasVerdict, Serialisable):
+    """Result of ``dashpot predict --close``.
+
+    Attributes
+    ----------
+    door : Door
+    fit : Fit or None
+        Of the seal, at its temperature.
+    closing : Closing
+    checks : tuple of Check
+    """
+
+    schema = "dashpot/closing@1"
+    keys = (
+        "closing.speed", "closing.door.edge", "closing.door.inertia", "closing.latched",
+        "closing.energy", "energy_left=closing.left", "closing.stopped", "closing.rebound",
+        "time=closing.seconds", "sealing_time=closing.sealing", "closing.terms", "peak_pressure",
+        "least_speed=closing.minimum~", "least_speed_interval=closing.interval~",
+        "least_compression", "least_contact_force", "closing.scatter", "history~", "verdict",
+        "checks", "source=sources",
+    )  # fmt: skip
+
+    door: Door
+    fit: Fit | None
+    closing: Closing
+    checks: tuple[Check, ...]
+
+    @property
+    def series(self) -> Series:
+        """What each term takes of the energy."""
+        return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
+
+    @property
+    def sound(self) -> str:
+        """The least speed that closes the door, and whether the speed asked for does."""
+        closing = self.closing
+        if not math.isfinite(closing.minimum):
+            return "no speed closes the door"
+        does = "closes" if closing.latched else "does not close"
+        least = f"from {closing.minimum:.3g} m/s on"
+        if closing.interval is not None and math.isfinite(closing.interval[1]):
+            low, high = closing.interval
+            least += f" ({low:.3g} to {high:.3g})"
+        return f"the door closes {least}. At {closing.speed:.3g} m/s it {does}"
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The files behind it."""
+        value = () if self.door.source is None else (self.door.source,)
+        return (*value, *(self.fit.source if self.fit else ()))
+
+    @property
+    def peak_pressure(self) -> dict[str, float]:
+        """The highest in each chamber, Pa."""
+        return {name: float(values.max()) for name, values in self.closing.march.pressure.items()}
+
+    @property
+    def least_compression(self) -> float:
+        """Along the line, closed, m."""
+        return float(self.closing.door.compression.min())
+
+    @property
+    def least_contact_force(self) -> float:
+        """Relaxed, along the line, closed, N/m."""
+        door = self.closing.door
+        return float(door.section.force(door.compression).min())
+
+    @property
+    def history(self) -> dict[str, FloatArray]:
+        """The course of the door: s, rad, J."""
+        done = self.closing.march
+        return {"time": done.time[:, 0], "angle": done.angle, "kinetic": done.kinetic[:, 0]}

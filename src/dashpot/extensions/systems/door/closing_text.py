@@ -1,0 +1,124 @@
+"""Closing of a door, as text."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.text_output.layout import Text, table
+from dashpot.text_output.results import format_rounded
+
+if TYPE_CHECKING:
+    from dashpot.extensions.systems.door.closing_analysis import Closing
+    from dashpot.extensions.systems.door.closing_result import ClosingResult
+
+
+def render_closing(closing: ClosingResult) -> Text:
+    """Return how a door closes."""
+    return closing_text(closing.closing)
+
+
+def closing_text(value: Closing) -> Text:
+    """Return the outcome, its energy by terms, the least speed and how it scatters."""
+    lines = [
+        (
+            f"  {format_rounded(value.speed)} m/s at the edge, {format_rounded(value.door.edge)} m "
+            "from the "
+            f"hinges: {format_rounded(value.energy)} J (I = {format_rounded(value.door.inertia)} "
+            "kg m^2)"
+        ),
+        _outcome(value),
+        _least(value),
+    ]
+    pressed = value.door.compression
+    force = value.door.section.force(pressed)
+    lines.append(
+        "  Closed, the seal is compressed by at least "
+        f"{format_rounded(convert_to_unit(float(pressed.min()), 'mm'), digits=3)} mm, with "
+        f"{format_rounded(float(force.min()), digits=3)} N/m after relaxation."
+    )
+    lines += _scatter(value)
+    rows = [["term", "J", "% of all", "recoverable, J", "highest moment, N m"]]
+    taken = sum(term.work for term in value.terms)
+    for energy_term in value.terms:
+        rows.append(
+            [
+                energy_term.name,
+                format_rounded(energy_term.work, digits=3),
+                f"{100 * energy_term.work / taken:.1f}" if taken > 0 else "",
+                ""
+                if math.isnan(energy_term.stored)
+                else format_rounded(energy_term.stored, digits=3),
+                format_rounded(energy_term.moment, digits=3),
+            ]
+        )
+    rows.append(["all", format_rounded(taken, digits=3), "", "", ""])
+    peaks = ", ".join(
+        f"{name} {format_rounded(float(values.max()), digits=3)} Pa"
+        for name, values in value.march.pressure.items()
+    )
+    return Text([*lines, *table(rows), *([f"  highest pressure: {peaks}"] if peaks else [])])
+
+
+def _outcome(closing: Closing) -> str:
+    if closing.latched:
+        return (
+            f"  The door closes in {format_rounded(closing.seconds, digits=3)} s; the last "
+            f"{format_rounded(convert_to_unit(closing.sealing, 'ms'), digits=3)} ms compress the "
+            "seal. "
+            f"{format_rounded(closing.left, digits=3)} J are left when it latches."
+        )
+    return (
+        "  The door does not close. Its edge stops "
+        f"{format_rounded(convert_to_unit(closing.stopped or 0.0, 'mm'), digits=3)} mm short and "
+        "comes back at "
+        f"{format_rounded(closing.rebound, digits=3)} m/s."
+    )
+
+
+def _least(closing: Closing) -> str:
+    if not math.isfinite(closing.minimum):
+        return "  No speed closes it."
+    if closing.minimum == 0:
+        return "  It closes by itself."
+    name = ""
+    if closing.interval is not None:
+        low, high = (format_rounded(value, digits=3) for value in closing.interval)
+        name = (
+            f" ({low} to {high} by the test of the seal)"
+            if math.isfinite(closing.interval[1])
+            else f" ({low} or more: the test sets no upper limit to a seal so fast)"
+        )
+    return f"  Least closing speed: {format_rounded(closing.minimum)} m/s{name}"
+
+
+def _scatter(closing: Closing) -> list[str]:
+    scatter = closing.scatter
+    if scatter is None:
+        return []
+    one = scatter.variation
+    alike = (
+        "the same all along"
+        if one.correlation is None
+        else f"the same over {format_rounded(one.correlation)} m"
+    )
+    low, middle, high = (scatter.quantile(part) for part in (0.05, 0.5, 0.95))
+    sentences = [
+        (
+            f"  {one.count} doors, gap ±{format_quantity(one.gap, 'mm', '.3g')} {alike}, force of "
+            "the "
+            f"seal ±{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
+        ),
+        (
+            f"  least speed {format_rounded(low, digits=3)}, {format_rounded(middle, digits=3)}, "
+            f"{format_rounded(high, digits=3)} m/s (5, 50, 95 %); in "
+            f"{format_rounded(100 * scatter.leaking, digits=3)} % the seal does not touch all along"
+        ),
+    ]
+    if scatter.above is not None:
+        sentences.append(
+            f"  {format_rounded(100 * scatter.above, digits=3)} % need more than "
+            f"{format_rounded(one.limit or 0.0)} m/s"
+        )
+    return sentences

@@ -1,0 +1,373 @@
+"""Figure of a door: seal compression, modes, and FRFs with and without the seal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.number_format import round_to_error
+from dashpot.base.units import convert_to_unit
+from dashpot.extensions.systems.door.assembly import AXES, DOOR
+from dashpot.extensions.systems.door.mounts import SEAL
+from dashpot.extensions.systems.door.result import DoorResult
+from dashpot.extensions.systems.multibody import Point
+from dashpot.plot.picture import (
+    FIT,
+    REF,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Ring,
+    Rule,
+    Scale,
+    Tag,
+)
+from dashpot.plot.plotted_data import (
+    compute_padded_limits,
+    compute_padded_log_limits,
+    split_at_band,
+)
+from dashpot.plot.plotted_data import stamp as format_stamp
+from dashpot.plot.style import sequential
+
+SHOWN = 6
+"""Modes that are drawn."""
+_CLASSES = 4
+"""Of compression."""
+_FINE = 240
+"""Places along the line at which a shape is drawn."""
+_WIDE = 0.16
+"""Of the door's larger side: the band of the largest motion."""
+_IN_PLANE = 0.1
+"""Of a motion: less than that of its largest part across the plane, and it stays in its plane."""
+_NEAR = 1.2
+"""About the modes that the seal holds: how far their FRF is shown, as a factor."""
+_SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+"""Lengths that the line beneath a door may have, m."""
+_WAYS = {"out": "warm", "in": "cold"}
+"""Colours of what goes out and in."""
+_INSIDE = {"out": 0.5, "in": 1.5}
+"""Where their words stand, in widths of a band from the line, inwards."""
+_ROUND = 17
+"""Places over which the direction of a band is averaged."""
+_LEAST = 12
+"""Lines of an FRF below which all of it is shown."""
+_HOLDS = 0.01
+"""Share of the energy from which the seal is said to hold a mode."""
+
+
+def door(result: DoorResult, *, stamp: str = "") -> Picture:
+    """Return the seal line by its compression, the first modes as the line moves, and FRFs.
+
+    Parameters
+    ----------
+    result : DoorResult
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    strips: list[tuple[Panel, ...]] = []
+    view = View.from_result(result)
+    if view is not None:
+        strips.append((line_panel(result, view),))
+        if result.stations is not None and result.stations.compression is not None:
+            strips.append((pressed_panel(result),))
+    responses = [(frf_panel(result, i, height=264.0),) for i in range(min(len(result.frfs), 2))]
+    # one beside the line, so that rows of three are full
+    strips += responses[:1]
+    shapes = [] if view is None else [(panel,) for panel in shape_panels(result, view)]
+    rows = (len(strips), len(shapes), len(responses[1:])) if shapes else ()
+    strips += [*shapes, *responses[1:]]
+    caption = (
+        "A door on its seal, seen from outside: where and how far the seal is pressed, how its "
+        "line moves in the first modes, and the accelerance with the seal and without."
+    )
+    stamp = stamp or format_stamp(result.sources)
+    return Picture(
+        "door", caption, tuple(strips), 3, stamp, width=960.0, rows=tuple(filter(None, rows))
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """View of a door from outside.
+
+    Attributes
+    ----------
+    axes : (int, int)
+        The two along which the line is longest, the second upright.
+    mirrored : bool
+        Whether the first one runs to the left.
+    outward : array, shape (3,)
+        Against the way in which the door presses its seal, on average.
+    """
+
+    axes: tuple[int, int]
+    mirrored: bool
+    outward: FloatArray
+
+    @classmethod
+    def from_result(cls, result: DoorResult) -> View | None:
+        """As the seal line of a door lies; None without one."""
+        line = result.door.line
+        if line is None:
+            return None
+        first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
+        inward = line.normal_at(line.along).mean(axis=0)
+        size = float(np.linalg.norm(inward))
+        across = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
+        outward = -inward / size if size > 0 else across
+        right = np.cross(np.eye(3)[second], outward)
+        return cls((first, second), bool(right[first] < 0), outward)
+
+    def project_points(self, places: FloatArray) -> FloatArray:
+        """Places or motions, shape (n, 3), as they are drawn, shape (n, 2)."""
+        flat = places[:, list(self.axes)].copy()
+        flat[:, 0] *= -1 if self.mirrored else 1
+        return np.asarray(flat)
+
+
+def line_panel(result: DoorResult, view: View) -> Panel:
+    """Return the seal line by its compression, and what holds the door beside it."""
+    stations, line = result.stations, result.door.line
+    marks: list[Mark] = []
+    places = [np.zeros((0, 2))]
+    if line is not None and stations is not None:
+        outline, at = view.project_points(line.points), view.project_points(stations.place)
+        places.append(outline)
+        marks.append(Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)))
+        pressed = stations.compression
+        if pressed is None:
+            marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
+        else:
+            marks += _classes(at[:, 0], at[:, 1], convert_to_unit(pressed, "mm"))
+    latch = () if result.door.latch is None else (result.door.latch,)
+    for hinge in (*result.door.hinges, *latch, *result.door.bumpers):
+        ((x, y),) = view.project_points(np.array([hinge.at]))
+        places.append(np.array([[x, y]]))
+        marks.append(Tag(x, y, hinge.name, "ink", "filled"))
+    for point in result.door.points:
+        if point.on == DOOR:
+            ((x, y),) = view.project_points(np.array([point.at]))
+            marks.append(Tag(x, y, point.name, "soft", "hollow"))
+    low, high = (end(np.concatenate(places), axis=0) for end in (np.min, np.max))
+    # a metre, or as much of one as is no wider than the door
+    metre = next((scale for scale in _SCALES if scale <= high[0] - low[0]), _SCALES[-1])
+    under, middle = low[1] - 0.12 * (high[1] - low[1]), (low[0] + high[0]) / 2
+    ends = middle + metre * np.array([-0.5, 0.5])
+    marks.append(Line(ends, np.full(2, under), Pen("edge", 1.4)))
+    marks.append(Tag(float(ends[1]), float(under), f"{metre:g} m", "soft", end=True))
+    return Panel(
+        Scale("", compute_padded_limits(np.array([low[0], high[0]]), margin=0.16)),
+        Scale("", compute_padded_limits(np.array([under, high[1]]), margin=0.1)),
+        tuple(marks),
+        title="seal line pressed by, from outside",
+        height=300,
+        square=True,
+        drawing=True,
+    )
+
+
+def _classes(x: FloatArray, y: FloatArray, mm: FloatArray) -> list[Mark]:
+    """Stations in a few classes of compression, and those that do not touch."""
+    touches = mm >= 0
+    marks: list[Mark] = []
+    if touches.any():
+        low, high = float(mm[touches].min()), float(mm[touches].max())
+        count = _CLASSES if high - low > 1e-6 else 1
+        edges = np.linspace(low, high, count + 1)
+        rank = np.clip(np.searchsorted(edges, mm, side="right") - 1, 0, count - 1)
+        for k, colour in enumerate(sequential(count)):
+            here = touches & (rank == k)
+            label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} mm"
+            if here.any():
+                marks.append(Dots(x[here], y[here], colour, label, size=5.0))
+    if not touches.all():
+        away = ~touches
+        marks.append(Dots(x[away], y[away], "bad", "does not touch", size=5.0, hollow=True))
+    return marks
+
+
+def pressed_panel(result: DoorResult) -> Panel:
+    """Return how far the seal is pressed along its line, and the depth of its test."""
+    stations = result.stations
+    along = np.zeros(0) if stations is None else stations.along
+    length = 0.0 if result.door.line is None else result.door.line.length
+    mm = np.zeros(0)
+    if stations is not None and stations.compression is not None:
+        mm = convert_to_unit(stations.compression, "mm")
+    law = None if result.fit is None else result.fit.elastic_law
+    marks: list[Mark] = [Line(along, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
+    limits = [mm, np.zeros(1)]
+    if law is not None:
+        tested = convert_to_unit(law.depth, "mm")
+        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
+        limits.append(np.array([tested]))
+    return Panel(
+        Scale("along the line, m", (0.0, length)),
+        Scale("compression, mm", compute_padded_limits(*limits)),
+        tuple(marks),
+        title="compression along the line",
+        height=264,
+    )
+
+
+def shape_panels(result: DoorResult, view: View) -> list[Panel]:
+    """Return how the line moves in each of the first modes; nothing is drawn that is not known.
+
+    Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
+    goes in; in its plane as the line itself, moved.
+    """
+    line = result.door.line
+    if line is None:
+        return []
+    along = np.linspace(0.0, line.length, _FINE)
+    place = np.stack([np.interp(along, line.along, line.points[:, k]) for k in range(3)], axis=1)
+    system = result.assembly.system()
+    rows = np.array(
+        [
+            [system.participation(Point(DOOR, (x, y, z), axis)) for axis in AXES]
+            for x, y, z in place.tolist()
+        ]
+    )
+    latch = () if result.door.latch is None else (result.door.latch,)
+    held = view.project_points(
+        np.array([hinge.at for hinge in (*result.door.hinges, *latch)]).reshape(-1, 3)
+    )
+    size = _WIDE * float(np.ptp(place[:, list(view.axes)], axis=0).max())
+    seen = view.project_points(place)
+    low, high = seen.min(axis=0) - 1.3 * size, seen.max(axis=0) + 1.3 * size
+    panels = []
+    for number, mode in enumerate(result.modes[:SHOWN], start=1):
+        motion = _extract_real_motion(rows @ mode.mode.shape)
+        out = motion @ view.outward
+        flat = motion - np.outer(out, view.outward)
+        within = float(np.abs(out).max()) < _IN_PLANE * float(np.linalg.norm(flat, axis=1).max())
+        marks = (
+            _draw_plane_motion(seen, view.project_points(flat), size)
+            if within
+            else _bands(seen, out, size)
+        )
+        if len(held):
+            marks.append(Dots(held[:, 0], held[:, 1], "ink", "hinge, latch", size=6.0))
+        share = f"seal {100 * mode.share(SEAL):.1f} %"
+        damping = round_to_error(100 * mode.mode.damping_ratio, digits=2)
+        hz = round_to_error(mode.mode.frequency, digits=4)
+        panels.append(
+            Panel(
+                Scale("", (low[0], high[0])),
+                Scale("", (low[1], high[1])),
+                tuple(marks),
+                height=180,
+                square=True,
+                drawing=True,
+                below=f"{number}: {hz} Hz\n{damping} %, {share}",
+            )
+        )
+    return panels
+
+
+def _draw_plane_motion(seen: FloatArray, change: FloatArray, size: float) -> list[Mark]:
+    """Return a motion in the plane: the line at rest, dashed, and moved."""
+    there = seen + size / float(np.linalg.norm(change, axis=1).max()) * change
+    x, y = seen.mean(axis=0).tolist()
+    return [
+        Line(seen[:, 0], seen[:, 1], Pen("ref", 1.2, (4, 3)), "at rest"),
+        Line(there[:, 0], there[:, 1], FIT, "moves in its plane"),
+        Tag(x - 1.8 * size, y, "in plane", "soft", end=True),
+    ]
+
+
+def _bands(seen: FloatArray, out: FloatArray, size: float) -> list[Mark]:
+    """Return a motion across the plane as bands on the line, rings where it stands still."""
+    normal = _outwards(seen)
+    scaled = out / float(np.abs(out).max())
+    edge = seen + size * scaled[:, None] * normal
+    marks: list[Mark] = []
+    # each stretch of one sign, from where it stands still to where it does again
+    ends = np.flatnonzero(np.diff(np.sign(scaled)) != 0) + 1
+    for stretch in np.split(np.arange(len(seen)), ends):
+        way = "out" if scaled[stretch].mean() > 0 else "in"
+        ring = np.concatenate([seen[stretch], edge[stretch][::-1]])
+        marks.append(Ring(ring[:, 0], ring[:, 1], _WAYS[way], f"seal line goes {way}"))
+    marks.append(Line(seen[:, 0], seen[:, 1], Pen("edge", 1.2)))
+    still = (seen[ends - 1] + seen[ends]) / 2
+    if len(still):
+        marks.append(Dots(still[:, 0], still[:, 1], "ink", "stands still", size=6.0, hollow=True))
+    for way, at in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
+        if (scaled[at] > 0) == (way == "out") and abs(scaled[at]) > _IN_PLANE:
+            deep = _INSIDE[way] * size
+            x, y = (seen[at] - deep * normal[at]).tolist()
+            marks.append(Tag(x - 0.4 * size, y, way, "ink", bold=True, end=True))
+    return marks
+
+
+def _outwards(seen: FloatArray) -> FloatArray:
+    """Across the line in its plane, away from its middle, of length 1, shape (n, 2)."""
+    along = np.gradient(seen, axis=0)
+    if np.allclose(seen[0], seen[-1]):
+        along[0] = along[-1] = seen[1] - seen[-2]
+    across = np.column_stack([along[:, 1], -along[:, 0]])
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+    away = float(np.sum(across * (seen - seen.mean(axis=0))))
+    # round a corner it turns slowly, or a band inside it would fold
+    about = np.ones(_ROUND) / _ROUND
+    padded = np.concatenate([across[-_ROUND - 1 : -1], across, across[1 : _ROUND + 1]])
+    if not np.allclose(seen[0], seen[-1]):
+        padded = np.pad(across, ((_ROUND, _ROUND), (0, 0)), mode="edge")
+    smooth = np.column_stack([np.convolve(item, about, mode="same") for item in padded.T])
+    smooth = smooth[_ROUND:-_ROUND]
+    return np.asarray(smooth if away > 0 else -smooth)
+
+
+def _extract_real_motion(change: ComplexArray) -> FloatArray:
+    """Return the real motion when most of it is at its largest."""
+    top = change.ravel()[int(np.abs(change).argmax())]
+    return np.asarray((change / top).real)
+
+
+def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel:
+    """Return the accelerance of a place with the seal and without, where the seal holds a mode."""
+    name, sealed, bare = result.frfs[index]
+    held = [
+        (number, mode.mode.frequency)
+        for number, mode in enumerate(result.modes, start=1)
+        if mode.share(SEAL) >= _HOLDS
+    ]
+    f = sealed.frequency
+    whole = near = float(f[0]), float(f[-1])
+    if held:
+        near = max(whole[0], held[0][1] / _NEAR), min(whole[1], held[-1][1] * _NEAR)
+    shown = (f >= near[0]) & (f <= near[1])
+    if shown.sum() < _LEAST:
+        shown, near, held = np.ones(len(f), dtype=bool), whole, []
+    f, curves = f[shown], [np.abs(frf.value)[shown] for frf in (sealed, bare)]
+    band = (0.0, np.inf) if result.fit is None else result.fit.band
+    tops = [
+        Tag(
+            hz,
+            float(np.interp(hz, f, curves[0])),
+            f"{number}: {round_to_error(hz)} Hz",
+            "fit",
+            bold=True,
+        )
+        for number, hz in held[:SHOWN]
+    ]
+    words = "with the seal"
+    lines = [
+        line
+        for line in split_at_band(band, f, curves[0], words, text=f"{words}, extrapolated")
+        if np.isfinite(line.y).any()
+    ]
+    return Panel(
+        Scale("frequency, Hz", near),
+        Scale("accelerance, 1/kg", compute_padded_log_limits(*curves, margin=2.0), log=True),
+        (Line(f, curves[1], Pen("ref", 1.6), "without the seal"), *lines, *tops),
+        title=name if name == result.driven.name else f"{name}, driven at {result.driven.name}",
+        height=height,
+        note=f"of {whole[0]:g} to {whole[1]:g} Hz" if held else "",
+    )

@@ -1,0 +1,182 @@
+"""Modes of a door with and without its seal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.serialisation import Serialisable
+from dashpot.datamodel.seal_line import Shear
+from dashpot.extensions.systems.door.assembly import DOOR, Assembly
+from dashpot.extensions.systems.door.energy_shares import EnergyShare, energy_shares
+from dashpot.extensions.systems.free_modes import FreeModes
+from dashpot.extensions.systems.multibody import System
+from dashpot.extensions.systems.state_space import ComplexMode, complex_modes, newton_modes
+
+_STATES = 1200
+"""Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""
+_LOSSLESS = 1e-9
+"""Loss factor of rounding."""
+_SIDEWAYS, _LOOSE = 0.1, 1e-12
+"""Share of a stiffness below which a motion is free, and of the largest that is rounding."""
+_COARSE = 8
+"""Pitches between stations that tell what is free; they need not tell how stiff it is."""
+_SAME = 0.5
+"""Least similarity of a mode with seal and one without."""
+
+
+@dataclass(frozen=True)
+class DoorMode(Serialisable):
+    """Mode of the closed door.
+
+    Attributes
+    ----------
+    mode : ComplexMode
+    shares : tuple of EnergyShare
+        Of each hinge, the latch, the bumpers, the seal, and the door itself.
+    without_seal : float or None
+        Frequency of the same motion without the seal, Hz; None if none is like it.
+    """
+
+    keys = (
+        "frequency_hz=mode.frequency", "mode.damping_ratio", "loss_factor",
+        "without_seal_hz=without_seal", "shares",
+    )  # fmt: skip
+
+    mode: ComplexMode
+    shares: tuple[EnergyShare, ...]
+    without_seal: float | None = None
+
+    @property
+    def loss_factor(self) -> float:
+        """By the energies of its springs."""
+        return sum(share.loss for share in self.shares)
+
+    def share(self, name: str) -> float:
+        """Part of the energy that one of its parts stores; 0 of what is not there."""
+        return sum(share.energy for share in self.shares if share.name == name)
+
+    def loss_share(self, name: str) -> float:
+        """Part of the loss that one of its parts makes; 0 where next to nothing is lost."""
+        lost = sum(share.loss for share in self.shares if share.name == name)
+        return lost / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
+
+
+def oscillations(system: System, below: float = np.inf) -> tuple[ComplexMode, ...]:
+    """Return the modes of a system that oscillate, up to a frequency, Hz, by rising frequency."""
+    n = len(system.dofs)
+    times = {tau for spring in system.springs for tau in spring.felt.maxwell.tau}
+    few = 2 * n + len(times) * min(n, len(system.springs)) <= _STATES
+    modes = complex_modes(system) if few else newton_modes(system)
+    return tuple(mode for mode in modes if mode.oscillates and mode.frequency <= below)
+
+
+def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
+    """The modes of a door on its seal up to a frequency, Hz, each beside that without the seal."""
+    system, bare = assembly.system(), assembly.system(sealed=False)
+    loose = oscillations(bare)
+    M = system.mass_matrix
+    modes = []
+    for mode in oscillations(system, below):
+        alike = [_similarity(mode.shape, other.shape, M) for other in loose]
+        best = int(np.argmax(alike)) if alike else -1
+        near = loose[best].frequency if alike and alike[best] >= _SAME else None
+        modes.append(DoorMode(mode, energy_shares(system, mode), near))
+    return tuple(modes)
+
+
+def station_error(assembly: Assembly, below: float) -> float:
+    """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
+    line, pitch = assembly.door.line, assembly.door.pitch
+    # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
+    half = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
+    return _compute_frequency_change(
+        *(oscillations(assembly.system(pitch=value), below) for value in (pitch, half))
+    )
+
+
+def basis_error(assembly: Assembly, below: float) -> float | None:
+    """The same, up to half of that frequency, without the upper third of the elastic modes."""
+    modes = assembly.modes
+    if modes is None or (elastic := int((~modes.rigid).sum())) < 3:
+        return None
+    order = np.argsort(modes.frequency)
+    fewer = replace(assembly, modes=modes.only(order[: len(modes) - elastic // 3]))
+    retained = modes.frequency[order[len(modes) - elastic // 3 - 1]]
+    limit = min(below, float(retained)) / 2
+    return _compute_frequency_change(
+        *(oscillations(item.system(), limit) for item in (assembly, fewer))
+    )
+
+
+def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
+    """How far at most a place that is used lies from where the shapes are known, m, and which."""
+    door = assembly.door
+    latch = () if door.latch is None else (door.latch,)
+    places = [(hinge.at, hinge.name) for hinge in (*door.hinges, *latch, *door.bumpers)]
+    places += [(point.at, point.name) for point in door.points if point.on == DOOR]
+    if door.line is not None:
+        stations = door.line.stations(assembly.door.pitch)
+        where = zip(stations.place.tolist(), stations.along.tolist(), strict=True)
+        places += [(tuple(place), f"the seal at {along:.3g} m") for place, along in where]
+    return max((modes.at(place)[1], name) for place, name in places)
+
+
+def count_free_motions(system: System) -> int:
+    """Motions that stretch no spring; those of a whole car that flies are none."""
+    flying = 0 if system.grounds else 6
+    return max(len(system.dofs) - int(np.linalg.matrix_rank(_scale_stretches(system))) - flying, 0)
+
+
+def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
+    r"""Motions that nothing holds unless the seal answers sideways, and the slowest of them, Hz.
+
+    Those by whose shapes the springs of the door are at rest less than a tenth of what they were
+    with a seal as stiff sideways as normal to its line: :math:`K\phi = \rho K_1\phi`, with
+    :math:`\rho` below it. The frequency is None where such a motion does not oscillate.
+    """
+    door = assembly.door
+    if door.line is None or door.line.section is None:
+        return 0, None
+    held = replace(door.line.section, shear=Shear(1.0, 1.0))
+    firm = replace(assembly, door=replace(door, line=replace(door.line, section=held)))
+    pitch = min(_COARSE * door.pitch, door.line.length)
+    K, K_1 = (_compute_rest_stiffness(item.system(pitch=pitch)) for item in (assembly, firm))
+    size, axes = np.linalg.eigh(K_1)
+    retained = size > _LOOSE * size.max(initial=0.0)
+    scaled = axes[:, retained] / np.sqrt(size[retained])
+    count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _SIDEWAYS).sum())
+    if not count:
+        return 0, None
+    modes = oscillations(assembly.system())
+    return count, modes[0].frequency if modes and count_free_motions(
+        assembly.system()
+    ) == 0 else None
+
+
+def _compute_rest_stiffness(system: System) -> FloatArray:
+    """Return stiffness at rest by unit masses, 1/s^2, shape (n, n)."""
+    E = system.stretch / np.sqrt(np.diag(system.mass_matrix))
+    k = np.array([spring.felt.k_0 for spring in system.springs])
+    return np.asarray((E.T * k) @ E)
+
+
+def _scale_stretches(system: System) -> FloatArray:
+    """Stretches by the square root of stiffness over mass, so that all motions compare."""
+    stiff = np.sqrt([spring.felt.k_0 + spring.felt.maxwell.b for spring in system.springs])
+    return np.asarray(stiff[:, None] * system.stretch / np.sqrt(np.diag(system.mass_matrix)))
+
+
+def _compute_frequency_change(
+    first: tuple[ComplexMode, ...], second: tuple[ComplexMode, ...]
+) -> float:
+    pairs = zip(first, second, strict=False)
+    return max((abs(b.frequency / a.frequency - 1) for a, b in pairs), default=0.0)
+
+
+def _similarity(a: ComplexArray, b: ComplexArray, M: FloatArray) -> float:
+    """Modal assurance criterion with the mass matrix between."""
+    across = abs(a.conj() @ M @ b) ** 2
+    return float(across / abs((a.conj() @ M @ a) * (b.conj() @ M @ b)))

@@ -1,0 +1,78 @@
+"""Seal line as mounts between a body and its counterpart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity
+from dashpot.datamodel.seal_line import LineDirection, Stations
+from dashpot.extensions.systems.door.seal_line import SealLine
+from dashpot.extensions.systems.multibody import Mount
+from dashpot.solids.jenkins import Jenkins
+from dashpot.solids.networks import spring
+
+SEAL = "seal"
+
+
+def line_mounts(
+    line: SealLine, body: str, pitch: Quantity, *, ground: str = "ground", stuck: bool = False
+) -> tuple[Mount, ...]:
+    r"""Return the mounts of each station of a line that touches: its share of the seal there.
+
+    .. math:: K_i = \kappa(x_i)\,\Delta s\,c_i, \qquad \kappa(x) = \kappa\,F_e'(x)/k
+
+    with the tangent at the station's compression and the factor c of its joints. One acts along
+    the normal; where the section has shear, one across the line and one along it, of
+    :math:`r\,K_i`, or of :math:`\kappa_r\,\Delta s\,c_i` with a stiffness of its own.
+
+    Parameters
+    ----------
+    line : SealLine
+        With its section.
+    body, ground : str
+        What it lies between.
+    pitch : str or float
+        Wanted distance of the mounts, m.
+    stuck : bool
+        Friction sticks, as under small vibration: a spring beside the arms. Otherwise the mounts
+        have it, and what they are depends on how far they move.
+
+    Raises
+    ------
+    DataError
+        If the line has no section, or a seal that is not linear, or rubs, no compression.
+    """
+    section, stations = line.section, line.stations(pitch)
+    if section is None:
+        raise DataError(
+            "the seal line has no section: one metre of the seal is not known (Python: section=)"
+        )
+    return tuple(
+        mount
+        for way in section.ways(stations)
+        for mount in _mounts(way, stations, (body, ground), stuck=stuck)
+    )
+
+
+def _mounts(
+    way: LineDirection, stations: Stations, between: tuple[str, str], *, stuck: bool
+) -> Iterator[Mount]:
+    """One at each station that answers that way; stations of one share are one solid."""
+    nothing = np.zeros(len(way.share))
+    columns = (way.share, *(way.friction or (nothing, nothing)))
+    rows = [[float(f"{item:.14g}") for item in row] for row in zip(*columns, strict=True)]
+    solids = {value: value * way.solid for value, _, _ in rows if value > 0}
+    for place, along, (number, k, slip) in zip(
+        stations.place.tolist(), way.direction.tolist(), rows, strict=True
+    ):
+        if not number > 0:
+            continue
+        mount = Mount(solids[number], between, tuple(place), tuple(along), name=SEAL)
+        rubs = Jenkins(k, slip) if k > 0 and slip > 0 else None
+        yield mount if stuck else replace(mount, friction=rubs)
+        if stuck and rubs is not None:
+            yield replace(mount, solid=spring(k))

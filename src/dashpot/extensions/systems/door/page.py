@@ -1,0 +1,376 @@
+"""Page of a door: seal line, modes with energy shares, shapes, and closing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.number_format import duration, format_count, hertz, round_to_error
+from dashpot.base.plain_text import sentence
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.extensions.systems.door.closing_figure import (
+    doors_panel,
+    moments_panel,
+    speed_panel,
+    waterfall,
+)
+from dashpot.extensions.systems.door.closing_result import ClosingResult
+from dashpot.extensions.systems.door.figure import (
+    SHOWN,
+    View,
+    frf_panel,
+    line_panel,
+    pressed_panel,
+    shape_panels,
+)
+from dashpot.extensions.systems.door.modes import DoorMode
+from dashpot.extensions.systems.door.mounts import SEAL
+from dashpot.extensions.systems.door.result import DoorResult
+from dashpot.plot.picture import Panel, Picture
+from dashpot.plot.plotted_data import stamp
+from dashpot.report.figures import RenderedFigure, render_figure
+from dashpot.report.first_screen import NBSP, Light
+from dashpot.report.page_frame import Attachment, attachment, environment
+from dashpot.report.result_page import CollapsibleSection, Topic, judgement, lights, text_of
+from dashpot.report.tables import TextTable
+
+_MODES = frozenset({"door_modes_informed", "modes_suffice", "shapes_known_there", "masses_agree"})
+_CLOSING = frozenset({"closing_informed", "faster_doors_close"})
+_HOLDS = 0.01
+"""Share of the energy from which the seal is said to hold a mode."""
+_ROWS = 12
+"""Modes in the table; all stand in the document."""
+_MANY = 0.05
+"""Share of doors beyond the limit that is remarked."""
+_HINGES = ("edge", "soft", "ref", "hottest")
+"""Colours of what holds a door beside seal and latch."""
+_SIDE, _THIRD = 290.0, 376.0
+"""Widths of the line, and of the three figures below, px."""
+
+
+class Bar(NamedTuple):
+    """Part of a bar: start and width in per cent, and colour."""
+
+    at: str
+    width: str
+    colour: str
+    name: str
+
+
+class ModeRow(NamedTuple):
+    """Row of a mode in the table."""
+
+    number: int
+    frequency: str
+    bare: str
+    damping: str
+    holds: tuple[Bar, ...]
+    held: str
+    loses: tuple[Bar, ...]
+    lost: str
+    beyond: str
+    marked: bool
+
+
+class ModesTable(NamedTuple):
+    """Table of a door's modes: rows, energy shares with colours, and texts."""
+
+    rows: tuple[ModeRow, ...]
+    parts: tuple[tuple[str, str], ...]
+    note: str
+    more: int
+
+
+def door_html(*results: DoorResult | ClosingResult) -> str:
+    """Return the page of a door: how it vibrates, how it closes, or both."""
+    result = next((result for result in results if isinstance(result, DoorResult)), None)
+    closed = next((result for result in results if isinstance(result, ClosingResult)), None)
+    template = environment("dashpot.extensions.systems.door").get_template("door.html")
+    return str(template.render(build_page_contents(result, closed)))
+
+
+def build_page_contents(result: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
+    """Return what the page of a door holds: how it vibrates, how it closes, or both."""
+    results = [item for item in (result, closed) if item is not None]
+    every = tuple(dict.fromkeys(check for result in results for check in result.checks))
+    sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
+    verdict = _verdict(results, every)
+    names = dict.fromkeys(source.file for source in sources)
+    folds = tuple(_folds(result, closed))
+    return {
+        **judgement("door", verdict, every, sources),
+        "title": next(iter(names), "door"),
+        "about": format_door_summary(results[0]),
+        "beside": " ".join(sentence(result.sound) for result in results),
+        "lights": tuple(lights_of(result, closed, every, verdict)),
+        "figures": dict(_figures(result, closed))
+        | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
+        "modes": ModesTable((), (), "", 0) if result is None else modes_of(result),
+        "closing_notes": () if closed is None else _closing_notes(closed),
+        "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
+        "folds": folds,
+        "files": tuple(_files(result, closed)),
+    }
+
+
+def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Check]) -> Verdict:
+    return results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1].sound)
+
+
+def format_door_summary(result: DoorResult | ClosingResult) -> str:
+    """Return the mass, what holds it, and the seal."""
+    door = result.door
+    sentences = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
+    if door.line is not None:
+        sentences.append(f"{door.line.length:.3g} m of seal")
+    sentences.append(format_count(len(door.hinges), "hinge"))
+    if door.latch is not None:
+        sentences.append("one latch")
+    if result.fit is not None and result.fit.specimen.temperature is not None:
+        sentences.append(format_quantity(result.fit.specimen.temperature, "°C", ".1f"))
+    return ", ".join(sentences)
+
+
+def lights_of(
+    result: DoorResult | None,
+    closed: ClosingResult | None,
+    every: Sequence[Check],
+    verdict: Verdict,
+) -> Iterator[Light]:
+    """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
+    topics = []
+    if result is not None:
+        outside = [result.beyond(mode.mode.frequency) for mode in _select_seal_modes(result)]
+        factors = ", ".join(f"×{value:.3g}" for value in outside if value > 1)
+        topics.append(Topic(
+            "Modes", _MODES, f"{len(result.modes)} to {result.band[1]:g}{NBSP}Hz",
+            f"{len(outside)} held by the seal, {factors}" if factors else "",
+        ))  # fmt: skip
+    if closed is not None:
+        least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
+        topics.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
+    yield from lights(every, Topic("Seal line", says=_line_says(result, closed)), *topics)
+    scatter = None if closed is None else closed.closing.scatter
+    above = None if scatter is None else scatter.above
+    if above is not None and scatter is not None:
+        mark = "good" if above <= _MANY else "note" if verdict.use == "use" else "care"
+        limit = scatter.variation.limit
+        yield Light("Limit", mark, f"{100 * above:.3g} % need more than {limit:g}{NBSP}m/s")
+
+
+def _format_speed_interval(closed: ClosingResult) -> str:
+    interval = closed.closing.interval
+    if interval is None or not math.isfinite(interval[1]):
+        return ""
+    return f"from {interval[0]:.3g} to {interval[1]:.3g}{NBSP}m/s"
+
+
+def _line_says(result: DoorResult | None, closed: ClosingResult | None) -> str:
+    pressed = np.zeros(0)
+    if (
+        result is not None
+        and result.stations is not None
+        and result.stations.compression is not None
+    ):
+        pressed = result.stations.compression
+    elif closed is not None:
+        pressed = closed.closing.door.compression
+    if not len(pressed):
+        return ""
+    low, high = (
+        f"{convert_to_unit(float(end), 'mm'):.2f}" for end in (pressed.min(), pressed.max())
+    )
+    return f"{low} to {high}{NBSP}mm" + ", all touch" * bool((pressed >= 0).all())
+
+
+def _select_seal_modes(result: DoorResult) -> list[DoorMode]:
+    """Return the modes that the seal holds."""
+    return [mode for mode in result.modes if mode.share(SEAL) >= _HOLDS]
+
+
+def modes_of(result: DoorResult) -> ModesTable:
+    """Return the table of the modes."""
+    rows, parts = tuple(_rows(result)), tuple(_colours(result.modes).items())
+    return ModesTable(rows, parts, _seal_note(result), len(result.modes) - len(rows))
+
+
+def _seal_note(result: DoorResult) -> str:
+    if result.fit is None or not result.modes:
+        return ""
+    return (
+        "Marked: the seal stores more than 1 % of the energy there, and its test does not reach "
+        f"that frequency; it covers {hertz(result.fit.band)}."
+    )
+
+
+def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
+    done = closed.closing
+    seal = sum(term.work for term in done.terms if term.name.startswith(SEAL))
+    whole = sum(term.work for term in done.terms)
+    first = (
+        f"The seal takes {round_to_error(seal, digits=2)} of {round_to_error(whole, digits=3)} J, "
+        "in "
+        f"{duration(done.sealing)}."
+    )
+    scatter = done.scatter
+    if scatter is None:
+        return first, ""
+    vary = scatter.variation
+    leaks = "none leaks" if scatter.leaking == 0 else f"{100 * scatter.leaking:.2g} % leak"
+    return first, (
+        f"Gap ±{convert_to_unit(vary.gap, 'mm'):g} mm and force ±{100 * vary.load:g} % (three SD). "
+        "95 % of "
+        f"doors close from {round_to_error(scatter.least_speed_95, digits=3)} m/s; {leaks}."
+    )
+
+
+# -- the table of modes ---------------------------------------------------------------------------
+
+
+def _colours(modes: Sequence[DoorMode]) -> dict[str, str]:
+    """Each part that holds the door, and its colour: seal, latch, hinges, the door itself."""
+    parts = list(dict.fromkeys(share.name for mode in modes for share in mode.shares))
+    others = [part for part in parts if part not in {SEAL, "latch", "door"}]
+    entries = {SEAL: "fit"} | ({"latch": "mild"} if "latch" in parts else {})
+    entries |= {name: _HINGES[i % len(_HINGES)] for i, name in enumerate(others)}
+    return {name: colour for name, colour in (entries | {"door": "line"}).items() if name in parts}
+
+
+def _rows(result: DoorResult) -> Iterator[ModeRow]:
+    colours = _colours(result.modes)
+    for number, mode in enumerate(result.modes[:_ROWS], start=1):
+        hz = mode.mode.frequency
+        excess = result.beyond(hz)
+        lossy = mode.loss_share(SEAL)
+        yield ModeRow(
+            number,
+            round_to_error(hz, digits=4),
+            "" if mode.without_seal is None else round_to_error(mode.without_seal, digits=4),
+            round_to_error(100 * mode.mode.damping_ratio, digits=2),
+            _bars({share.name: share.energy for share in mode.shares}, colours),
+            f"{100 * mode.share(SEAL):.1f}",
+            _bars({share.name: share.loss for share in mode.shares}, colours),
+            f"{100 * lossy:.1f}",
+            "" if math.isnan(excess) else "inside" if excess <= 1 else f"×{excess:.3g}",
+            marked=mode.share(SEAL) >= _HOLDS and excess > 1,
+        )
+
+
+def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
+    """Return what each part has, side by side, of all of it."""
+    whole, at, bars = sum(shares.values()), 0.0, []
+    for name, colour in colours.items():
+        width = 100 * shares.get(name, 0.0) / whole if whole > 0 else 0.0
+        if width > 0:
+            bars.append(Bar(f"{at:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
+        at += width
+    return tuple(bars)
+
+
+# -- figures --------------------------------------------------------------------------------------
+
+
+def _figures(
+    result: DoorResult | None, closed: ClosingResult | None
+) -> Iterator[tuple[str, RenderedFigure]]:
+    """Every figure of the page by its name."""
+    if result is not None:
+        view = View.from_result(result)
+        if view is not None:
+            yield _render_panel(
+                "line", line_panel(result, view), _SIDE, "Where the seal is pressed", 240.0
+            )
+            shapes = shape_panels(result, view)
+            if shapes:
+                words = "How the seal line moves in each mode, seen from outside"
+                picture = Picture("shapes", words, tuple((shape,) for shape in shapes), len(shapes))
+                yield "shapes", render_figure(picture, phone=2)
+        if result.frfs:
+            words = "Accelerance with the seal and without, where the seal holds a mode"
+            yield _render_panel("frf", frf_panel(result, 0, height=220.0), _THIRD, words)
+    if closed is not None:
+        done = closed.closing
+        yield _render_panel(
+            "waterfall", waterfall(done), _THIRD, "What each term takes of the energy"
+        )
+        if done.scatter is not None and np.isfinite(done.scatter.speed).any():
+            panel = doors_panel(done, done.scatter, height=205.0)
+            yield _render_panel(
+                "doors", panel, _THIRD, "The least speeds of doors within their tolerances"
+            )
+
+
+def _render_panel(
+    name: str, panel: Panel, width: float, caption: str, height: float = 0.0
+) -> tuple[str, RenderedFigure]:
+    # a heading of the page says what its title says
+    return name, render_figure(
+        Picture(name, caption, ((replace(panel, title="", height=height or panel.height),),)),
+        width=width,
+    )
+
+
+def _folds(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[CollapsibleSection]:
+    if (
+        result is not None
+        and result.stations is not None
+        and result.stations.compression is not None
+    ):
+        picture = Picture("pressed", "Compression along the line", ((pressed_panel(result),),),
+                          stamp=stamp(result.sources))  # fmt: skip
+        yield CollapsibleSection("Along the line", _line_line(result), None, picture)
+    if result is not None and result.modes:
+        yield CollapsibleSection(
+            "Every share", "per cent of the energy, and of the loss", _shares(result)
+        )
+    if closed is not None:
+        panels = ((moments_panel(closed.closing),), (speed_panel(closed.closing),))
+        words = "Moments against closing, and the speed of the edge over the way"
+        yield CollapsibleSection("As it closes", "moments and speed over the way", _terms(closed),
+                   Picture("course", words, panels, 2, stamp(closed.sources)))  # fmt: skip
+
+
+def _line_line(result: DoorResult) -> str:
+    seal = result.seal
+    if seal is None or seal.force is None:
+        return "compression by place"
+    return (
+        f"{seal.stations} stations, {round_to_error(seal.force)} N in all after relaxation, "
+        f"{round_to_error(convert_to_unit(seal.stiffness, 'N/mm'))} N/mm"
+    )
+
+
+def _shares(result: DoorResult) -> TextTable:
+    parts = list(_colours(result.modes))
+    rows = []
+    for number, mode in enumerate(result.modes[: 2 * SHOWN], start=1):
+        whole = sum(share.loss for share in mode.shares) or 1.0
+        by_name = {share.name: share for share in mode.shares}
+        cells = [f"{100 * by_name[name].energy:.2f}" if name in by_name else "" for name in parts]
+        cells += [
+            f"{100 * by_name[name].loss / whole:.2f}" if name in by_name else "" for name in parts
+        ]
+        rows.append((f"{number}: {round_to_error(mode.mode.frequency, digits=4)} Hz", *cells))
+    head = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
+    return TextTable(head, tuple(rows))
+
+
+def _terms(closed: ClosingResult) -> TextTable:
+    rows = tuple(
+        (term.name, round_to_error(term.work, digits=3), round_to_error(term.stored, digits=3),
+         round_to_error(term.moment, digits=3))
+        for term in closed.closing.terms
+    )  # fmt: skip
+    return TextTable(("term", "J", "recoverable, J", "highest moment, N m"), rows)
+
+
+def _files(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
+    for name, item in (("door", result), ("closing", closed)):
+        if item is not None:
+            document = f"{name}.json"
+            yield attachment(document, document, "every number", "application/json", text_of(item))

@@ -1,0 +1,85 @@
+"""Handler of ``dashpot predict`` for a door: vibration on its seal, and closing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import click
+
+from dashpot.base.checks import verdict
+from dashpot.base.serialisation import Serialisable
+from dashpot.cli._command_io import CommandResult, format_json, write, write_figure
+from dashpot.cli.predict import is_page
+from dashpot.extensions.systems.door.analyse_file import door_file
+from dashpot.extensions.systems.door.closing_from_file import close_file
+from dashpot.extensions.systems.door.closing_result import ClosingResult
+from dashpot.extensions.systems.door.closing_text import closing_text
+from dashpot.extensions.systems.door.page import door_html
+from dashpot.extensions.systems.door.result import DoorResult
+from dashpot.extensions.systems.door.text import door
+from dashpot.text_output.layout import Text
+
+
+@dataclass(frozen=True)
+class DoorPrediction(Serialisable):
+    """Prediction of a door: vibration and closing."""
+
+    keys = ("*found", "closing")
+
+    found: DoorResult
+    closing: ClosingResult
+
+
+def run(
+    path: str,
+    *,
+    every: bool,
+    speed: float | None,
+    picture: str | None,
+    output: str | None,
+    band: tuple[float, float] | None,
+    temperature: float | None,
+) -> CommandResult:
+    """Predict how a door vibrates on its seal, and how it closes."""
+    if picture and every and speed is not None:
+        raise click.UsageError(
+            "--plot draws the modes or the closing: leave out --modes or --close"
+        )
+    page = is_page(output)
+    result = closed = None
+    if speed is None or every or page:
+        result = door_file(path, band=band, temperature=temperature)
+    if speed is not None:
+        closed = close_file(path, speed, temperature=temperature)
+    outcome = _merge_door_results(result, closed, every=every)
+    if picture:
+        shown: Any = result if closed is None else closed
+        write_figure(picture, shown.plot())
+    if output:
+        results = [item for item in (result, closed) if item is not None]
+        write(output, door_html(*results) if page else format_json(outcome.found) + "\n")
+    return outcome
+
+
+def _merge_door_results(
+    result: DoorResult | None, closed: ClosingResult | None, *, every: bool
+) -> CommandResult:
+    """Return how it vibrates, how it closes, or both."""
+    if closed is None:
+        assert result is not None  # noqa: S101
+        return CommandResult(
+            result, door(result, every=every), result.checks, verdict=result.verdict
+        )
+    if result is None:
+        return CommandResult.from_result(closed)
+    stated_text, shuts = door(result, every=every), closing_text(closed.closing)
+    checks = tuple(dict.fromkeys((*result.checks, *closed.checks)))
+    text = Text(
+        [*stated_text.lines, *shuts.lines],
+        [*stated_text.details, *shuts.details],
+        stated_text.asked,
+    )
+    return CommandResult(
+        DoorPrediction(result, closed), text, checks, verdict=verdict(checks, headline=closed.sound)
+    )

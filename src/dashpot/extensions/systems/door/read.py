@@ -1,0 +1,465 @@
+"""Reader of a door from a TOML file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.provenance import Source
+from dashpot.base.value_ranges import SIZES
+from dashpot.datamodel.seal_line import LineFriction, Shear
+from dashpot.extensions.systems.door.door_model import (
+    Door,
+    DoorPoint,
+    ModesChoice,
+    RigidPart,
+    SealChoice,
+    ShearChoice,
+    Support,
+)
+from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
+from dashpot.extensions.systems.door.read_closing import closing_of
+from dashpot.extensions.systems.door.seal_line import Joint, SealLine
+from dashpot.reading.readers import channels
+from dashpot.reading.toml import Section, Vector, tables_of
+
+LARGEST = SIZES["door"].hard[1]
+"""m; no door lies further from the origin of its car's axes, and no seal line is longer."""
+LIGHTEST, HEAVIEST = 0.05, 500.0
+"""kg, of a door: from that of a glove box to a gate's."""
+_Z = (0.0, 0.0, 1.0)
+
+
+def read_door(path: str | Path) -> Door:
+    """Return the door that a TOML file describes.
+
+    Each table is read by its own function; a key that none knows is refused. Other files that it
+    names lie beside it.
+
+    Raises
+    ------
+    ReadError
+        If the file is not TOML, or a table lacks a key, has one too many, or says what cannot be.
+    """
+    raw, tables = tables_of(path)
+    for name in tables:
+        if name not in {*_TABLES, "closing"}:
+            text = ", ".join(f"[{table}]" for table in (*_TABLES, "closing"))
+            raise ReadError(f"{raw.name}: [{name}] is unknown; known are {text}")
+    if "door" not in tables:
+        raise ReadError(f"{raw.name}: no [door] is in it; expected its mass and its hinges")
+    folder = Path(path).parent
+    results: dict[str, Any] = {"source": Source(raw.name, raw.sha256, "TOML")}
+    for name, entries in tables.items():
+        here = _TableLocation(f"{raw.name}, [{name}]", folder)
+        try:
+            if name == "closing":
+                size = Section(here.where, tables["door"], tuple(tables["door"]))
+                sizes = (size.quantity(word, "length") for word in ("width", "height"))
+                results["closing"] = closing_of(here.where, entries, *sizes)
+            else:
+                results |= _TABLES[name](here, entries)
+        except DataError as error:
+            raise ReadError(f"{here.where}: {error}") from None
+    return Door(**results)
+
+
+_MOST_PARTS = 200
+"""Hinges, bumpers, joints or points of one kind: no door has more."""
+_MOST_POINTS = 20_000
+"""Of a seal line, and stations along it: one each millimetre of the longest."""
+
+
+@dataclass(frozen=True)
+class _TableLocation:
+    """Where a table stands, and the folder of the files that it names."""
+
+    where: str
+    folder: Path
+
+    def section(self, entries: Any, *known: str) -> Section:
+        return Section(self.where, entries, known)
+
+    def parse_tables(self, entries: Any, *known: str) -> list[Section]:
+        """Return the tables of an array of them; a single table is one."""
+        rows = [entries] if isinstance(entries, Mapping) else entries
+        if not isinstance(rows, list):
+            raise ReadError(f"{self.where}: expected tables, such as [[{self.where[:-1]}]]")
+        if len(rows) > _MOST_PARTS:
+            raise ReadError(f"{self.where}: {len(rows)} tables; expected at most {_MOST_PARTS}")
+        return [Section(f"{self.where} {i}", row, known) for i, row in enumerate(rows, start=1)]
+
+    def path(self, word: str | None) -> str:
+        """Return a file beside the door's own, or below; a door of others opens nothing else."""
+        if not word:
+            return ""
+        place = self.folder / word
+        if not place.resolve().is_relative_to(self.folder.resolve()):
+            raise ReadError(
+                f"{self.where}: '{word}' lies outside the folder of the door's file; copy it there"
+            )
+        return str(place)
+
+
+_RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
+
+
+def _rigid(section: Section) -> RigidPart:
+    """Mass and inertia, or those of an even plate of that width and height."""
+    section.needs("mass", "centre")
+    mass = section.quantity("mass", "mass") or 0.0
+    inertia = section.vector("inertia", "moment of inertia")
+    if inertia is None:
+        if "width" not in section or "height" not in section:
+            raise ReadError(
+                f"{section.where}: inertia is missing: three moments in kg*m^2, or width (along x) "
+                "and height (along y) of an even plate"
+            )
+        w, h = (section.quantity(name, "length") or 0.0 for name in ("width", "height"))
+        inertia = (mass * h**2 / 12, mass * w**2 / 12, mass * (w**2 + h**2) / 12)
+    if not mass > 0 or min(inertia) < 0:
+        raise ReadError(f"{section.where}: mass {mass:g} kg, inertia {inertia}; expected > 0")
+    motions = section.words("motions") or RigidPart.motions
+    return RigidPart(mass, inertia, _place(section, "centre"), motions)
+
+
+def _door(here: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = here.section(entries, *_RIGID)
+    sizes = {name: _size(section, name) for name in ("width", "height")}
+    rigid = _rigid(section) if "mass" in section else None
+    if rigid is not None and not LIGHTEST <= rigid.mass <= HEAVIEST:
+        raise ReadError(
+            f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
+            f"{HEAVIEST:g} kg: is its unit kg?"
+        )
+    for name, size in sizes.items():
+        SIZES["door"].refuse(size or 0.0, f"{section.where}: {name} = {size or 0.0:g} m")
+    return {"rigid": rigid, **sizes}
+
+
+def _body(here: _TableLocation, entries: Any) -> dict[str, Any]:
+    return {"body": _rigid(here.section(entries, *_RIGID))}
+
+
+_SUPPORT = ("name", "at", "along", "stiffness", "damping", "fit", "compression")
+
+
+def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
+    def read(here: _TableLocation, entries: Any) -> dict[str, Any]:
+        rows = here.parse_tables(entries, *_SUPPORT)
+        supports = tuple(
+            _support(here, row, f"{kind} {i}" if len(rows) > 1 else kind)
+            for i, row in enumerate(rows, start=1)
+        )
+        if kind == "latch":
+            if len(supports) > 1:
+                raise ReadError(f"{here.where}: {len(supports)} latches; a door has one")
+            return {"latch": supports[0]}
+        return {f"{kind}s": supports}
+
+    return read
+
+
+def _support(here: _TableLocation, section: Section, name: str) -> Support:
+    section.needs("at")
+    along, fit = section.direction("along"), here.path(section.word("fit"))
+    ways = 1 if along else 3
+    stiffness = _read_directional_values(section, "stiffness", ways)
+    damping = _read_directional_values(section, "damping", ways)
+    if bool(stiffness) == bool(fit):
+        raise ReadError(f"{section.where}: give its stiffness, or the fit of the part: one of both")
+    if fit and along is None:
+        raise ReadError(f"{section.where}: along is missing, the direction in which the part acts")
+    if len(stiffness) not in {0, ways} or len(damping) not in {0, ways}:
+        raise ReadError(
+            f"{section.where}: {len(stiffness)} stiffnesses and {len(damping)} dampings; expected "
+            + ("one of each, along one direction" if along else "one of each, or x, y and z")
+        )
+    return Support(
+        section.word("name") or name,
+        _place(section, "at"),
+        stiffness,
+        damping,
+        along,
+        fit,
+        section.quantity("compression", "length"),
+    )
+
+
+def _read_directional_values(
+    section: Section, name: Literal["stiffness", "damping"], ways: int
+) -> tuple[float, ...]:
+    """Return stiffness or damping along each way; one number is that of all."""
+    values = section.quantities(name, name) or ()
+    if any(not 0 <= value < 1e12 for value in values):
+        raise ReadError(f"{section.where}: a stiffness or a damping is below 0 or beyond any part")
+    return values * ways if len(values) == 1 else values
+
+
+def _seal(here: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = here.section(
+        entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
+        "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
+        "friction",
+    )  # fmt: skip
+    section.needs("fit", "points")
+    points, columns = _points(here, section)
+    ways = [columns[name] for name in _NORMAL if name in columns]
+    normal = ways if len(ways) == 3 else section.direction("normal") or _Z
+    normals = np.broadcast_to(np.transpose(normal), points.shape)
+    pressed = _compression(section, columns, len(points))
+    order = np.arange(len(points))
+    if section.flag("closed") and not np.array_equal(points[0], points[-1]):
+        order = np.append(order, 0)
+    pressed = None if pressed is None else pressed[order]
+    joints = _joints(here, section.entries.get("joint", []))
+    normals = normals[order]
+    tilt = section.quantity("tilt", "angle")
+    if tilt is not None:
+        normals = _tilt_normals(section, normals, points[order], tilt)
+    line = SealLine(points[order], pressed, normal=normals, joints=joints)
+    if line.length > LARGEST:
+        raise ReadError(
+            f"{section.where}: the seal line is {line.length:.4g} m long; expected at most "
+            f"{LARGEST:g} m: is the unit of its points mm?"
+        )
+    choice = SealChoice(
+        here.path(section.word("fit")),
+        _size(section, "length"),
+        section.quantity("temperature", "temperature"),
+        _size(section, "pitch"),
+        _shear(here, section.entries.get("shear", {})),
+        _friction(here, section.entries.get("friction")),
+    )
+    if choice.pitch:
+        _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
+    return {"line": line, "seal": choice}
+
+
+def _points(here: _TableLocation, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Points, m, and the other columns of their file."""
+    points = section.entries["points"]
+    if isinstance(points, str):
+        return _line_file(here.path(points), section.word("unit"))
+    if not isinstance(points, list):
+        raise ReadError(
+            f"{section.where}: points = {points!r}; expected a file of x, y, z, or a list such as "
+            '["0, 0, 0 mm", "1100, 0, 0 mm"]'
+        )
+    _refuse_more(section.where, len(points), "points")
+    rows = [Section(section.where, {"points": row}, ("points",)) for row in points]
+    return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
+
+
+_PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny", "nz")
+
+
+def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """The columns of a text file; lengths in the unit of their header, or in the one stated."""
+    with channels.open_file(path, None) as file:
+        resolved_columns, loaded = read_named_columns(
+            file,
+            (*_PLACE, *_PRESSED, *_NORMAL),
+            needed=[(axis,) for axis in _PLACE],
+            hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
+        )
+        missing = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
+        if missing.size:
+            raise ReadError(
+                "a seal line has no gaps, and a number is missing at "
+                f"{loaded.format_row_position(missing[0])}; "
+                "expected one in every row. Write it, or take the row out"
+            )
+        columns = dict(zip(resolved_columns, loaded.values.T, strict=True))
+        for name in resolved_columns.keys() - {*_NORMAL}:
+            advice = "add unit to [seal] of the door"
+            columns[name] = convert_column_to_si(
+                resolved_columns[name], columns[name], "length", unit, advice
+            )
+    points = np.stack([columns.pop(axis) for axis in _PLACE], axis=1)
+    _refuse_more(Path(path).name, len(points), "points")
+    return points, columns
+
+
+def _refuse_more(where: str, count: float, what: str) -> None:
+    """Refuse more of a seal line than any door has."""
+    if count > _MOST_POINTS:
+        raise ReadError(f"{where}: {count:.0f} {what}; expected at most {_MOST_POINTS}")
+
+
+def _compression(
+    section: Section, columns: Mapping[str, FloatArray], count: int
+) -> FloatArray | None:
+    """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
+    stated = section.find_single_key("compression", "gap")
+    names = [*filter(columns.__contains__, _PRESSED), *filter(None, [stated])]
+    if len(names) > 1:
+        raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
+    if not names:
+        return None
+    (name,) = names
+    values = np.array(columns[name] if name in columns else section.quantities(name, "length"))
+    if len(values) not in {1, count}:
+        raise ReadError(f"{section.where}: {len(values)} of {name} for {count} points")
+    if name == "gap":
+        height = _size(section, "height")
+        if height is None:
+            raise ReadError(
+                f"{section.where}: height is missing: what the free seal stands tall, of which the "
+                "compression in the gap follows"
+            )
+        values = height - values
+    deepest = float(np.abs(values).max())
+    if deepest > LARGEST / 100:
+        raise ReadError(f"{section.where}: {name} makes a compression of {deepest:g} m: in mm?")
+    return np.broadcast_to(values, count)
+
+
+def _shear(here: _TableLocation, entries: Any) -> ShearChoice:
+    """Ratios, or fits of their own, across the line and along it."""
+    row = Section(f"{here.where[:-1]}.shear]", entries, ("across", "along", "length"))
+
+    def way(name: str) -> float | str:
+        if isinstance(row.entries.get(name), str):
+            return here.path(row.word(name))
+        return row.number(name) or 0.0
+
+    across, along = way("across"), way("along")
+    # a ratio that cannot be is refused before any fit is opened
+    Shear(
+        0.0 if isinstance(across, str) else across,
+        0.0 if isinstance(along, str) else along,
+    )
+    return ShearChoice(across, along, _size(row, "length"))
+
+
+def _friction(here: _TableLocation, entries: Any) -> LineFriction | None:
+    """Return what rubs sideways beside the arms."""
+    if entries is None:
+        return None
+    row = Section(f"{here.where[:-1]}.friction]", entries, ("mu", "across", "along"))
+    row.needs("mu")
+    mu, across, along = (row.number(name) or 0.0 for name in ("mu", "across", "along"))
+    return LineFriction(mu, across, along)
+
+
+_STEEP = np.radians(80.0)
+"""Beyond it a seal is pressed along its door, not on it."""
+
+
+def _tilt_normals(
+    section: Section, normals: FloatArray, points: FloatArray, tilt: float
+) -> FloatArray:
+    """Normals of the pieces, leant outwards of the line by an angle, rad."""
+    if not abs(tilt) <= _STEEP:
+        raise ReadError(
+            f"{section.where}: tilt = {np.degrees(tilt):.4g} deg; expected at most "
+            f"{np.degrees(_STEEP):.0f} deg either way"
+        )
+    runs = np.diff(points, axis=0)
+    upright = normals[1:] + normals[:-1]
+    upright /= np.linalg.norm(upright, axis=1)[:, None]
+    outwards = np.cross(runs, upright)
+    outwards /= np.maximum(np.linalg.norm(outwards, axis=1), 1e-300)[:, None]
+    # a line that runs the other way round has its outside on the other hand
+    middles = (points[1:] + points[:-1]) / 2 - points.mean(axis=0)
+    area = float((np.cross(middles, runs) * upright).sum())
+    return np.asarray(np.cos(tilt) * upright + np.sign(area) * np.sin(tilt) * outwards)
+
+
+def _joints(here: _TableLocation, rows: Any) -> tuple[Joint, ...]:
+    joints = []
+    for row in here.parse_tables(rows, "name", "at", "length", "factor"):
+        row.needs("at", "length", "factor")
+        at, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
+        joints.append(Joint(at, length, row.number("factor") or 0.0, row.word("name") or "joint"))
+    return tuple(joints)
+
+
+def _modes(here: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = here.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
+    section.needs("file")
+    most = section.quantity("most", "frequency")
+    return {
+        "modes": ModesChoice(
+            here.path(section.word("file")),
+            section.word("unit"),
+            section.quantity("modal_mass", "mass"),
+            section.number("damping"),
+            float("inf") if most is None else most,
+            section.flag("held"),
+        )
+    }
+
+
+def _read_points(here: _TableLocation, entries: Any) -> dict[str, Any]:
+    points = []
+    for i, row in enumerate(here.parse_tables(entries, "name", "at", "along", "on"), start=1):
+        row.needs("at")
+        on = row.word("on") or "door"
+        if on not in {"door", "body"}:
+            raise ReadError(f"{row.where}: on = '{on}'; expected door or body")
+        name = row.word("name") or f"point {i}"
+        points.append(DoorPoint(name, _place(row, "at"), row.direction("along") or _Z, on))
+    names = [point.name for point in points]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise ReadError(f"{here.where}: two points are called '{twice[0]}'")
+    return {"points": tuple(points)}
+
+
+def _base(here: _TableLocation, entries: Any) -> dict[str, Any]:
+    section = here.section(entries, "psd", "along")
+    section.needs("psd")
+    word = section.word("psd") or ""
+    along = section.direction("along") or _Z
+    path = here.folder / word
+    return {"base": here.path(word) if path.is_file() else word, "base_along": along}
+
+
+def _place(section: Section, name: str) -> Vector:
+    values = section.vector(name, "length") or (0.0, 0.0, 0.0)
+    return _believable(section, name, values)
+
+
+def _size(section: Section, name: str) -> float | None:
+    value = section.quantity(name, "length")
+    if value is None:
+        return None
+    if not value > 0:
+        raise ReadError(f"{section.where}: {name} = {value:g} m; expected a length > 0")
+    return _believable(section, name, (value, 0.0, 0.0))[0]
+
+
+def _believable(section: Section, name: str, lengths: Vector) -> Vector:
+    """Refuse lengths that no door has: most often millimetres that are called metres."""
+    far = max(map(abs, lengths))
+    if far > LARGEST:
+        raise ReadError(
+            f"{section.where}: {name} reaches {far:g} m; expected at most {LARGEST:g} m: is the "
+            "unit mm?"
+        )
+    return lengths
+
+
+_TABLES: Mapping[str, Callable[[_TableLocation, Any], dict[str, Any]]] = MappingProxyType(
+    {
+        "door": _door,
+        "hinge": _supports("hinge"),
+        "latch": _supports("latch"),
+        "bumper": _supports("bumper"),
+        "seal": _seal,
+        "modes": _modes,
+        "point": _read_points,
+        "body": _body,
+        "base": _base,
+    }
+)
+"""What reads each table; arrays of tables, such as [[hinge]], bear the same name."""

@@ -1,0 +1,155 @@
+"""Reader of the table [closing] of a door file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
+
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Dimension
+from dashpot.extensions.systems.door.closing_setup import (
+    ADIABATIC,
+    DISCHARGE,
+    ISOTHERMAL,
+    Between,
+    Cabin,
+    CheckStrap,
+    ClosingSetup,
+    Latch,
+    Tolerances,
+    Vents,
+)
+from dashpot.reading.toml import Section
+
+T = TypeVar("T")
+_AIR = ("discharge", "process")
+
+
+def closing_of(
+    where: str, entries: Any, width: float | None = None, height: float | None = None
+) -> ClosingSetup:
+    """Return what a table says.
+
+    Parameters
+    ----------
+    where : str
+        How to speak of it.
+    entries : mapping
+    width, height : float, optional
+        Of the door, m.
+
+    Raises
+    ------
+    ReadError
+        If a key is unknown, missing or cannot be.
+    """
+    section = Section(
+        where,
+        entries,
+        ("edge", "inertia", "axis", "start", "friction", "gravity", "check", "latch", "vents",
+         "between", "cabin", "variation"),
+    )  # fmt: skip
+
+    def sub(made: Callable[[Section], T], name: str, *known: str) -> T | None:
+        """Return what a table within makes, if it stands there."""
+        table = section.entries.get(name)
+        return None if table is None else made(Section(f"{where[:-1]}.{name}]", table, known))
+
+    area = width * height if width and height else None
+
+    return ClosingSetup(
+        section.quantity("edge", "length"),
+        section.quantity("inertia", "moment of inertia"),
+        section.direction("axis"),
+        section.quantity("start", "angle"),
+        section.quantity("friction", "torque") or 0.0,
+        section.direction("gravity"),
+        sub(_check, "check", "angle", "moment"),
+        sub(partial(_latch, width), "latch", "travel", "force", "lever", "beyond"),
+        sub(_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
+        sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR),
+        sub(partial(_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR),
+        sub(_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
+    )
+
+
+def _check(table: Section) -> CheckStrap:
+    table.needs("angle", "moment")
+    return CheckStrap(
+        table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
+    )
+
+
+def _latch(width: float | None, table: Section) -> Latch:
+    table.needs("travel", "force")
+    return Latch(
+        table.quantities("travel", "length") or (),
+        table.quantities("force", "force") or (),
+        _or(table, "lever", "length", width),
+        table.quantity("beyond", "length") or 0.0,
+    )
+
+
+def _vents(table: Section) -> Vents:
+    table.needs("width", "hollow", "hole", "spacing")
+    width, hollow, hole, spacing = (
+        table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
+    )
+    if not spacing > 0:
+        raise ReadError(f"{table.where}: spacing = {spacing:g} m; expected a distance > 0")
+    return Vents(*_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
+
+
+def _read_inter_seal_air(table: Section) -> Between:
+    table.needs("width", "depth")
+    width, depth, leak = (
+        table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
+    )
+    return Between(*_air(table), width, depth, leak)
+
+
+def _cabin(width: float | None, area: float | None, table: Section) -> Cabin:
+    table.needs("volume", "opening")
+    return Cabin(
+        *_air(table),
+        table.quantity("volume", "volume") or 0.0,
+        _or(table, "area", "area", area),
+        _or(table, "lever", "length", 0.5 * width if width else None),
+        table.quantity("opening", "area") or 0.0,
+    )
+
+
+def _variation(table: Section) -> Tolerances:
+    doors, seed = table.number("doors"), table.number("seed") or 0.0
+    for name, value in (("doors", doors or 0.0), ("seed", seed)):
+        if value != int(value) or value < 0:
+            raise ReadError(f"{table.where}: {name} = {value:g}; expected a whole number >= 0")
+    return Tolerances(
+        table.quantity("gap", "length") or 0.0,
+        table.quantity("force", "strain") or 0.0,
+        table.quantity("correlation", "length"),
+        Tolerances.count if doors is None else int(doors),
+        int(seed),
+        table.quantity("limit", "velocity"),
+    )
+
+
+def _air(table: Section) -> tuple[float, float]:
+    """Discharge coefficient and exponent."""
+    entries = {"adiabatic": ADIABATIC, "isothermal": ISOTHERMAL}
+    process = table.word("process") or "adiabatic"
+    if process not in entries:
+        raise ReadError(f"{table.where}: process = '{process}'; expected adiabatic or isothermal")
+    discharge = table.number("discharge")
+    return DISCHARGE if discharge is None else discharge, entries[process]
+
+
+def _or(table: Section, name: str, dimension: Dimension, otherwise: float | None) -> float:
+    value = table.quantity(name, dimension)
+    if value is None:
+        value = otherwise
+    if value is None:
+        raise ReadError(f"{table.where}: {name} is missing, and [door] has no width and height")
+    return value

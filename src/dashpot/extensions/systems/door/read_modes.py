@@ -1,0 +1,126 @@
+"""Reader of the modes of a structure: frequencies and shapes at points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Dimension, Quantity, convert_to_si, parse_unit
+from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
+from dashpot.extensions.systems.free_modes import FreeModes
+from dashpot.reading.readers import channels
+from dashpot.reading.table import Column
+
+_NEEDED = ("mode", "frequency", "x", "y", "z")
+_SHAPE = ("ux", "uy", "uz")
+_MORE = ("damping ratio", "modal mass")
+
+
+def read_modes(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    modal_mass: Quantity | None = None,
+    damping: float | None = None,
+) -> FreeModes:
+    """Return the modes in a file: dataset 55 of UFF with its nodes, or a table.
+
+    A table has a row for each point of each mode, with columns mode, frequency [Hz], x, y, z [mm],
+    some of ux, uy, uz (0 where they are missing), and perhaps damping ratio and modal mass [t].
+    Shapes are of that modal mass.
+
+    Parameters
+    ----------
+    path : path
+    unit : str, optional
+        Of the coordinates, where the file does not say.
+    modal_mass : str or float, optional
+        Of every mode, where the file does not say: 1 t for shapes that a code in mm, t and s has
+        normalised, kg.
+    damping : float, optional
+        Damping ratio of every mode, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a column or a unit is missing, or the modes do not share their points.
+    """
+    with channels.open_file(path, None) as file:
+        resolved_columns, loaded = read_named_columns(
+            file,
+            (*_NEEDED, *_SHAPE, *_MORE),
+            needed=[*((name,) for name in _NEEDED), _SHAPE],
+            hint=f"modes are a table of {', '.join(_NEEDED)} and ux, uy, uz, or a UFF file with "
+            "dataset 55",
+        )
+        columns = dict(zip(resolved_columns, loaded.values.T, strict=True))
+
+        def convert_column(name: str, dimension: Dimension, unit: str | None = None) -> FloatArray:
+            advice = 'say it: unit = "mm" in [modes] (Python: unit=)'
+            return convert_column_to_si(
+                resolved_columns[name], columns[name], dimension, unit, advice
+            )
+
+        mass = _masses(resolved_columns, columns, convert_to_si(modal_mass, "mass"))
+        frequency = convert_column("frequency", "frequency", "Hz")
+        place = np.stack([convert_column(axis, "length", unit) for axis in ("x", "y", "z")], axis=1)
+        nil = np.zeros(len(place))
+        shape = np.stack([columns.get(axis, nil) for axis in _SHAPE], axis=1)
+        shape = shape / np.sqrt(mass)[:, None]
+        zeta = columns.get("damping ratio", nil) if damping is None else nil + damping
+        number = columns["mode"]
+        gaps = ~np.isfinite(np.column_stack((number, frequency, place, shape, zeta))).all(axis=1)
+        if gaps.any():
+            raise ReadError(f"{loaded.format_row_position(int(gaps.argmax()))} lacks a number")
+        order = _sort_rows_by_mode(number, place, frequency)
+        of = [f"{name} [{column.unit or '-'}]" for name, column in resolved_columns.items()]
+        return FreeModes(
+            frequency[order[:, 0]],
+            place[order[0]],
+            shape[order],
+            zeta[order[:, 0]],
+            channels.source(file, of, file.table.notes),
+        )
+
+
+def _sort_rows_by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> IndexArray:
+    """Return the rows of each mode, all at the same points, shape (modes, points)."""
+    counts = np.unique(number, return_counts=True)[1]
+    if np.ptp(counts):
+        raise ReadError(
+            f"the modes have {counts.min()} to {counts.max()} points; expected the same points "
+            "in every mode"
+        )
+    order = np.argsort(number, kind="stable").reshape(len(counts), -1)
+    if (place[order] != place[order[0]]).any() or np.ptp(frequency[order], axis=1).any():
+        raise ReadError(
+            "the modes differ in their points, or one mode has two frequencies; write the "
+            "same points in the same order for every mode"
+        )
+    return order
+
+
+def _masses(
+    resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated: float | None
+) -> FloatArray:
+    """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
+    rows = len(columns["mode"])
+    if stated is not None or "modal mass" not in columns:
+        mass = np.full(rows, 1.0 if stated is None else stated)
+    else:
+        provided = columns["modal mass"]
+        if np.isnan(provided).all():
+            return np.ones(rows)
+        unit = resolved_columns["modal mass"].unit
+        if unit is None:
+            raise ReadError(
+                'the modal masses have no unit; say it: modal_mass = "1kg" in [modes] (Python: '
+                "modal_mass=)"
+            )
+        mass = channels.si(provided.copy(), parse_unit(unit, "mass"))
+    if not (mass > 0).all():
+        raise ReadError(f"a modal mass is {np.min(mass):g} kg; expected numbers > 0")
+    return mass

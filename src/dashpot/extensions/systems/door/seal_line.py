@@ -1,0 +1,332 @@
+"""Seal line: its points, joints and compression, divided into stations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import EqualByValue, FloatArray, IndexArray, frozen
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.value_ranges import require_nonnegative
+from dashpot.datamodel.seal_line import SealSection, Stations
+from dashpot.registry import find_handler
+
+CLOSED = 1e-6
+"""Part of its length by which the ends of a line may lie apart, and it is closed."""
+_BENDS = np.cos(np.radians(30.0))
+"""Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
+_ASIDE = 0.01
+"""Sine of the angle of a line and its normal below which the one runs along the other."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Joint of a line, stiffer or softer than its seal: a corner moulding or a splice.
+
+    Attributes
+    ----------
+    at : float
+        Its middle along the line, from the first point, m.
+    length : float
+        m.
+    factor : float
+        Its stiffness per length over that of the seal, >= 0.
+    name : str
+    """
+
+    at: float
+    length: float
+    factor: float
+    name: str = "joint"
+
+
+@dataclass(frozen=True, eq=False)
+class SealLine(EqualByValue):
+    """Seal along a polyline.
+
+    Attributes
+    ----------
+    points : array, shape (n, 3)
+        m; repeat the first at the end to close the line.
+    compression : float or array, shape (n,), optional
+        Of the seal at each point, m, straight between them: its free height less the gap that it
+        fills, so below 0 where it does not reach. None is the compression of its test.
+    section : SealSection or Solid, optional
+        One metre of the seal, N/m per m; without it the line is its geometry.
+    normal : (float, float, float) or array, shape (n, 3) or (n - 1, 3)
+        Direction in which the seal is pressed, of the line, at each point or of each piece
+        between two; need not have length 1.
+    joints : tuple of Joint
+        Where it is stiffer or softer: corners, splices.
+    """
+
+    points: FloatArray
+    compression: FloatArray | None = None
+    section: SealSection | None = None
+    normal: FloatArray = (0.0, 0.0, 1.0)  # type: ignore[assignment]
+    joints: tuple[Joint, ...] = ()
+
+    def __post_init__(self) -> None:
+        points = _points(self.points)
+        object.__setattr__(self, "points", frozen(points))
+        object.__setattr__(self, "normal", frozen(_normals(self.normal, points)))
+        if self.compression is not None:
+            pressed = np.array(self.compression, dtype=float)
+            if pressed.shape not in {(), (len(points),)} or not np.isfinite(pressed).all():
+                raise DataError(
+                    f"the compression of a seal line is one finite number or one for each of its "
+                    f"{len(points)} points; found shape {pressed.shape}"
+                )
+            pressed = np.broadcast_to(pressed, len(points))
+            object.__setattr__(self, "compression", frozen(pressed.copy()))
+        section: Any = self.section
+        if section is not None and not isinstance(section, SealSection):
+            object.__setattr__(self, "section", SealSection(section))
+        object.__setattr__(self, "joints", tuple(self.joints))
+        for joint in self.joints:
+            if not (0 <= joint.at <= self.length and 0 < joint.length <= self.length):
+                raise DataError(
+                    f"{joint.name}, {joint.length:g} m long at {joint.at:g} m, is not on the seal "
+                    f"line of {self.length:.4g} m"
+                )
+            require_nonnegative(f"{joint.name}: ", factor=joint.factor)
+
+    @property
+    def length(self) -> float:
+        """Length along the line, m."""
+        return float(_lengths(self.points).sum())
+
+    @property
+    def closed(self) -> bool:
+        """Whether its last point is its first."""
+        norm = float(np.linalg.norm(self.points[0] - self.points[-1]))
+        return norm <= CLOSED * self.length
+
+    @property
+    def along(self) -> FloatArray:
+        """How far along the line each point lies, m, shape (n,)."""
+        return np.append(0.0, np.cumsum(_lengths(self.points)))
+
+    def normal_at(self, along: FloatArray) -> FloatArray:
+        """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
+        if len(self.normal) < len(self.points):
+            return np.asarray(self.normal[self._piece(along)])
+        field = np.stack([np.interp(along, self.along, item) for item in self.normal.T], axis=-1)
+        return np.asarray(field / np.linalg.norm(field, axis=-1, keepdims=True))
+
+    def stations(self, pitch: Quantity) -> Stations:
+        """Cut the line into cells of two stations, as near to a pitch as divides it evenly.
+
+        No cell reaches over a corner, the end of a straight piece of a cell's length or more, the
+        end of a joint, or where the seal begins to touch: a straight line is summed exactly at any
+        pitch.
+
+        Parameters
+        ----------
+        pitch : str or float
+            Wanted distance of the stations along the line, on average, m: half a cell.
+
+        Raises
+        ------
+        DataError
+            If the pitch does not fit on the line.
+        """
+        wanted, length = convert_to_si(pitch, "length"), self.length
+        if not 0 < wanted <= length:
+            raise DataError(
+                f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "
+                "fits on it"
+            )
+        middle, cell = _cells(self._breaks(2 * wanted), 2 * wanted)
+        at = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
+        normal = self.normal_at(at)
+        runs = np.diff(self.points, axis=0)[self._piece(at)]
+        tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
+        pressed = self.compression
+        return Stations(
+            at,
+            np.stack([np.interp(at, self.along, item) for item in self.points.T], axis=1),
+            normal,
+            tangent / np.linalg.norm(tangent, axis=1)[:, None],
+            np.repeat(0.5 * cell, 2),
+            np.repeat(self._factor(middle), 2),
+            None if pressed is None else np.interp(at, self.along, pressed),
+        )
+
+    def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
+        """Return its :class:`~dashpot.extensions.systems.multibody.Mount` elements, one a station.
+
+        Parameters
+        ----------
+        body, ground : str
+            What it lies between.
+        pitch : str or float
+            Wanted distance of the mounts, m.
+        """
+        return find_handler("mounts", self)(self, body, pitch, ground=ground)
+
+    def _piece(self, along: FloatArray) -> IndexArray:
+        """Between which two points a place lies, by the first of them."""
+        return np.clip(np.searchsorted(self.along, along, "right") - 1, 0, len(self.points) - 2)
+
+    def _breaks(self, cell: float) -> FloatArray:
+        """Return where no cell may reach across, from end to end, m; points of a curve are none."""
+        runs, lengths = np.diff(self.points, axis=0), _lengths(self.points)
+        ways = runs / lengths[:, None]
+        turned = (ways[1:] * ways[:-1]).sum(axis=1) < _BENDS
+        straight = np.maximum(lengths[1:], lengths[:-1]) >= cell
+        corners = self.along[1:-1][turned | straight]
+        ends = [end for first, last, _ in self._joints() for end in (first, last)]
+        inside = [end for end in (*ends, *self._touching()) if 0 < end < self.length]
+        return np.unique(np.concatenate(([0.0, self.length], corners, inside)))
+
+    def _touching(self) -> list[float]:
+        """Return where the seal begins or ends to touch, m along the line."""
+        if self.compression is None:
+            return []
+        first, last = self.compression[:-1], self.compression[1:]
+        crossed = np.flatnonzero(first * last < 0)
+        share = first[crossed] / (first - last)[crossed]
+        values: list[float] = (
+            self.along[crossed] + share * _lengths(self.points)[crossed]
+        ).tolist()
+        return values
+
+    def _joints(self) -> list[tuple[float, float, float]]:
+        """From where to where each joint reaches, m, and its factor; round a closed line again."""
+        rounds = (-self.length, 0.0, self.length) if self.closed else (0.0,)
+        return [
+            (joint.at - joint.length / 2 + turn, joint.at + joint.length / 2 + turn, joint.factor)
+            for joint in self.joints
+            for turn in rounds
+        ]
+
+    def _factor(self, middle: FloatArray) -> FloatArray:
+        """That of the joints that lie there; those that lie one over the other add."""
+        factor = np.ones(len(middle))
+        for first, last, value in self._joints():
+            factor += (value - 1) * ((first < middle) & (middle < last))
+        return np.maximum(factor, 0.0)
+
+
+def _cells(breaks: FloatArray, wanted: float) -> tuple[FloatArray, FloatArray]:
+    """Middle and length, m, of cells between breaks, equal from one to the next."""
+    spans = np.diff(breaks)
+    counts = np.maximum(np.rint(spans / wanted), 1).astype(int)
+    cell = np.repeat(spans / counts, counts)
+    first = np.repeat(breaks[:-1], counts)
+    rank = np.concatenate([np.arange(count) for count in counts])
+    return first + (rank + 0.5) * cell, cell
+
+
+def _points(value: npt.ArrayLike) -> FloatArray:
+    """Points that make a line, or what is wrong with them."""
+    points = np.array(value, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
+        raise DataError(
+            f"a seal line needs at least two points x, y, z; found shape {points.shape}"
+        )
+    if not np.isfinite(points).all():
+        row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
+        raise DataError(f"point {row} of the seal line is not finite: {points[row]}")
+    steps = _lengths(points)
+    if (steps == 0).any():
+        raise DataError(
+            f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
+        )
+    crossing = _first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
+    if crossing is not None:
+        raise DataError(
+            f"the seal line crosses itself: its piece from point {crossing[0]} meets the one "
+            f"from point {crossing[1]}; check the order of the points"
+        )
+    return points
+
+
+def _normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
+    """Unit normals at each point, or of each piece, or what is wrong with them."""
+    normal, count = np.array(value, dtype=float), len(points)
+    if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
+        raise DataError(
+            f"the normal of a seal line is one direction, or one for each of its {count} points "
+            f"or of the pieces between them; found shape {normal.shape}"
+        )
+    pieces = normal.shape == (count - 1, 3)
+    normal = normal if pieces else np.array(np.broadcast_to(normal, (count, 3)))
+    size = np.linalg.norm(normal, axis=1)
+    if not (np.isfinite(size) & (size > 0)).all():
+        raise DataError("the normal of the seal line has no direction")
+    normal /= size[:, None]
+    turned = np.einsum("ij,ij->i", normal[1:], normal[:-1])
+    if (turned < -CLOSED).any():
+        row = int(np.argmin(turned))
+        raise DataError(
+            f"the normals of points {row} and {row + 1} of the seal line stand "
+            f"{np.degrees(np.arccos(np.clip(turned[row], -1, 1))):.3g} deg apart: one of them is "
+            "turned round, or points are missing between them"
+        )
+    _refuse_along(normal if pieces else normal[1:] + normal[:-1], np.diff(points, axis=0))
+    return normal
+
+
+def _refuse_along(normal: FloatArray, runs: FloatArray) -> None:
+    """Refuse a seal that is pressed along its own line."""
+    size = np.linalg.norm(normal, axis=1) * np.linalg.norm(runs, axis=1)
+    sine = np.linalg.norm(np.cross(normal, runs), axis=1) / size
+    row = int(np.argmin(sine))
+    if sine[row] < _ASIDE:
+        x, y, z = (normal[row] / np.linalg.norm(normal[row])).round(4).tolist()
+        raise DataError(
+            f"the seal line runs along its own normal from point {row} to {row + 1}: the normal "
+            f"there is {x:g}, {y:g}, {z:g}; expected the direction in which the seal is pressed, "
+            "square to the line: look at the normal and the axes of the points"
+        )
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    """Of the pieces, m."""
+    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
+
+
+def _first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int] | None:
+    """Return the first two pieces that meet and are not neighbours, by their first points."""
+    pieces = len(points) - 1
+    closed = bool(np.linalg.norm(points[0] - points[-1]) <= nearer_than)
+    low = np.minimum(points[1:], points[:-1]) - nearer_than
+    high = np.maximum(points[1:], points[:-1]) + nearer_than
+    for i in range(pieces):
+        # only pieces whose boxes meet can meet
+        near = (low[i + 2 :] <= high[i]).all(axis=1) & (high[i + 2 :] >= low[i]).all(axis=1)
+        for j in (np.flatnonzero(near) + i + 2).tolist():
+            neighbours = closed and i == 0 and j == pieces - 1
+            if not neighbours and _distance(points[i : i + 2], points[j : j + 2]) < nearer_than:
+                return i, j
+    return None
+
+
+def _distance(first: FloatArray, second: FloatArray) -> float:
+    """Return the distance of two straight pieces, each of shape (2, 3).
+
+    It is that of the lines where both feet of the common normal lie within, else that of an end
+    from the other piece.
+    """
+    a, b, between = first[1] - first[0], second[1] - second[0], second[0] - first[0]
+    normal = np.cross(a, b)
+    square = float(normal @ normal)
+    if square > 0:
+        s = float(np.cross(between, b) @ normal) / square
+        t = float(np.cross(between, a) @ normal) / square
+        if 0 <= s <= 1 and 0 <= t <= 1:
+            return float(np.linalg.norm(between + t * b - s * a))
+    ends = [(point, second) for point in first] + [(point, first) for point in second]
+    return min(_from_piece(point, piece) for point, piece in ends)
+
+
+def _from_piece(point: FloatArray, piece: FloatArray) -> float:
+    along = piece[1] - piece[0]
+    share = np.clip((point - piece[0]) @ along / (along @ along), 0.0, 1.0)
+    return float(np.linalg.norm(point - piece[0] - share * along))

@@ -1,0 +1,141 @@
+"""Vibration of a door on its seal, as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isnan
+
+from dashpot.base.units import convert_to_unit
+from dashpot.extensions.systems.door.mounts import SEAL
+from dashpot.extensions.systems.door.result import DoorResult
+from dashpot.text_output.layout import Text, table
+from dashpot.text_output.results import format_rounded, hertz
+
+_MOST = 9
+"""Number of modes that are listed."""
+_ROUNDING = 1e-9
+"""Of a damping, %."""
+
+
+def door(result: DoorResult, *, every: bool = False) -> Text:
+    """Return the seal line, the modes with what shares them, and what a shaken base does.
+
+    Of many modes those of which the seal has most; `every` tells what each part has of them.
+    """
+    lines = _line(result)
+    if not result.modes:
+        return Text([*lines, f"  no mode in {hertz(result.band)}", *_shaken(result)])
+    parts = list(dict.fromkeys(share.name for mode in result.modes for share in mode.shares))
+    numbers = range(len(result.modes))
+    first = sorted(sorted(numbers, key=lambda i: -result.modes[i].share(SEAL))[:_MOST])
+    lines += table(_rows(result, first, parts if every else []))
+    if len(first) < len(numbers):
+        lines.append(f"  {len(numbers) - len(first)} more modes, of which the seal has less")
+    if every:
+        lines.append("  of each part: % of the energy/% of the loss")
+    lines += _shaken(result)
+    details = table(_rows(result, numbers, [])) if every or len(first) < len(numbers) else []
+    bare = f"{', '.join(format_rounded(f) for f in result.bare)} Hz" if result.bare else "none"
+    details.append(f"  modes without the seal: {bare}")
+    details += table([["% of the energy", *parts], *_shares(result, parts, loss=False)])
+    details += table([["% of the loss", *parts], *_shares(result, parts, loss=True)])
+    return Text(lines, details)
+
+
+def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> list[list[str]]:
+    """Frequency, damping and shares of some modes: of the seal, or of each of the `parts`."""
+    named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "times outside"]
+    rows = [["mode", "Hz", *(("damping, %", *parts) if parts else named)]]
+    for i in numbers:
+        mode = result.modes[i]
+        damped = _format_damping(100 * mode.mode.damping_ratio)
+        bare = "" if mode.without_seal is None else format_rounded(mode.without_seal, digits=5)
+        cells = [
+            bare, damped, f"{100 * mode.share(SEAL):.3f}", f"{100 * mode.loss_share(SEAL):.1f}",
+            _format_extrapolation_factor(result, mode.mode.frequency),
+        ]  # fmt: skip
+        if parts:
+            both = ((mode.share(name), mode.loss_share(name)) for name in parts)
+            cells = [damped, *("/".join(_part(100 * part) for part in values) for values in both)]
+        rows.append([str(i + 1), format_rounded(mode.mode.frequency, digits=5), *cells])
+    return rows
+
+
+def _part(value: float) -> str:
+    """Return a share, %: to a tenth below ten."""
+    return f"{value:.1f}" if value < 10 else f"{value:.0f}"
+
+
+def _format_damping(value: float) -> str:
+    """Return a damping; what is rounding is none."""
+    return format_rounded(value, digits=3) if value > _ROUNDING else "0"
+
+
+def _format_extrapolation_factor(result: DoorResult, frequency: float) -> str:
+    """By what factor a frequency lies outside what the test of the seal informs."""
+    factor = result.beyond(frequency)
+    return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
+
+
+def _shares(result: DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
+    rows = []
+    for number, mode in enumerate(result.modes, start=1):
+        entries = {share.name: share.loss if loss else share.energy for share in mode.shares}
+        whole = sum(entries.values()) or 1.0
+        rows.append(
+            [str(number), *(f"{100 * entries.get(name, 0.0) / whole:.2f}" for name in parts)]
+        )
+    return rows
+
+
+def _line(result: DoorResult) -> list[str]:
+    seal = result.seal
+    if seal is None:
+        return ["  no seal"]
+    closed = "closed" if seal.line.closed else "open"
+    count, stiffness = seal.stations, format_rounded(convert_to_unit(seal.stiffness, "N/mm"))
+    length = format_rounded(seal.line.length)
+    sentences = [
+        f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"
+    ]
+    if seal.fit is not None:
+        sentences[0] += f"; valid band {hertz(seal.fit.band)}"
+    across, along = (format_rounded(convert_to_unit(sideway, "N/mm")) for sideway in seal.sideways)
+    if seal.section.shear.holds:
+        sentences.append(
+            f"  sideways {across} N/mm across the line and {along} N/mm along it in all"
+        )
+    if seal.sticks is not None:
+        sentences.append(
+            "  its friction sticks sideways up to "
+            f"{format_rounded(convert_to_unit(seal.sticks, 'mm'), digits=3)} "
+            "mm; the modes are of a seal that sticks"
+        )
+    if seal.compression is not None and seal.force is not None:
+        least, mean, most = (
+            format_rounded(convert_to_unit(value, "mm"), digits=3) for value in seal.compression
+        )
+        sentences.append(
+            f"  compressed by {least} to {most} mm (mean {mean}); {format_rounded(seal.force)} N "
+            "in all "
+            "after relaxation"
+        )
+    return sentences
+
+
+def _shaken(result: DoorResult) -> list[str]:
+    if not result.shaken:
+        return []
+    rows = [["base shakes: rms", "m/s^2", "mm to the body", "without seal, m/s^2", "mm"]]
+    for response in result.shaken:
+        bare = response.bare
+        rows.append(
+            [
+                response.name,
+                format_rounded(response.sealed.acceleration),
+                format_rounded(convert_to_unit(response.sealed.stretch, "mm")),
+                "not damped" if bare is None else format_rounded(bare.acceleration),
+                "" if bare is None else format_rounded(convert_to_unit(bare.stretch, "mm")),
+            ]
+        )
+    return table(rows)

@@ -1,0 +1,68 @@
+"""Response of a mass on seals, and of a multibody system, to a given base spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from dashpot.datamodel.bounds import FRFBounds
+from dashpot.datamodel.random_response import RandomResponse
+from dashpot.extensions.systems.base_response import random_base, random_limits, random_response
+from dashpot.extensions.systems.multibody import Point, System, Vector
+from dashpot.extensions.systems.read_psd import read_psd
+from dashpot.workflow.frf_prediction import MountedMass, ShakenMass
+
+
+def shake_mass(on: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | None) -> ShakenMass:
+    """Return what a base that shakes at random does to a mass on seals, and at most.
+
+    Parameters
+    ----------
+    on : MountedMass
+    psd : str
+        A file, or a word such as ``"0.01g^2/Hz"``.
+    bounded : callable or None
+        What bounds the FRF by the relaxation tests.
+    """
+    base = read_psd(psd)
+    f, mass, coupled = base.frequency, on.load.mass, on.load.coupled
+    how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
+    response, limits = random_base(on.solid, mass=mass, **how), None
+    if bounded is not None:
+        limits = random_limits(
+            on.solid,
+            lambda at, kind: bounded(frequency=at, kind=kind).unseen,
+            mass=mass,
+            **how,
+        )
+    if f is None:
+        return ShakenMass(response, "white noise", None, limits)
+    return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
+
+
+def shake_system(
+    psd: str, *, base: str, along: Vector
+) -> Callable[[System, Point], RandomResponse]:
+    """Return what gives the response at a place of a system whose ground shakes along a direction.
+
+    Parameters
+    ----------
+    psd : str
+        A file, or a word such as ``"0.01g^2/Hz"``.
+    base : str
+        The ground.
+    along : (float, float, float)
+    """
+    noise = read_psd(psd)
+
+    def respond(system: System, place: Point) -> RandomResponse:
+        return random_response(
+            system,
+            response=place,
+            psd=noise.density,
+            frequency=noise.frequency,
+            base=base,
+            along=along,
+        )
+
+    return respond

@@ -1,1 +1,0 @@
-"""Systems of rigid bodies on mounts: FRFs, state space, modes, response in time."""
