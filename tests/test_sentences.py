@@ -275,7 +275,7 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
 
 def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
     apart = Check("tests_agree", False, "the seals are 15 % stiffer", grade="stop")
-    follows = Check("mass_believable", False, "the mass is off", grade="stop")
+    follows = Check("mass_plausible", False, "the mass is off", grade="stop")
     study = handmade.study()
     joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(apart, follows)))
     assert replace(study, joint=joint).verdict.says.startswith("The seals are 15 % stiffer")

@@ -116,7 +116,7 @@ def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     found = fit_tests(prepared(clean + wave), arms=2)
     assert found.residual.rms > 0.4
     assert found.verdict.use == "do not use"
-    assert "force_followed" in {check.name for check in found.verdict.because}
+    assert "force_residual_small" in {check.name for check in found.verdict.because}
     assert not found.ok
 
 
@@ -135,7 +135,7 @@ def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> 
     assert 0.9 * flowing.relaxation(4.0) < low < flowing.relaxation(4.0) < high
     assert high < 1.1 * flowing.relaxation(4.0)
     # of an arm of 60 s a hold of 4 s shows the loss nowhere: the stiffness alone is known
-    assert {check.name for check in found.verdict.because} == {"loss_factor_known"}
+    assert {check.name for check in found.verdict.because} == {"loss_factor_determined"}
     assert found.band[0] > 0.03  # not at rest
     outside = {check.name for check in found.checks if check.passed is False}
     assert {"hold_long_enough", "k_inf_positive"} <= outside
@@ -179,7 +179,7 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     bench = simulate_relaxation(PAPER, hold_time=10.0, seed=1).test
     found = characterise(bench, block=BlockOnSeals(PAPER_MASS, 2)).verdict
     assert found.use == "use with care"
-    assert [check.name for check in found.because] == ["prediction_informed"]
+    assert [check.name for check in found.because] == ["prediction_in_valid_band"]
     assert "Measure it with a hammer" in found.says
 
 

@@ -72,7 +72,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/amplitude/fit_files.py": ("fit",),
     "extensions/amplitude/amplitude_response.py": ("predict",),
     "extensions/amplitude/preloaded_response.py": ("predict",),
-    "workflow/checks.py:base_band_informed": ("predict",),
+    "workflow/checks.py:base_band_in_valid_band": ("predict",),
     "extensions/materials/rod/app_form.py": ("fit",),
     "extensions/materials/rod/fit_files.py": ("fit",),
     "workflow/fit_routing.py": ("fit",),

@@ -355,7 +355,7 @@ def test_strict_predict_heeds_extrapolation(fit_file):
     outside = strict("predict", narrowed(fit_file, (0.004, 0.32)), *words)
     assert outside.exit_code == 1
     assert outside.stdout.startswith("Use with care: the damping at 12.9 Hz is not known.")
-    assert "prediction_informed" in outside.stdout
+    assert "prediction_in_valid_band" in outside.stdout
 
 
 def test_strict_predict_heeds_the_fit_behind_it(fit_file):

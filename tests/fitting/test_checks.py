@@ -195,12 +195,12 @@ def test_a_seal_that_flows_has_no_equilibrium() -> None:
 
 
 def test_a_curve_left_in_the_residuals(test: RampHold) -> None:
-    check = named(fit(test, arms=1), "residuals_random")
+    check = named(fit(test, arms=1), "residuals_white")
     assert check.failed
     assert "The model misses part of the curve" in check.says
     smooth = np.convolve(np.random.default_rng(1).standard_normal(len(test.time) + 80), np.ones(81))
     filtered = replace(test, force=test.force + 1e-3 * smooth[80:-80], force_noise=1e-2)
-    assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_random").says
+    assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_white").says
 
 
 def test_slow_wandering_cannot_be_told_from_an_arm(test: RampHold) -> None:
@@ -214,7 +214,7 @@ def test_slow_wandering_cannot_be_told_from_an_arm(test: RampHold) -> None:
 
 
 def test_what_a_step_would_have_made_of_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
-    check = named(fit(record_of(paper_seal, noise=0.0), arms=2), "step_bias")
+    check = named(fit(record_of(paper_seal, noise=0.0), arms=2), "ramp_accounted_for")
     assert check.passed
     assert check.value == pytest.approx(-0.5664, abs=1e-4)
     assert "k_1 by -57 %, k_2 by -3 %" in check.says
@@ -230,13 +230,13 @@ def test_an_arm_lost_in_the_ramp() -> None:
 def test_drift_that_hides_a_slow_arm() -> None:
     slow = GeneralizedMaxwell(180.0, (15.0,), (35.0,))
     loose = replace(record_of(slow, noise=2e-2), machine=Machine(drift=1.0))
-    check = named(fit(loose, arms=1), "drift_told_from_arm")
+    check = named(fit(loose, arms=1), "drift_distinguished_from_arm")
     assert check.failed
     assert "Record a longer baseline before contact" in check.told
     # eq. 5 has no ramp to tell them apart either
-    assert named(fit(loose, arms=1, method="hold"), "drift_told_from_arm").failed
+    assert named(fit(loose, arms=1, method="hold"), "drift_distinguished_from_arm").failed
     alone = fit(record_of(slow), arms=1, method="hold", nuisance=())
-    without = named(alone, "drift_told_from_arm")
+    without = named(alone, "drift_distinguished_from_arm")
     assert without.passed is None
     assert "No drift is fitted" in without.says
 
@@ -281,12 +281,12 @@ def test_the_worst_of_several_tests_speaks(test: RampHold, paper_seal: Generaliz
 def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> None:
     noise = np.random.default_rng(3).standard_normal(len(test.time))
     found = fit(replace(test, force=noise, force_noise=1.0))
-    check = named(found, "frequencies_informed")
+    check = named(found, "valid_band_exists")
     assert check.failed
     assert "Reduce the noise, press deeper, or hold longer." in check.told
     assert found.band[0] == found.band[1]
     whole = fit(test)
     assert (
         f"The valid band of this test is {whole.band[0]:.2g} to 0.32 Hz"
-        in named(whole, "frequencies_informed").says
+        in named(whole, "valid_band_exists").says
     )

@@ -408,7 +408,7 @@ def test_noise_and_slow_sampling_narrow_the_band(paper_seal: GeneralizedMaxwell)
     clean = fit(ideal(paper_seal, ramp=0.1, noise=2e-3), arms=2).band
     noisy = fit(ideal(paper_seal, ramp=0.1, noise=0.5), arms=1)
     assert noisy.band[1] < 0.5 * clean[1]
-    assert "loss_factor_known" in {check.name for check in noisy.checks if check.failed}
+    assert "loss_factor_determined" in {check.name for check in noisy.checks if check.failed}
     coarse = fit(ideal(paper_seal, ramp=0.1, rate=4.0, noise=2e-3), arms=2).band
     assert coarse[1] < clean[1]
 

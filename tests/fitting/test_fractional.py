@@ -113,7 +113,7 @@ def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
     # they put the loss at a resonance far lower, which the record cannot contradict
     assert other.solid.loss(omega=RESONANCE) < 0.75 * found.solid.loss(omega=RESONANCE)
     assert 0.3 < other.parts_at < 12.71
-    check = next(one for one in found.checks if one.name == "families_told_apart")
+    check = next(one for one in found.checks if one.name == "model_families_distinguished")
     assert check.failed
     assert check.says == other.says
     # the verdict says it in short
@@ -127,7 +127,7 @@ def test_a_seal_of_arms_keeps_them(seal) -> None:
     assert found.family == "maxwell"
     assert found.alternative.family == "fractional"
     assert not found.alternative.explains
-    assert not any(one.failed for one in found.checks if one.name == "families_told_apart")
+    assert not any(one.failed for one in found.checks if one.name == "model_families_distinguished")
 
 
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "linear"])
@@ -146,7 +146,7 @@ def test_where_noise_remembers_the_arms_are_told_all_the_same() -> None:
     assert found.solid.loss(omega=RESONANCE) == pytest.approx(true.imag, rel=0.15)
     assert (found.alternative.family, found.alternative.explains) == ("maxwell", True)
     assert found.verdict.use == "use with care"
-    assert any(one.name == "families_told_apart" and one.failed for one in found.checks)
+    assert any(one.name == "model_families_distinguished" and one.failed for one in found.checks)
 
 
 @pytest.mark.parametrize("name", ["late 1 ms", "late 5 ms", "hum", "drift", "compliance"])
@@ -162,7 +162,7 @@ def test_a_fractional_solid_that_arms_contradict_says_so() -> None:
     assert found.family == "fractional"
     assert found.verdict.use == "do not use"
     failed = {one.name for one in found.checks if one.failed}
-    assert {"element_explains", "residuals_steady"} <= failed
+    assert {"fractional_model_suffices", "residuals_steady"} <= failed
     assert found.alternative.explains
 
 
@@ -505,7 +505,7 @@ def test_an_element_that_the_hammer_contradicts_says_so() -> None:
     frf = estimate_frf(impact_test(strike(seal, seed=3, **RIG)))
     forced = identify(frf, tests=pressed(seal), family="fractional", **RIG)
     assert forced.verdict.use == "do not use"
-    assert any(one.name == "element_explains" and one.failed for one in forced.checks)
+    assert any(one.name == "fractional_model_suffices" and one.failed for one in forced.checks)
     assert forced.alternative.explains
 
 

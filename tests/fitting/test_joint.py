@@ -147,7 +147,9 @@ def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold)
     assert found.model.loss_factor(omega=omega) == pytest.approx(
         BROAD.loss_factor(omega=omega), rel=0.03
     )
-    assembled = [check for check in found.checks if check.name == "relaxation_still_explained"]
+    assembled = [
+        check for check in found.checks if check.name == "hammer_agrees_with_relaxation_test"
+    ]
     assert len(assembled) == 2
     assert all(check.passed for check in assembled)
 

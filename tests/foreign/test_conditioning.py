@@ -154,7 +154,7 @@ def test_a_second_depth_of_one_record_is_a_depth_of_its_own(rest: float) -> None
     assert [at.depth for at in found.by_depth] == pytest.approx([4e-3, 8e-3], rel=2e-3)
     assert [at.k_inf for at in found.by_depth] == pytest.approx([200.0, 200.0], rel=0.05)
     # what the second still remembers of the first is said
-    assert ("history_forgotten" in found.verdict.reasons) == (rest < 100)
+    assert ("earlier_loading_negligible" in found.verdict.reasons) == (rest < 100)
 
 
 @pytest.mark.parametrize(

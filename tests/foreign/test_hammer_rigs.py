@@ -98,7 +98,7 @@ def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
 def test_honest_channels_have_none(seed, rig, tmp_path):
     frf = dp.read(written(struck(seed, rig), tmp_path)).frf()
     assert frf.shift == 0
-    assert "window_known" not in {check.name for check in frf.checks if check.failed}
+    assert "window_decay_determined" not in {check.name for check in frf.checks if check.failed}
 
 
 @pytest.mark.parametrize("step", [0.5, 1.0])
@@ -108,7 +108,7 @@ def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
     found = solid_of(hits, record)
     assert found.verdict.use != "use"
     assert dp.fit(hits).verdict.use != "use"
-    (check,) = [one for one in found.checks if one.name == "window_known"]
+    (check,) = [one for one in found.checks if one.name == "window_decay_determined"]
     assert check.failed
     assert "window" in check.says
 

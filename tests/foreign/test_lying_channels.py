@@ -71,7 +71,7 @@ def test_a_force_that_is_renewed_at_a_slow_rate_is_no_use():
 
 @pytest.mark.parametrize("rig", [name for name in LYING if "frozen" in name and "ramp" not in name])
 def test_the_check_names_the_channel(rig):
-    check = checked(fitted(rig)[1], "readings_renewed")
+    check = checked(fitted(rig)[1], "readings_not_repeated")
     assert check.failed
     channel = "displacement" if rig.startswith("displacement") else "force"
     assert check.says.startswith(f"The {channel} has one and the same value for ")
@@ -81,7 +81,7 @@ def test_the_check_names_the_channel(rig):
 @pytest.mark.parametrize("rig", HONEST)
 def test_coarse_counts_and_simulations_without_noise_are_sound(rig, truth):
     made, found = fitted(rig, truth)
-    assert checked(found, "readings_renewed").value == 0
+    assert checked(found, "readings_not_repeated").value == 0
     assert found.verdict.use == "use"
     # limits count noise: of a record that has none they are of the order of what arms may miss
     assert rig == "without noise" or limits_hold(made, found, found.end_of_hold.time)
@@ -98,7 +98,7 @@ def test_freezes_of_any_length_are_found_at_usual_rates(noise, rate, seconds):
     )
     made = read(Seal(TABLE_1), protocol_of(TABLE_1), rig, seed=1, name="frozen")
     test = dp.RelaxationTest(made.time, made.displacement, made.force, units="SI")
-    check = checked(prepare(test), "readings_renewed")
+    check = checked(prepare(test), "readings_not_repeated")
     assert check.failed
     # from .3 of the hold of 40 s on, which begins at 2 s
     first = float(check.says.partition("from ")[2].split()[0])

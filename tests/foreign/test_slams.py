@@ -52,7 +52,7 @@ SHAPES = {
 )  # fmt: skip
 def test_what_a_piece_or_a_sensor_adds_is_marked(way: str) -> None:
     found = fitted(slam_set(way, 2), 2, known=False)
-    (check,) = [one for one in found.checks if one.name == "slams_without_more"]
+    (check,) = [one for one in found.checks if one.name == "slam_residual_structureless"]
     assert check.passed is (way == "")
     assert (found.verdict.use == "use") is (way == "")
     if way:

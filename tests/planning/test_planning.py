@@ -300,8 +300,8 @@ def test_user_story_4() -> None:
     assert "fit both together" in words
     assert "6.86 s (44.4 s if no arm of the seal damps there) instead of 4 s" in words
     assert {c.name: c.passed for c in told.checks} == {
-        "loss_factor_known": False,
-        "inside_identified_band": False,
+        "loss_factor_determined": False,
+        "inside_valid_band": False,
         "record_long_enough": False,
         "tip_excites": True,
     }

@@ -498,8 +498,8 @@ def test_a_force_that_does_not_answer_is_refused(raw: RelaxationTest):
 
 def test_a_load_cell_too_large_is_told(raw: RelaxationTest):
     found = prepare(raw, force_range=70.0)
-    assert failed(found) == ["range_used"]
-    assert "3 % of the load cell's 70 N" in check(found, "range_used").says
+    assert failed(found) == ["load_cell_range_used"]
+    assert "3 % of the load cell's 70 N" in check(found, "load_cell_range_used").says
     assert failed(prepare(raw, force_range=10.0)) == []
     with pytest.raises(DataError, match=r"force_range = 0.*expected a number > 0"):
         prepare(raw, force_range=0.0)

@@ -173,7 +173,7 @@ def held_in(page: str) -> dict[str, str]:
     }
 
 
-DENSE = Check("few_arms_suffice", False, "No number of arms up to 6 follows.", grade="note")
+DENSE = Check("few_arms_sufficient", False, "No number of arms up to 6 follows.", grade="note")
 EXPORTED = {
     "a seal": (lambda: S.fit, ["fit.json", "solid.bdf", "solid.inp"]),
     "a material": (lambda: altered(S.fit, unit="Pa"), ["fit.json", "solid.inp"]),
@@ -216,7 +216,7 @@ def test_a_deck_of_a_page_is_what_its_command_writes_of_the_document_beside_it(n
 
 
 def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer_than_it():
-    grave = Check("mass_line", False, "The mass is another.", grade="stop")
+    grave = Check("high_frequency_mass_agrees", False, "The mass is another.", grade="stop")
     found = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.at_rest)
     (name,) = [one for one in held_in(html(found)) if one not in {"numbers.json"}]
     kept = from_json(held_in(html(found))[name])

@@ -411,7 +411,7 @@ def test_what_is_shown_of_the_solid_is_the_recommended_one(whole, sketch):
 
 def test_a_note_on_a_solid_that_is_not_recommended_stands_in_the_list_alone(sketch):
     note = Check("fast_arm_visible", False, "The fastest arm is too fast.", grade="note")
-    limit = Check("k_inf_known", False, "The plateau is not known.")
+    limit = Check("k_end_determined", False, "The plateau is not known.")
     study = replace(S, fit=altered(S.fit, checks=(*S.fit.checks, note, limit)))
 
     def first(of) -> str:
@@ -612,7 +612,7 @@ def test_an_inferred_mass_is_called_inferred(sketch):
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):
-    bad = Check("force_followed", False, "The model misses the force.", grade="stop")
+    bad = Check("force_residual_small", False, "The model misses the force.", grade="stop")
     lame = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(bad,))
     text = sketch(replace(handmade.bench_only(), fit=lame))
     told = text.index("Do not use The model misses the force.")

@@ -300,16 +300,16 @@ class TestCommand:
     def test_a_peak_beyond_the_sweep_is_said_first(self, dma):
         words = ["predict", dma, "--mass", "10g", "--resonance-mass", "10g", "--base"]
         # the sweep ended before its plateau: within it that comes first
-        for hz, first in (("900Hz", "plateau_told"), ("1100Hz", "prediction_informed")):
+        for hz, first in (("900Hz", "plateau_determined"), ("1100Hz", "prediction_in_valid_band")):
             asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
             said = told(*asked)["verdict"]
             assert said["because"][0] == first
-            assert ("prediction_informed" in said["because"]) == (hz == "1100Hz")
+            assert ("prediction_in_valid_band" in said["because"]) == (hz == "1100Hz")
             first_line = (
                 f"{said['use'].capitalize()}: {said['says'][0].lower()}{said['says'][1:50]}"
             )
             assert ran(*asked).stdout.startswith(first_line)
-        assert said["because"][0] == "prediction_informed"
+        assert said["because"][0] == "prediction_in_valid_band"
 
     @pytest.mark.parametrize(
         ("words", "says"),

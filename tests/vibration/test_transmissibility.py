@@ -305,7 +305,7 @@ def test_a_sound_transmissibility_is_never_taken_for_another(eta, ends):
         odd = gain * np.exp(1j * np.radians(turn))
         z = np.random.default_rng(seed).normal(size=(2, len(f)))
         T = lossy(eta, f) * odd * (1 + 0.007 * (z[0] + 1j * z[1]))
-        assert [one.name for one in first_words(T, f).because] == ["scatter_known"]
+        assert [one.name for one in first_words(T, f).because] == ["line_errors_stated"]
 
 
 @pytest.mark.parametrize("eta", ETA)

@@ -18,7 +18,7 @@ from dashpot.workflow.recommendation import recommendation
 
 S = handmade.study()
 ALONE = replace(S, joint=None, joint_prediction=None, joint_comparison=None)
-STOP = Check("force_followed", False, "The model misses the force.", grade="stop")
+STOP = Check("force_residual_small", False, "The model misses the force.", grade="stop")
 
 
 def by_name(answers):

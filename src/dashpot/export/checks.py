@@ -6,7 +6,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 
 
 @criterion("rows outside the band", "<=", 0, "the band of the fit")
-def rows_informed(outside: int, rows: int, low: float, high: float) -> Finding:
+def rows_in_valid_band(outside: int, rows: int, low: float, high: float) -> Finding:
     """Every row of a deck's table lies where the test informs the solid."""
     return Finding(
         f"All {rows} rows of this deck lie in the valid band of the fit",
@@ -18,7 +18,7 @@ def rows_informed(outside: int, rows: int, low: float, high: float) -> Finding:
 
 
 @criterion("nominal frequencies outside the band", "<=", 0, "the band of the fit")
-def nominal_informed(outside: int, frequency: float) -> Finding:
+def nominal_in_valid_band(outside: int, frequency: float) -> Finding:
     """The one frequency whose stiffness a deck holds lies where the test informs the solid."""
     return Finding(
         f"The stiffness of this deck is that at {frequency:.6g} Hz, in the valid band of the fit",

@@ -19,7 +19,7 @@ from dashpot.base.version import byline
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
-from dashpot.export.checks import nominal_informed, rows_informed
+from dashpot.export.checks import nominal_in_valid_band, rows_in_valid_band
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text
 from dashpot.solids.elastic import ElasticLaw
@@ -457,12 +457,12 @@ class Deck:
         """Whether the test, if there is one, informs every row of a table, and what is nominal."""
         checks: list[Check] = []
         if nominal is not None and self.band is not None:
-            checks.append(nominal_informed(self.extrapolated(nominal), nominal))
+            checks.append(nominal_in_valid_band(self.extrapolated(nominal), nominal))
         if table is not None and self.band is not None:
             f = table.frequency.tolist()
             outside = [item for item in f if self.extrapolated(item)]
             checks.append(
-                rows_informed(len(outside), len(f), *((outside or f)[i] for i in (0, -1)))
+                rows_in_valid_band(len(outside), len(f), *((outside or f)[i] for i in (0, -1)))
             )
         return tuple(checks)
 

@@ -312,4 +312,4 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
 
 def _dense(fit: Fit) -> bool:
     """Return whether its arms are a table of a spectrum, of which none has an error of its own."""
-    return any(check.name == "few_arms_suffice" and check.failed for check in fit.checks)
+    return any(check.name == "few_arms_sufficient" and check.failed for check in fit.checks)

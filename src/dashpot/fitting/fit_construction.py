@@ -29,20 +29,20 @@ from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.fitting.checks.relaxation import (
     arms_where_force_relaxes,
     fast_arm_visible,
-    force_followed,
+    force_residual_small,
     hold_long_enough,
-    k_inf_known,
+    k_end_determined,
     k_inf_positive,
+    ramp_accounted_for,
     record_window,
     residuals_steady,
     same_specimen,
-    step_bias,
 )
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
-    loss_factor_known,
-    residuals_random,
+    loss_factor_determined,
+    residuals_white,
     tau_inside_window,
     uncertainty_estimated,
 )
@@ -134,7 +134,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
     band, error = find_loss_factor_band(errors, fit.band, {line: errors(line) for line in lines})
     checks = fit.checks
     if error.largest[1] > WELL_KNOWN:
-        checks = (*checks, loss_factor_known(error))
+        checks = (*checks, loss_factor_determined(error))
     return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 
 
@@ -290,10 +290,10 @@ def run_solid_checks(
     return [
         *(_check_arms(model, error, window, needed=needed) if in_arms else ()),
         k_inf_positive(model, float(error[0]), end),
-        k_inf_known(model, float(error[0]), records, end),
+        k_end_determined(model, float(error[0]), records, end),
         select_gravest_check(arms_where_force_relaxes(solid, record) for solid, record in pairs),
-        select_gravest_check(map(force_followed, records, residuals.every)),
-        residuals_random(
+        select_gravest_check(map(force_residual_small, records, residuals.every)),
+        residuals_white(
             residuals.kappa, residuals.rms, max(record.force_noise for record in records)
         ),
         *(_check_fast_arms(records, model, error) if in_arms and not solids else ()),
@@ -322,7 +322,7 @@ def _check_fast_arms(
     records: Sequence[RampHold], model: GeneralizedMaxwell, error: FloatArray
 ) -> tuple[Check, ...]:
     return (
-        step_bias(model, records),
+        ramp_accounted_for(model, records),
         fast_arm_visible(model, records, error=_compute_fastest_error(model, error)),
     )
 

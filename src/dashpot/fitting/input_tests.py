@@ -16,7 +16,7 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.nuisance_priors import priors
-from dashpot.preprocessing.checks import history_forgotten
+from dashpot.preprocessing.checks import earlier_loading_negligible
 from dashpot.preprocessing.prepare import prepare
 
 # Ramps and holds of the given tests.
@@ -89,7 +89,7 @@ def _isolate_loading(record: RampHold) -> RampHold:
         ratio = face / record.depth
         way = np.maximum(last.plate - face, 0.0) / (1 - ratio)
         last = replace(last, displacement=way, plate=None)
-    return replace(last, checks=(*record.checks, history_forgotten(ratio)))
+    return replace(last, checks=(*record.checks, earlier_loading_negligible(ratio)))
 
 
 def _prepare_test(test: object) -> RampHold:

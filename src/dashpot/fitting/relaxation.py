@@ -33,9 +33,9 @@ from dashpot.fitting.admissible_spectra import (
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
     arms_enough,
-    frequencies_informed,
-    loss_factor_known,
+    loss_factor_determined,
     order_agreed,
+    valid_band_exists,
 )
 from dashpot.fitting.fit_construction import (
     UNJUDGED,
@@ -495,8 +495,8 @@ def _build_linear_fit(
                 *_checks(late, selection, design, end),
                 *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
                 *both.checks(other),
-                frequencies_informed(band),
-                loss_factor_known(error),
+                valid_band_exists(band),
+                loss_factor_determined(error),
             ),
             end_of_hold=end,
             alternative=other,
@@ -584,7 +584,7 @@ def _checks(
     ]
     if in_arms:
         slow = _drift_correlation(estimate)
-        answers.append(checks.drift_told_from_arm(model, slow, float(error[-1])))
+        answers.append(checks.drift_distinguished_from_arm(model, slow, float(error[-1])))
     answers += _load_cells(late, selection, end)
     if choice is not None:
         answers.append(order_agreed(choice))
@@ -623,8 +623,8 @@ def _load_cells(
 
     inf = np.inf if end is None else end.beyond
     answers = [
-        ramp_checks.offset_believable(away("offset")),
-        ramp_checks.drift_believable(away("drift"), inf),
+        ramp_checks.offset_plausible(away("offset")),
+        ramp_checks.drift_plausible(away("drift"), inf),
     ]
     late = [
         (value(name), estimate.standard_error(name), priors(record).delay.sd)

@@ -8,7 +8,7 @@ from dashpot.planning.expected_errors import Pulse, RecordNeed
 
 
 @criterion("standard deviation / loss factor", "<=", source="what is wanted, 0.1 by default")
-def loss_factor_known(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
+def loss_factor_determined(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
     """The loss factor would be known well enough."""
     return Finding(
         f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)}; "
@@ -21,7 +21,7 @@ def loss_factor_known(sd: float, at: float, wanted: float, *, remedy: str = "") 
 
 
 @criterion("frequency, Hz", source="within 1/(2 pi hold) to 1/(pi ramp)")
-def inside_identified_band(at: float, band: tuple[float, float]) -> Finding:
+def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
     """The frequency that matters lies in what the relaxation test informs."""
     inside = band[0] <= at <= band[1]
     return Finding(

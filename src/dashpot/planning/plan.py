@@ -455,8 +455,8 @@ def _checks(
     todo: str,
 ) -> tuple[Check, ...]:
     new_checks = [
-        checks.loss_factor_known(expected.loss_factor_sd, at, wanted, remedy=todo),
-        checks.inside_identified_band(at, band),
+        checks.loss_factor_determined(expected.loss_factor_sd, at, wanted, remedy=todo),
+        checks.inside_valid_band(at, band),
     ]
     if need.record is not None and need.peak_error is not None:
         new_checks.append(checks.record_long_enough(need))

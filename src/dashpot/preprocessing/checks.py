@@ -289,7 +289,7 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
 @criterion(
     "of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp shows"
 )
-def history_forgotten(value: float) -> Finding:
+def earlier_loading_negligible(value: float) -> Finding:
     """What a loading remembers of those before it is too little to matter.
 
     `value` is what the seal has not recovered when its ramp begins, of its depth or of its force.
@@ -444,7 +444,7 @@ def spikes_absent(test: RampHold) -> Finding:
     "our choice: a shorter stretch moves no stiffness",
     otherwise=f"stop if the force stands for more than {GROSSLY_FROZEN}",
 )
-def readings_renewed(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
+def readings_not_repeated(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
     """Both channels are read anew from sample to sample of the hold.
 
     Parameters
@@ -571,7 +571,7 @@ def columns_plausible(test: RampHold) -> Finding:
 
 
 @criterion("peak / full scale", ">=", 0.05, grade="note")
-def range_used(peak: float, full_scale: float) -> Finding:
+def load_cell_range_used(peak: float, full_scale: float) -> Finding:
     """The test uses the range of the load cell."""
     share = peak / full_scale
     return Finding(

@@ -203,7 +203,7 @@ def prepare(
             checks.samples_unbroken(last),
             checks.clock_steady(last, _clock(test.time, motion, hold_end)),
             checks.spikes_absent(last),
-            checks.readings_renewed(last, test.force[raw], test.displacement[raw]),
+            checks.readings_not_repeated(last, test.force[raw], test.displacement[raw]),
             checks.columns_plausible(last),
             checks.motion_resolved(last),
             checks.motion_measured(last),
@@ -214,7 +214,7 @@ def prepare(
     if judged:
         answers += _check_history(record, motion, earlier, past)
     if judged and force_range is not None:
-        answers.append(checks.range_used(rise, force_range))
+        answers.append(checks.load_cell_range_used(rise, force_range))
     steps = [
         _make_orientation_step(motion.sign, turn),
         _make_segments_step(motion, record),

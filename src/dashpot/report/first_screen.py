@@ -166,7 +166,7 @@ def _stiffness_light(study: Study, recommendation: Recommendation, held: Compari
     return Light("Stiffness", mark, f"{'agrees' if mark in _FINE else 'misses'}, {text}")
 
 
-_STIFF = {"tests_agree", "stiffness_believable", "mass_believable"}
+_STIFF = {"tests_agree", "stiffness_plausible", "mass_plausible"}
 _FINE = {"good", "note"}
 
 

@@ -45,7 +45,7 @@ from dashpot.workflow.measured_frf import Modes
 # Pages of FRFs: measured, predicted, and both compared.
 
 
-_PEAK = frozenset({"prediction_informed", "seal_mass_negligible", "mass_of_a_block"})
+_PEAK = frozenset({"prediction_in_valid_band", "seal_mass_negligible", "mass_of_a_block"})
 _RESONANCE = frozenset({
     "resonance", "record_long_enough", "lines_in_half_power_band", "amplitude_linear",
 })  # fmt: skip
@@ -67,7 +67,8 @@ def modes_page(modes: Modes) -> KindPage:
         Topic("Hits" if frf.hits else "FRF", says=used),
         Topic("Resonance", _RESONANCE,
              "" if first is None else f"{round_to_error(first.frequency, digits=4)}{NBSP}Hz"),
-        Topic("Band", {"coherence", "hammer_excites", "mass_line", "scatter_known"}, top),
+        Topic("Band", {"coherence", "hammer_excites", "high_frequency_mass_agrees",
+            "line_errors_stated"}, top),
     )  # fmt: skip
     hits = tuple(
         (hit.name, f"{hit.time:.3f}", round_to_error(hit.peak, digits=3),
@@ -174,21 +175,24 @@ _FEW_ARMS = 6
 """Of more the single arms stand in a fold: they mean little, and the screen is full."""
 
 OF_REST = frozenset({
-    "k_inf_known", "k_inf_positive", "k_inf_believable", "plateau_told", "end_level",
-    "strain_small", "hold_long_enough", "tangent_told", "stiffness_of_one_seal", "flow_told",
+    "k_end_determined", "k_inf_positive", "k_inf_plausible", "plateau_determined",
+    "curve_level_at_end",
+    "strain_small", "hold_long_enough", "tangent_determined", "stiffness_of_one_seal",
+    "flow_distinguished",
     "creep_finished",
 })  # fmt: skip
 OF_LOSS = frozenset({
-    "fast_arm_visible", "frequencies_informed", "loss_positive", "kramers_kronig", "arms_distinct",
+    "fast_arm_visible", "valid_band_exists", "loss_positive", "kramers_kronig", "arms_distinct",
     "arms_supported", "tau_inside_window", "arms_where_force_relaxes", "arms_identified",
-    "dashpot_not_missed", "few_arms_suffice",
+    "dashpot_not_missed", "few_arms_sufficient",
 })  # fmt: skip
 _SHIFTS = frozenset({
-    "shifts_determined", "shift_monotone", "law_follows_shifts", "temperatures_in_line",
-    "glass_below_tests", "shifts_told_apart",
+    "shifts_determined", "shift_monotone", "law_follows_shifts", "no_temperature_outlier",
+    "glass_below_tests", "shifts_distinguished",
 })  # fmt: skip
 _CURVE = frozenset({
-    "overlap", "thermorheologically_simple", "vertical_shift_known", "vertical_rule_holds",
+    "isotherms_overlap", "thermorheologically_simple", "vertical_shift_determined",
+    "vertical_rule_holds",
 })  # fmt: skip
 
 

@@ -233,7 +233,7 @@ def _temperatures(fit: Fit) -> list[str]:
         *(
             f"  advice      {check.told}"
             for check in fit.checks
-            if check.name == "shifts_told_apart" and check.failed
+            if check.name == "shifts_distinguished" and check.failed
         ),
     ]
 

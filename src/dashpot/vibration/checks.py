@@ -52,7 +52,7 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
 
 
 @criterion("loss factor by slope", source="within 50 % or 2 sd (rule: Booij, Thoone 1982)")
-def causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
+def stiffness_causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
     """Loss and slope of the stiffness belong together, as far as the errors can tell."""
     near = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
     return Finding(

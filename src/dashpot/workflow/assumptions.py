@@ -52,7 +52,7 @@ ASSUMPTIONS = (
         "Arms follow the ramp instead of the material; the hold and the whole record then give "
         "different solids. A seal that flows as a power of its force shows in no single ramp: a "
         "vibration then peaked 1.2 to 17 times above the upper limit.",
-        ("hold_and_full_agree", "separable", "residuals_random", "residuals_steady"),
+        ("hold_and_full_agree", "depth_and_time_separable", "residuals_white", "residuals_steady"),
         ("--elastic by-depth", "--method"),
         "Test several depths and ramp times, and strike the seal with a hammer.",
     ),
@@ -62,11 +62,11 @@ ASSUMPTIONS = (
         "The test gives the secant, vibration feels the tangent: for two quadratic laws 19 % too "
         "much and 77 % too little stiffness at the depth of the test.",
         (
-            "ramp_followed",
+            "ramp_residual_small",
             "ramp_explained",
-            "tangent_told",
+            "tangent_determined",
             "strain_small",
-            "separable",
+            "depth_and_time_separable",
             "operating_point",
         ),
         ("--elastic", "--elastic by-depth", "--compression"),
@@ -123,7 +123,7 @@ ASSUMPTIONS = (
             "contact_found",
             "history_explained",
             "face_recovered",
-            "history_forgotten",
+            "earlier_loading_negligible",
         ),
         ("--machine rest=",),
         "Rest ten times the longest hold before, and record a second or more of that rest.",
@@ -133,7 +133,7 @@ ASSUMPTIONS = (
         "Tests that are fitted together are of one seal, each given once.",
         "Two lots give the mean of both, which neither is; a record given twice shrinks every "
         "error by 1.4.",
-        ("same_specimen", "mass_believable"),
+        ("same_specimen", "mass_plausible"),
         (),
         "Name files by specimen.",
     ),
@@ -143,7 +143,7 @@ ASSUMPTIONS = (
         "A delay d looks like a loss of -omega d: 1 ms is 0.08 of loss factor at 12.7 Hz; a "
         "first-order filter of 10 Hz in the force takes 24 % of the loss of the paper's seal "
         "there.",
-        ("clocks_agree", "delay_believable"),
+        ("clocks_agree", "delay_plausible"),
         ("--machine sync=", "--machine force-filter="),
         "Record both channels on one converter, unfiltered.",
     ),
@@ -170,12 +170,12 @@ ASSUMPTIONS = (
         "The zero of the force is that before contact, and drifts as little as is said.",
         "Drift and the slowest arm look alike: 0.2 mN/s unheeded put k_2 7 % and tau_2 8 % off.",
         (
-            "offset_believable",
-            "drift_believable",
+            "offset_plausible",
+            "drift_plausible",
             "baseline_agrees",
-            "k_inf_believable",
+            "k_inf_plausible",
             "baseline_recorded",
-            "drift_told_from_arm",
+            "drift_distinguished_from_arm",
         ),
         ("--machine drift=",),
         "Record a baseline as long as can be; warm the amplifier up.",
@@ -185,7 +185,12 @@ ASSUMPTIONS = (
         "Load cell, encoder and accelerometer read as much as there is.",
         "A force that reads 5 % too much is 5 % of every stiffness, and no single test shows it: "
         "of 11 such records called *use*, 10 missed the stiffness after the hold.",
-        ("gain_believable", "mass_believable", "mass_line", "relaxation_still_explained"),
+        (
+            "gain_plausible",
+            "mass_plausible",
+            "high_frequency_mass_agrees",
+            "hammer_agrees_with_relaxation_test",
+        ),
         (),
         "Hang a known mass on the load cell before the test; add a hammer test on a block that was "
         "weighed.",
@@ -195,7 +200,7 @@ ASSUMPTIONS = (
         "The mass under the hammer moves as one, along one axis, and is weighed with all it "
         "carries.",
         "1 % of mass is 0.5 % of the natural frequency; rocking adds a second peak.",
-        ("mass_line", "mass_believable", "rocking_cancelled", "hits_centred"),
+        ("high_frequency_mass_agrees", "mass_plausible", "rocking_cancelled", "hits_centred"),
         ("--combine", "--mass-sd", "--seal-mass"),
         "Two accelerometers, and a hit through the middle.",
     ),
@@ -203,7 +208,7 @@ ASSUMPTIONS = (
         "positive arms",
         "The solid only stores and dissipates: every arm has a positive stiffness.",
         "Friction, adhesion or an active element is turned into arms, or is not followed at all.",
-        ("k_inf_positive", "loss_positive", "kramers_kronig", "residuals_random"),
+        ("k_inf_positive", "loss_positive", "kramers_kronig", "residuals_white"),
         ("--dashpot",),
         "Unload as slowly as you loaded: what does not come back is friction.",
     ),
@@ -212,7 +217,7 @@ ASSUMPTIONS = (
         "What matters relaxes neither much faster than the ramp nor much slower than the hold.",
         "Stiffness and loss outside the informed band are an extrapolation; k_inf is the stiffness "
         "at the end of the hold less what is still to come.",
-        ("frequencies_informed", "inside_identified_band", "fast_arm_visible", "hold_long_enough"),
+        ("valid_band_exists", "inside_valid_band", "fast_arm_visible", "hold_long_enough"),
         (),
         "Ask `dashpot plan` before the test; add a hammer test.",
     ),

@@ -21,7 +21,7 @@ def hold_fit_possible(obstacle: str) -> Finding:
 
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
-def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
+def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies where a test informs the solid."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
@@ -42,7 +42,7 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
 
 
 @criterion("files that were fitted", "<=", 0, "by definition", grade="note")
-def fit_is_tested(fitted: int) -> Finding:
+def measurement_independent_of_fit(fitted: int) -> Finding:
     """The measurement is one that the fit was not made from."""
     return Finding(
         "The fit was not made from this measurement",
@@ -65,7 +65,7 @@ def seals_counted(seals: float) -> Finding:
 
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit", grade="note")
-def base_band_informed(
+def base_band_in_valid_band(
     requested: tuple[float, float], peak: float, band: tuple[float, float]
 ) -> Finding:
     """All that is asked of a base that moves lies where a test informs the solid.

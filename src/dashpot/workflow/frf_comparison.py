@@ -24,7 +24,7 @@ from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
-from dashpot.workflow.checks import fit_is_tested
+from dashpot.workflow.checks import measurement_independent_of_fit
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
 from dashpot.workflow.static_equilibrium import (
@@ -284,7 +284,7 @@ def agreement(
         refuse_unfitted_tests(tests, fit)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(fit, tests, rests.point, on, frequency=about)
-    noted = (*frf.checks, *noted, fit_is_tested(len(circular)))
+    noted = (*frf.checks, *noted, measurement_independent_of_fit(len(circular)))
     return Agreement(
         comparison, on.mass, block.mass is None, noted, rests, (lines, formal), limits, on.seals,
         in_sample=bool(circular),

@@ -45,7 +45,7 @@ from dashpot.workflow.bench_tests import (
     prepared_files,
     refuse_unfitted_tests,
 )
-from dashpot.workflow.checks import base_band_informed, prediction_informed
+from dashpot.workflow.checks import base_band_in_valid_band, prediction_in_valid_band
 from dashpot.workflow.job import BlockOnSeals, LevelChoices, PartChoices, require_test_for_machine
 from dashpot.workflow.static_equilibrium import (
     LIMIT_LINES,
@@ -651,9 +651,9 @@ def _led_by(
     on: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """Return a mass in a wrong unit first; then a solid that is not known at the peak."""
-    informed = [prediction_informed(response, on.fit.band)]
+    informed = [prediction_in_valid_band(response, on.fit.band)]
     if on.kind.over_base:
-        informed.append(base_band_informed(band, response, on.fit.band))
+        informed.append(base_band_in_valid_band(band, response, on.fit.band))
     return (*rest_checks(on.rests.point, mass), *informed)
 
 

@@ -26,7 +26,12 @@ from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import HITS, hits_in, read_impact
 from dashpot.registry import RESPONSES, find_handler
-from dashpot.vibration.impact.checks import coherence, frf_dissipates, mass_over_base, scatter_known
+from dashpot.vibration.impact.checks import (
+    coherence,
+    frf_dissipates,
+    line_errors_stated,
+    mass_over_base,
+)
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import (
     as_relative,
@@ -182,7 +187,7 @@ def add_frf_checks(
     if frf.coherence is not None:
         checks.append(coherence(near, at))
     elif frf.sd is None:
-        checks.append(scatter_known())
+        checks.append(line_errors_stated())
     checks += caution_checks(frf.source)
     return replace(frf, checks=(*frf.checks, *checks))
 

@@ -43,7 +43,7 @@ from dashpot.vibration.mass_on_seals import (
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.bench_tests import fit_fixed_order, prepared_tests
-from dashpot.workflow.checks import hold_fit_possible, prediction_informed
+from dashpot.workflow.checks import hold_fit_possible, prediction_in_valid_band
 from dashpot.workflow.frf_comparison import compare_with_measured, weighed
 from dashpot.workflow.job import BlockOnSeals, Cuts, Job
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
@@ -240,7 +240,7 @@ class Study(Plottable, Serialisable):
         of_test = self.fit.checks
         if solid.alternative is not None:
             # what the relaxation test cannot tell apart is asked of both tests
-            mine = {check.name for check in solid.checks} & {"families_told_apart"}
+            mine = {check.name for check in solid.checks} & {"model_families_distinguished"}
             of_test = tuple(check for check in of_test if check.name not in mine)
         every = (*of_test, *hammer, *solid.checks, *agreed, *self.checks)
         return tuple(dict.fromkeys(every))
@@ -511,7 +511,7 @@ def _check_untested_prediction(
     prediction: FRF, chosen: Fit, rests: StaticEquilibrium, on: MassOnSeals
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
-    informed = prediction_informed(find_peak(prediction).frequency, chosen.band)
+    informed = prediction_in_valid_band(find_peak(prediction).frequency, chosen.band)
     return (
         *rest_checks(rests.point, on.mass),
         informed,

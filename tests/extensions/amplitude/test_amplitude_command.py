@@ -277,7 +277,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
     assert asked["receptance"] == pytest.approx(true.amplitude[top] / 0.15, rel=0.03)
     low, high = asked["receptance_interval"]
     assert low < true.amplitude[top] / 0.15 < high
-    covered = [c["passed"] for c in found["checks"] if c["name"] == "level_covered"]
+    covered = [c["passed"] for c in found["checks"] if c["name"] == "amplitude_in_tested_range"]
     assert covered == [True, False]
     assert beyond["amplitude"] > found["amplitudes"][1]
     assert found["verdict"]["use"] == "use with care"
@@ -348,7 +348,10 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     assert asked["receptance"] == pytest.approx(
         1 / (2 * 0.1 * 0.03 * (2 * np.pi * 12.7) ** 2), rel=0.1
     )
-    assert [c["passed"] for c in found["checks"] if c["name"] == "level_covered"] == [True, False]
+    assert [c["passed"] for c in found["checks"] if c["name"] == "amplitude_in_tested_range"] == [
+        True,
+        False,
+    ]
     assert found["verdict"]["use"] == "use with care"
     belongs = ran(path, "--seals", "2", "--resonance-at", "1N", code=2)
     assert "--seals belongs to FRFs" in belongs
@@ -370,12 +373,12 @@ def test_levels_said_of_hits_are_held_against_them(tmp_path):
     told = ran(soft, hard, "--level", "0.11N", "--level", "2N", "--mass", "100g")
     assert told["per_doubling"] == plain["per_doubling"]
     passed = {check["name"]: check["passed"] for check in told["checks"]}
-    assert passed["levels_as_struck"]
-    assert passed["mass_line"]
+    assert passed["levels_as_stated"]
+    assert passed["high_frequency_mass_agrees"]
     assert told["verdict"]["use"] == plain["verdict"]["use"] == "use"
     odd = ran(soft, hard, "--level", "2N", "--level", "0.11N", "--mass", "130g")
-    assert odd["verdict"]["because"] == ["levels_as_struck", "mass_line"]
-    said = next(check["says"] for check in odd["checks"] if check["name"] == "levels_as_struck")
+    assert odd["verdict"]["because"] == ["levels_as_stated", "high_frequency_mass_agrees"]
+    said = next(check["says"] for check in odd["checks"] if check["name"] == "levels_as_stated")
     assert "The levels belong to each other's files." in said
     assert "2 hammer files and 1 levels" in ran(soft, hard, "--level", "2N", code=2)
     nothing = ran(soft, hard, "--level", "2N", "--level", "0N", code=2)
@@ -388,7 +391,7 @@ def test_an_frf_of_hits_is_of_no_level(tmp_path):
     of_hits = tmp_path / "of_hits.csv"
     write_frf(estimate_frf(read_impact(hits), band="8:20Hz"), of_hits)
     found = ran(paths[0], of_hits, "--level", "0.05N", "--level", "1N", "--mass", "104g")
-    assert found["verdict"]["because"][0] == "levels_held"
-    says = next(check["says"] for check in found["checks"] if check["name"] == "levels_held")
+    assert found["verdict"]["because"][0] == "levels_controlled"
+    says = next(check["says"] for check in found["checks"] if check["name"] == "levels_controlled")
     assert "of_hits.csv: an FRF of hits has no level" in says
     assert "not fitted together" in " ".join(ran(paths[0], hits, "--mass", "1kg", code=2).split())

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Hit, Kind
-from dashpot.extensions.amplitude.checks import levels_as_struck
+from dashpot.extensions.amplitude.checks import levels_as_stated
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
@@ -50,7 +50,7 @@ class TestSweep:
         assert found.ratio(3e-3) == pytest.approx(complex(payne(3e-3)), rel=1e-4)
         # another friction with a spring beside it would look the same
         assert found.verdict.use == "use with care"
-        assert [check.name for check in found.checks if check.failed] == ["spring_unseen"]
+        assert [check.name for check in found.checks if check.failed] == ["no_hidden_cubic_spring"]
 
     def test_an_element_beside_a_solid_is_found(self):
         K = 400 * (1 + 0.05j) + 200 * (payne(X, d=1.0) - 1)
@@ -81,15 +81,15 @@ class TestSweep:
         K = 5e6 * (1 + 0.1j) * payne(up_down)
         K[len(X) :] *= 1 + change
         found = {check.name: check for check in fit_amplitude(sweep(K, up_down)).checks}
-        assert found["ways_agree"].value == pytest.approx(abs(change), abs=1e-9)
-        assert found["ways_agree"].failed == (abs(change) > 0.03)
-        assert ("softer" if change < 0 else "stiffer") in found["ways_agree"].says
+        assert found["up_and_down_sweeps_agree"].value == pytest.approx(abs(change), abs=1e-9)
+        assert found["up_and_down_sweeps_agree"].failed == (abs(change) > 0.03)
+        assert ("softer" if change < 0 else "stiffer") in found["up_and_down_sweeps_agree"].says
 
     def test_no_way_back_is_judged_where_there_is_none(self):
         shuffled = np.random.default_rng(1).permutation(X)
         for one in (X, X[::-1], shuffled):
             found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(one), one))
-            assert "ways_agree" not in {check.name for check in found.checks}
+            assert "up_and_down_sweeps_agree" not in {check.name for check in found.checks}
 
     def test_its_errors_hold_the_truth(self):
         held = 0
@@ -117,7 +117,7 @@ class TestSweep:
         for seed in range(6):
             found = fit_amplitude(sweep(np.full(len(X), 5e6 * (1 + 0.1j)), noise=0.01, seed=seed))
             assert found.law == "none", seed
-            matters = next(c for c in found.checks if c.name == "level_matters")
+            matters = next(c for c in found.checks if c.name == "amplitude_dependence_detected")
             assert "no change with amplitude is seen" in matters.says
             assert found.ratio(1e-3) == 1
 
@@ -141,7 +141,7 @@ class TestSweep:
         one = (theta - np.sin(2 * theta) / 2) / np.pi + 4j / np.pi * r * (1 - r)
         found = fit_amplitude(sweep(1e6 * (3 + 0.3j + 2 * one), noise=0.005))
         failed = [check.name for check in found.checks if check.failed]
-        assert failed == ["loss_followed", "spring_unseen"]
+        assert failed == ["loss_residual_small", "no_hidden_cubic_spring"]
 
     def test_a_spring_that_stiffens_is_no_friction(self):
         held, Xs = 0, np.geomspace(1e-4, 6e-3, 24)
@@ -284,7 +284,7 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
     ],
 )
 def test_levels_that_hits_contradict_are_told_why(said, says):
-    check = levels_as_struck(said, [2.1, 19.0])
+    check = levels_as_stated(said, [2.1, 19.0])
     assert check.failed
     assert says in check.says
 
@@ -381,7 +381,7 @@ class TestLevels:
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
             noisy.append(FRF(F, one.value * (1 + off), one.quantity, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
-        ratio = next(c.value for c in found.checks if c.name == "levels_followed")
+        ratio = next(c.value for c in found.checks if c.name == "levels_residual_small")
         assert 0.8 < ratio < 1.2
 
     def test_transmissibility_says_the_same(self):

@@ -311,12 +311,14 @@ def test_what_is_not_known_of_levels_is_refused():
     with pytest.raises(ExportError, match=r"temperature is not stated.*length is not stated"):
         TARGETS["opensees"](bare, units="SI")
     assert "OVERRIDE: the test temperature" in TARGETS["opensees"](bare, units="SI", allow=("all",))
-    stopped = a_level_fit(checks=(Check("levels_followed", False, "no such seal", grade="stop"),))
+    stopped = a_level_fit(
+        checks=(Check("levels_residual_small", False, "no such seal", grade="stop"),)
+    )
     with pytest.raises(ExportError, match="No such seal"):
         TARGETS["opensees"](stopped, units="SI")
     deck = TARGETS["opensees"](stopped, units="SI", allow=("not_identified",))
     assert "DO NOT USE: No such seal" in deck
-    careful = a_level_fit(checks=(Check("levels_followed", False, "a little off"),))
+    careful = a_level_fit(checks=(Check("levels_residual_small", False, "a little off"),))
     deck = TARGETS["opensees"](careful, units="SI")
     assert re.search("^# USE WITH CARE: From 0.1 to 2 mm .* A little off[.]$", deck, re.M)
 

@@ -316,7 +316,7 @@ def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
 def test_frequencies_beyond_the_band_are_said():
     rows = [row | {"loss_factor_at_12.7Hz": 0.03, "loss_factor_at_0.1Hz": 0.03}
             for row in scattered(1, 3, 1)]  # fmt: skip
-    (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "asked_in_band"]
+    (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "frequencies_in_band"]
     assert check.value == 3
     assert "12.7 Hz lies outside" in check.says
 

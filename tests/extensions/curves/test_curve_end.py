@@ -55,7 +55,7 @@ def test_a_curve_cut_before_its_plateau_is_told_so_and_holds_what_came_later() -
     slow = GeneralizedMaxwell(1e6, (1e6, 5e5), (1.0, 300.0))
     found = fit_modulus(curve(slow, T[T < 30]))
     assert found.verdict.use == "use with care"
-    assert found.verdict.because[0].name == "plateau_told"
+    assert found.verdict.because[0].name == "plateau_determined"
     end = found.end_of_hold
     assert end is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10), ("k_inf", np.inf)):
@@ -67,7 +67,7 @@ def test_a_curve_cut_before_its_plateau_is_told_so_and_holds_what_came_later() -
 def test_a_curve_that_falls_tells_how_many_times_as_stiff_it_was() -> None:
     """1 + 9 exp(-t / 50) is 10 at first and 2.218 at 100."""
     found = fit_modulus(curve(GeneralizedMaxwell(1e6, (9e6,), (50.0,)), noise=1e-3))
-    says = next(check.says for check in found.checks if check.name == "end_level")
+    says = next(check.says for check in found.checks if check.name == "curve_level_at_end")
     assert float(says.split("At first it was ")[1].split()[0]) == pytest.approx(4.508, abs=0.02)
 
 
@@ -135,7 +135,7 @@ def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
     ]
     met(Score.of(some), sound=0.5)
     assert any(line["use"] == "use" for line in some)
-    assert any("plateau_told" in line["because"] for line in some)
+    assert any("plateau_determined" in line["because"] for line in some)
 
 
 @pytest.mark.slow

@@ -66,7 +66,7 @@ def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
     other = dp.compare(alone, hits, mass="114.8g", seals=2)
     fresh = dp.compare(joint, dp.simulate("impact", hits=3), mass="114.8g", seals=2)
     assert (own.in_sample, other.in_sample, fresh.in_sample) == (True, False, False)
-    (check,) = [one for one in own.checks if one.name == "fit_is_tested"]
+    (check,) = [one for one in own.checks if one.name == "measurement_independent_of_fit"]
     assert (check.passed, check.grade) == (False, "note")
     names = [curves_of(one.comparison, None)[1].label for one in (own, other, fresh)]
     assert names == [

@@ -140,7 +140,7 @@ def test_a_uff_and_a_csv_tell_the_same_modes(tmp_path):
 
 def test_what_the_file_cannot_tell_is_said(tmp_path):
     bare = modes_of(written(tmp_path, replace(measured(), sd=None, coherence=None, averages=0)))
-    assert "scatter_known" in {check.name for check in bare.frf.checks if check.failed}
+    assert "line_errors_stated" in {check.name for check in bare.frf.checks if check.failed}
     doubtful = replace(measured(), coherence=np.full(len(F), 0.89))
     failed = {c.name for c in modes_of(written(tmp_path, doubtful)).frf.checks if c.failed}
     assert failed == {"coherence"}
@@ -431,7 +431,7 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
     masses = (0.104, 0.25, 0.6)
     files = [on_seals(tmp_path, mass) for mass in masses]
     found = modes_by_mass(files, masses, seals=2)
-    assert found.checks[0].name == "one_solid"
+    assert found.checks[0].name == "one_solid_explains_masses"
     assert found.checks[0].passed
     for mode, k in zip(found.together.modes, found.together.stiffness, strict=True):
         s = mode.pole

@@ -217,7 +217,7 @@ def test_a_motion_that_nothing_holds_is_told(folder):
     latch = 'at = "1.1, 0.6, 0 m"\n'
     (folder / "door.toml").write_text(hinged.replace(latch, latch + "along = [0, 0, 1]\n"))
     document = json.loads(ran(folder / "door.toml", "--json").stdout)
-    assert "3 motions of the door are free" in of(document, "door_held")["says"]
+    assert "3 motions of the door are free" in of(document, "door_supported")["says"]
 
 
 @pytest.mark.parametrize(
@@ -294,5 +294,5 @@ def test_a_seal_of_whose_test_nothing_informs_a_mode_is_said_in_json_too(folder)
     fit = from_json((folder / "fit.json").read_text())
     evidence = replace(fit.evidence, band=(0.0, 0.0))
     (folder / "fit.json").write_text(to_json(replace(fit, evidence=evidence)))
-    check = of(found(folder), "door_modes_informed")
+    check = of(found(folder), "door_modes_in_valid_band")
     assert (check["passed"], check["value"]) == (False, "Infinity")

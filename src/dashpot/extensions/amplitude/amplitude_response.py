@@ -19,7 +19,7 @@ from dashpot.base.units import Dimension, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.extensions.amplitude.checks import level_covered
+from dashpot.extensions.amplitude.checks import amplitude_in_tested_range
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.mass_response import mass_at_level
@@ -360,7 +360,7 @@ class SweptPart(Serialisable):
     def check_level_coverage(self, resonances: Sequence[LevelResonance]) -> tuple[Check, ...]:
         """Return whether the sweep goes as far as the part is moved at each level."""
         return tuple(
-            level_covered(
+            amplitude_in_tested_range(
                 resonance.amplitude / self.stretch(self.factors[0]),
                 self.law.amplitudes,
                 at=f"{resonance.level:.4g} {resonance.unit}",

@@ -23,7 +23,7 @@ LOST = 0.1
     "linear truths: at most 12 over 40 seeds; slipping ones at least 199",
     grade="note",
 )
-def level_matters(
+def amplitude_dependence_detected(
     gain: float, amplitudes: tuple[float, float], of: str, by: str, *, followed: bool = True
 ) -> Finding:
     """Stiffness or loss moves with amplitude as friction or a cubic spring does."""
@@ -82,7 +82,7 @@ def spring_cubic(gain: float) -> Finding:
     "0.75 k3 X^2 / K', 95 %", "<=", UNSEEN,
     "own sweeps: at a half of it 7 of 16 sound ones fail, without it 2 springs are missed",
 )  # fmt: skip
-def spring_unseen(part: float) -> Finding:
+def no_hidden_cubic_spring(part: float) -> Finding:
     """No cubic spring of any size could stand beside the law unseen."""
     return Finding(
         f"A cubic spring of up to {100 * part:.2g} % of the stiffness at the largest amplitude "
@@ -94,7 +94,7 @@ def spring_unseen(part: float) -> Finding:
 
 
 @criterion("residual / modulus", "<=", 0.03, "real sweeps of filled rubbers leave 0.3 to 3 %")
-def law_followed(residual: float) -> Finding:
+def law_residual_small(residual: float) -> Finding:
     """The law follows the sweep."""
     return Finding(
         f"The law misses the modulus by {100 * residual:.2g} %",
@@ -105,7 +105,7 @@ def law_followed(residual: float) -> Finding:
 
 
 @criterion("change of modulus, way down", "<=", 0.03, "as what a law may leave")
-def ways_agree(change: float) -> Finding:
+def up_and_down_sweeps_agree(change: float) -> Finding:
     """The way down through the amplitudes tells what the way up told."""
     way = "softer" if change < 0 else "stiffer"
     return Finding(
@@ -119,7 +119,7 @@ def ways_agree(change: float) -> Finding:
 @criterion(
     "loss left / loss, worst third of ln X", "<=", 0.12, "own sweeps: 58 of 61 sound ones keep it"
 )
-def loss_followed(remainder: float) -> Finding:
+def loss_residual_small(remainder: float) -> Finding:
     """The law follows the loss at small, middle and large amplitudes, each by itself."""
     return Finding(
         f"In one third of the amplitudes the law misses the loss by {100 * remainder:.2g} %",
@@ -130,7 +130,7 @@ def loss_followed(remainder: float) -> Finding:
 
 
 @criterion("said / struck, a factor", "x/", 2.0, "hits of one intent differ by less")
-def levels_as_struck(stated: Sequence[float], struck: Sequence[float]) -> Finding:
+def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Finding:
     """Hits were as hard as is said of their files."""
     off = np.log(np.divide(stated, struck))
     forces, names = (", ".join(f"{value:.3g}" for value in values) for values in (struck, stated))
@@ -151,7 +151,7 @@ def levels_as_struck(stated: Sequence[float], struck: Sequence[float]) -> Findin
 
 
 @criterion("FRFs of hits", "<=", 0.0, "their lines have no one amplitude")
-def levels_held(struck: Sequence[str]) -> Finding:
+def levels_controlled(struck: Sequence[str]) -> Finding:
     """Every FRF is of a motion that was held at a level, not of hits."""
     return Finding(
         "No FRF is of hits",
@@ -169,7 +169,7 @@ def levels_held(struck: Sequence[str]) -> Finding:
     "1 degree of phase: 1.5; sound records: 0.9 to 1.1",
     otherwise="stop where a tenth of F/X is left",
 )
-def levels_followed(residual: float, noise: float | None) -> Finding:
+def levels_residual_small(residual: float, noise: float | None) -> Finding:
     """One solid with friction follows the FRFs of every level."""
     says = f"The model misses F/X by {100 * residual:.2g} %"
     if noise is None:
@@ -184,7 +184,7 @@ def levels_followed(residual: float, noise: float | None) -> Finding:
 
 
 @criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
-def level_covered(
+def amplitude_in_tested_range(
     amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
 ) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""

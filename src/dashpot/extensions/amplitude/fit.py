@@ -16,14 +16,14 @@ from dashpot.extensions.amplitude.amplitude_laws import LAWS, SET, Fitted, fit_s
 from dashpot.extensions.amplitude.checks import (
     FAR_ENOUGH,
     MATTERS,
+    amplitude_dependence_detected,
     amplitudes_spread,
-    law_followed,
-    level_matters,
-    loss_followed,
+    law_residual_small,
+    loss_residual_small,
+    no_hidden_cubic_spring,
     softening_seen,
     spring_cubic,
-    spring_unseen,
-    ways_agree,
+    up_and_down_sweeps_agree,
 )
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from dashpot.fitting.nuisance_priors import Prior, error_by_delay
@@ -93,17 +93,17 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     if gain <= MATTERS:  # nothing moves with amplitude
         best = plain
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
-    followed = law_followed(best.residual)
+    followed = law_residual_small(best.residual)
     checks: list[Check] = [
-        level_matters(gain, range_, sweep.of, by, followed=bool(followed.passed)),
+        amplitude_dependence_detected(gain, range_, sweep.of, by, followed=bool(followed.passed)),
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         followed,
-        loss_followed(best.loss_left),
+        loss_residual_small(best.loss_left),
     ]
     if "lost" in best.numbers:
         checks.insert(2, softening_seen(reach))
     if back is not None:
-        checks.append(ways_agree(back))
+        checks.append(up_and_down_sweeps_agree(back))
     cubic = 0.0
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
@@ -111,7 +111,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         cubic = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
-        checks.append(spring_unseen(0.75 * cubic * range_[1] ** 2 / max(storage, 1e-300)))
+        checks.append(no_hidden_cubic_spring(0.75 * cubic * range_[1] ** 2 / max(storage, 1e-300)))
     linear_se, se = _errors_with_delay(sweep, best)
     return AmplitudeFit(
         best.law,

@@ -21,7 +21,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.amplitude_response import HITS, amplitude_file
-from dashpot.extensions.amplitude.checks import level_covered, levels_as_struck
+from dashpot.extensions.amplitude.checks import amplitude_in_tested_range, levels_as_stated
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
@@ -278,7 +278,7 @@ def hits_at_levels(
         peaks_of = np.split(np.array([hit.peak for hit in frf.hits]), counts)
         struck = [median(peak) for peak in peaks_of]
         hit_levels = replace(
-            hit_levels, checks=(levels_as_struck(stated, struck), *hit_levels.checks)
+            hit_levels, checks=(levels_as_stated(stated, struck), *hit_levels.checks)
         )
     peaks = []
     for level in at:
@@ -287,7 +287,7 @@ def hits_at_levels(
             PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
         )
     covered = tuple(
-        level_covered(peak.amplitude, hit_levels.amplitudes, at=f"{peak.level:.4g} N")
+        amplitude_in_tested_range(peak.amplitude, hit_levels.amplitudes, at=f"{peak.level:.4g} N")
         for peak in peaks
     )
     return Levels(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
@@ -312,7 +312,7 @@ def frfs_at_levels(
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_peak(level_fit, level) for level in at)
     covered = tuple(
-        level_covered(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
+        amplitude_in_tested_range(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
         for peak in peaks
     )
     return Levels(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))

@@ -16,10 +16,10 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.checks import (
     LOST,
     MATTERS,
+    amplitude_dependence_detected,
     amplitudes_spread,
-    level_matters,
-    levels_followed,
-    levels_held,
+    levels_controlled,
+    levels_residual_small,
 )
 from dashpot.extensions.amplitude.level_results import LevelFit, Parts
 from dashpot.extensions.amplitude.response import stiffness_at, with_third_harmonic
@@ -126,7 +126,7 @@ def fit_levels(
     solid, elements = best.parts
     range_ = (float(X.min()), high)
     begins = np.cumsum([len(row[0]) for row in rows])[:-1]
-    followed = levels_followed(best.residual, _noise(problem, K, begins))
+    followed = levels_residual_small(best.residual, _noise(problem, K, begins))
     gains = {
         " and ".join(optimum.terms): plain.deviance - optimum.deviance for optimum in tried[1:]
     }
@@ -143,8 +143,8 @@ def fit_levels(
         seals,
         tuple(sizes),
         (
-            levels_held([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.struck]),
-            level_matters(
+            levels_controlled([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.struck]),
+            amplitude_dependence_detected(
                 gains.get(by) or max(gains[arg] for arg in get_args(Term)),
                 range_,
                 "m",

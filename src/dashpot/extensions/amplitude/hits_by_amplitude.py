@@ -17,8 +17,8 @@ from dashpot.datamodel.frf import FRF
 from dashpot.vibration.impact.amplitude_trend import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
+    high_frequency_mass_agrees,
     hits_enough,
-    mass_line,
     softening_detectable,
 )
 
@@ -176,7 +176,7 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
             "four or more, from soft to hard"
         )
     checks = (
-        *(check for check in frf.checks if check.name == mass_line.name),
+        *(check for check in frf.checks if check.name == high_frequency_mass_agrees.name),
         hits_enough(frf),
         amplitude_linear(trend, modes[0]),
         softening_detectable(trend),

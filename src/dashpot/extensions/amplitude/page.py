@@ -43,8 +43,14 @@ _FINEST = 1e-6
 def page(levels: Levels) -> KindPage:
     """Return what the page of levels holds."""
     fit = levels.fit
-    stiff = {"level_matters", "softening_seen", "law_followed", "levels_followed", "spring_unseen"}
-    loss = {"loss_followed"}
+    stiff = {
+        "amplitude_dependence_detected",
+        "softening_seen",
+        "law_residual_small",
+        "levels_residual_small",
+        "no_hidden_cubic_spring",
+    }
+    loss = {"loss_residual_small"}
     topics = [Topic("Record"), Topic("Stiffness", stiff)]
     if any(check.name in loss for check in levels.checks):
         topics.append(Topic("Damping", loss))

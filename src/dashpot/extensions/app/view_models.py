@@ -71,7 +71,7 @@ from dashpot.report.figures import chart_of
 from dashpot.report.first_screen import GRADE_MARKS, Light, Row
 from dashpot.report.page_frame import COLOURS, environment
 from dashpot.report.result_page import Group
-from dashpot.vibration.impact.checks import mass_line
+from dashpot.vibration.impact.checks import high_frequency_mass_agrees
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.inspections import InspectedFile
@@ -469,7 +469,12 @@ def mass_that_explains(study: Study) -> str:
             else ""
         )
     shown = next(
-        (check for check in study.weighed if check.name == mass_line.name and check.failed), None
+        (
+            check
+            for check in study.weighed
+            if check.name == high_frequency_mass_agrees.name and check.failed
+        ),
+        None,
     )
     if (
         study.mass is None

@@ -75,7 +75,7 @@ def records_distinct(again: int, tests: int) -> Finding:
     "AIAG, Measurement Systems Analysis, 4th ed.",
     otherwise="stop where all of its interval is above; note where a good gauge may do that",
 )
-def gauge_tells_apart(study: Gauge) -> Finding:
+def gauge_discriminates(study: Gauge) -> Finding:
     """The gauge scatters less than 30 % of all: a test tells one seal from another."""
     of = study["gauge"]
     low, high = of.share_interval
@@ -182,7 +182,7 @@ def scatter_normal(source: str, normal: float | None) -> Finding:
 
 @criterion("seals and tests", "<=", 0, "Iglewicz and Hoaglin (1993), for few values wider",
            grade="note")  # fmt: skip
-def stands_out_of_lot(out: int, seals: int) -> Finding:
+def no_lot_outlier(out: int, seals: int) -> Finding:
     """No seal of a lot, and no test of a seal, stands out of the others."""
     return Finding(
         f"{out} of {seals} seals or their tests differ from the others", out, remedy="Look at them."
@@ -190,7 +190,7 @@ def stands_out_of_lot(out: int, seals: int) -> Finding:
 
 
 @criterion("tests beyond their band", "<=", 0, "by definition")
-def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
+def frequencies_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     """The frequencies at which stiffness and loss are asked for are those that the tests inform."""
     where = ", ".join(f"{frequency:g}" for frequency in frequencies)
     return Finding(

@@ -17,18 +17,18 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Serialisable
 from dashpot.extensions.batch.acceptance import SealDecision, check_lot_acceptance
 from dashpot.extensions.batch.checks import (
-    asked_in_band,
     capability_as_asked,
     charts_in_control,
     files_fitted,
     fits_usable,
-    gauge_tells_apart,
+    frequencies_in_band,
+    gauge_discriminates,
     hammers_compared,
+    no_lot_outlier,
     records_distinct,
     scatter_normal,
     seals_named,
     seals_within_limits,
-    stands_out_of_lot,
     tests_alike,
 )
 from dashpot.extensions.batch.limits import Limits
@@ -48,12 +48,12 @@ _FILES = frozenset(
     criterion.name
     for criterion in (
         files_fitted, fits_usable, hammers_compared, tests_alike, records_distinct, seals_named,
-        asked_in_band,
+        frequencies_in_band,
     )
 )  # fmt: skip
-_MEASURING = frozenset({gauge_tells_apart.name})
+_MEASURING = frozenset({gauge_discriminates.name})
 _CONTROL = frozenset(
-    criterion.name for criterion in (charts_in_control, stands_out_of_lot, scatter_normal)
+    criterion.name for criterion in (charts_in_control, no_lot_outlier, scatter_normal)
 )
 
 
@@ -428,13 +428,13 @@ def _checks(lot: Lot, summaries: Sequence[OfQuantity], flags: Sequence[Flag]) ->
             yield from _check_limits(quantity_summary, quantity_summary.limits)
     main = summaries[0]
     if main.gauge is not None:
-        yield gauge_tells_apart(main.gauge)
+        yield gauge_discriminates(main.gauge)
     kinds: tuple[Literal["seals", "lots"], ...] = ("seals", "lots")
     rows = [(what, *main.signals_of(what)) for what in kinds]
     if any(of for *_, of in rows):
         yield charts_in_control([row for row in rows if row[-1]])
     seals = {(flag.lot, flag.seal, flag.file) for flag in flags if flag.weighty}
-    yield stands_out_of_lot(len(seals), len(summaries[0].seals))
+    yield no_lot_outlier(len(seals), len(summaries[0].seals))
     normal = [component for component in summaries[0].components if component.normal is not None]
     if normal:
         least = min(normal, key=lambda component: component.normal or 0.0)
@@ -442,7 +442,7 @@ def _checks(lot: Lot, summaries: Sequence[OfQuantity], flags: Sequence[Flag]) ->
     entries = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if entries:
         requested = [frequency for frequency, count in entries.items() if count]
-        yield asked_in_band(requested, max(entries.values()))
+        yield frequencies_in_band(requested, max(entries.values()))
 
 
 def _check_limits(quantity_summary: OfQuantity, limits: Limits) -> Iterator[Check]:

@@ -182,7 +182,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
     "own truths: of those above it 1 plateau in 20 is off by more than 10 %",
     otherwise=f"{LEVEL_OF_CREEP:g} of creep",
 )
-def plateau_told(end: EndOfHold, unit: str) -> Finding:
+def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     """The curve levels off: no solid that it does not reject relaxes much further."""
     return Finding(
         end.told(unit),
@@ -200,7 +200,7 @@ def plateau_told(end: EndOfHold, unit: str) -> Finding:
     "that of a hold",
     otherwise=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
-def end_level(end: EndOfHold, fallen: float) -> Finding:
+def curve_level_at_end(end: EndOfHold, fallen: float) -> Finding:
     """No solid that the curve does not reject still falls much at its end.
 
     `fallen` is what the data show: from the first value to the last, over the last.
@@ -232,7 +232,7 @@ def plateau(
     seen = plateau_seen(model, se, unit=unit, extra=extra)
     if end is None or seen.failed:
         return (seen,)
-    return plateau_told(end, unit), end_level(end, first / end.of(model) - 1)
+    return plateau_determined(end, unit), curve_level_at_end(end, first / end.of(model) - 1)
 
 
 @criterion(
@@ -242,7 +242,7 @@ def plateau(
     otherwise="note where several temperatures share the spectrum",
     ends=Status.NOT_IDENTIFIED,
 )
-def few_arms_suffice(
+def few_arms_sufficient(
     missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
 ) -> Finding:
     """Few arms follow the curves.
@@ -296,7 +296,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
 
 
 @criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
-def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
+def bands_overlap(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
     """No decade between the two tests is left unmeasured."""
     return Finding(
         f"The sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz, and the valid band of the "

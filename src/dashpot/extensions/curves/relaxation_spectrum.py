@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
-from dashpot.extensions.curves.checks import FOLLOWED, few_arms_suffice
+from dashpot.extensions.curves.checks import FOLLOWED, few_arms_sufficient
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
@@ -313,7 +313,7 @@ def _dense(
     of_data: Sequence[Check],
 ) -> Fit:
     """Return the fit with a dense spectrum in the place of arms that miss more than a limit."""
-    check = few_arms_suffice(
+    check = few_arms_sufficient(
         missed[0],
         few.model.arms,
         max(order.arms for order in few.orders),

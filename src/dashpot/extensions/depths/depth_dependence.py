@@ -27,7 +27,7 @@ from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.checks.relaxation import separable
+from dashpot.fitting.checks.relaxation import depth_and_time_separable
 from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.input_tests import Tests, checked_temperatures, ramp_holds
 from dashpot.fitting.nonlinear_ramp.elastic_law import (
@@ -184,13 +184,13 @@ def _fit_each_test(ramp_law: RampLaw) -> _StiffnessPerTest:
 def _separable(item: _StiffnessPerTest) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
     if item.k.shape[1] == 1:
-        return separable(None, None)
+        return depth_and_time_separable(None, None)
     ratio = item.k[:, 1:] / item.k[:, :1]
     spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
     first = len(item.known.optimum.theta)
     stiff = slice(first, first + item.k.size)
     if not np.all(np.isfinite(item.known.covariance[stiff, stiff])):
-        return separable(None, spread)
+        return depth_and_time_separable(None, spread)
 
     def differences(values: FloatArray) -> FloatArray:
         k = values[stiff].reshape(item.k.shape)
@@ -204,4 +204,4 @@ def _separable(item: _StiffnessPerTest) -> Check:
     from scipy.special import fdtrc
 
     chance = fdtrc(free, max(item.dof, 1.0), quantity.values @ reported / free)
-    return separable(float(chance), spread)
+    return depth_and_time_separable(float(chance), spread)

@@ -84,7 +84,9 @@ def _overlap(first: ModeShape, second: ModeShape) -> float:
 
 
 @criterion("distance, standard errors", "<=", source="chance exceeds it once in a hundred")
-def one_solid(distance: float, masses: Sequence[float], worst: tuple[float, str]) -> Finding:
+def one_solid_explains_masses(
+    distance: float, masses: Sequence[float], worst: tuple[float, str]
+) -> Finding:
     """One linear solid has the poles that were measured under all of the masses."""
     listed = ", ".join(f"{convert_to_unit(mass, 'g'):.4g}" for mass in masses)
     kilogram, by = worst

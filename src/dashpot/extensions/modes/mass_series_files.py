@@ -16,7 +16,7 @@ from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.structure import FRFSet
-from dashpot.extensions.modes.checks import one_solid
+from dashpot.extensions.modes.checks import one_solid_explains_masses
 from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
 from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes, modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
@@ -177,7 +177,7 @@ def fit_modes_by_mass(
         for mass, test in zip(masses, tests, strict=True)
         for check in test.frf.checks
     ]
-    across = one_solid(new_masses.distance, masses, (masses[new_masses.worst], by))
+    across = one_solid_explains_masses(new_masses.distance, masses, (masses[new_masses.worst], by))
     return ModesByMass(tests, new_masses, (across, *checks))
 
 

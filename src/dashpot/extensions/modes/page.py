@@ -37,7 +37,9 @@ def masses_page(modes: ModesByMass) -> KindPage:
         strip=(
             ("Masses", ", ".join(format_with_error(mass, "g", digits=4) for mass in of.masses)),
         ),
-        lights=lights(modes.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
+        lights=lights(
+            modes.checks, Topic("FRFs"), Topic("One solid", {"one_solid_explains_masses"})
+        ),
         answers="The response under each mass",
         picture=modes.plot(),
         told="Resonance under each mass",

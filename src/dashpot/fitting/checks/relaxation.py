@@ -84,7 +84,7 @@ def _is_same_condition(first: EndStiffness, second: EndStiffness) -> bool:
 
 
 @criterion("probability by chance", ">=", 0.01, "Wald's test at 1 %; or alike within 0.1 %")
-def separable(chance: float | None, spread: float | None) -> Finding:
+def depth_and_time_separable(chance: float | None, spread: float | None) -> Finding:
     """The shape of relaxation is the same at every depth.
 
     A `spread` of None is a spring's, a `chance` of None that of an arm that is not known.
@@ -157,7 +157,7 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None =
     "our choice; of k_inf where no hold ends",
     otherwise="stop beyond 1",
 )
-def k_inf_known(
+def k_end_determined(
     model: GeneralizedMaxwell,
     se: float,
     tests: Sequence[RampHold],
@@ -225,7 +225,7 @@ def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Findi
 
 
 @criterion("change of k", source="no limit", grade="note")
-def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
+def ramp_accounted_for(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     r"""The ramp is accounted for, and what a step would have made of it is told.
 
     :math:`(\tau/c)(1 - e^{-c/\tau}) - 1`, the worst arm.
@@ -270,7 +270,7 @@ def fast_arm_visible(
     "our choice; or correlated with drift < 0.9",
     grade="note",
 )
-def drift_told_from_arm(
+def drift_distinguished_from_arm(
     model: GeneralizedMaxwell, correlation: float | None, se_ln_tau: float
 ) -> Finding:
     """The slowest arm can be told from a drifting sensor."""
@@ -301,7 +301,7 @@ def drift_told_from_arm(
     "our choice; noise of at least 0.1 % of the peak",
     otherwise=f"stop beyond {NOT_FOLLOWED:g}",
 )
-def force_followed(test: RampHold, residual: FloatArray) -> Finding:
+def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     """The solid follows the force to its noise.
 
     `residual` is of the last samples up to the end of the hold, N. What wanders slowly counts as

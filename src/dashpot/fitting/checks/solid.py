@@ -154,7 +154,7 @@ def tau_inside_window(
 @criterion(
     "residuals that say the same", "<=", 20.0, "our choice: white residuals give 1", grade="note"
 )
-def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Finding:
+def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Finding:
     """The residuals are noise: no curve is left in them.
 
     `rms` is that of weighted residuals, or in N beside a `noise`.
@@ -250,7 +250,7 @@ def format_residual(rms: float, unit: str) -> str:
 
 
 @criterion("upper end, Hz", ">", source="the lower end of the band", grade="stop")
-def frequencies_informed(band: tuple[float, float]) -> Finding:
+def valid_band_exists(band: tuple[float, float]) -> Finding:
     """The test informs a band of frequencies at all."""
     low, high = band
     return Finding(
@@ -265,7 +265,7 @@ def frequencies_informed(band: tuple[float, float]) -> Finding:
 
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %, over all spectra")
-def loss_factor_known(band_error: BandError | None) -> Finding:
+def loss_factor_determined(band_error: BandError | None) -> Finding:
     """The loss factor is known in the valid band, whatever arms the data cannot show."""
     if band_error is None:
         return Finding("How well the loss factor is known was not computed")

@@ -19,7 +19,7 @@ STIFFNESS_MATTERS, LOSS_MATTERS = 0.02, 0.1
     "our choice: 0.05 turns the loss by 12 % per decade",
     ends=Status.NOT_IDENTIFIED,
 )
-def slope_known(error: float, *, edge: bool) -> Finding:
+def fractional_slope_determined(error: float, *, edge: bool) -> Finding:
     """The slope of the fractional solid and its relaxation time are known.
 
     `edge` where one of them stands at an end of what is sought.
@@ -44,7 +44,7 @@ def slope_known(error: float, *, edge: bool) -> Finding:
     "our choice: white residuals of 1000 samples scatter by 2 %",
     otherwise="stop beyond 1.1",
 )
-def element_explains(ratio: float, arms: int) -> Finding:
+def fractional_model_suffices(ratio: float, arms: int) -> Finding:
     """The fractional solid leaves no more than arms do."""
     return Finding(
         f"The fractional model leaves {ratio:.4g} times the residual of {arms} arms",
@@ -58,7 +58,7 @@ def element_explains(ratio: float, arms: int) -> Finding:
 @criterion(
     "frequency from which they part, Hz", ">", HEARD, "2 % of stiffness, 10 % of loss factor"
 )
-def families_told_apart(other: Alternative | None) -> Finding:
+def model_families_distinguished(other: Alternative | None) -> Finding:
     """No other family of solids explains the data and predicts something else."""
     if other is None or not other.explains:
         return Finding("No other family of models explains the data as well", excused=True)

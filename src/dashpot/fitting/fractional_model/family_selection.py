@@ -21,9 +21,9 @@ from dashpot.fitting.fractional_model.checks import (
     HEARD,
     LOSS_MATTERS,
     STIFFNESS_MATTERS,
-    element_explains,
-    families_told_apart,
-    slope_known,
+    fractional_model_suffices,
+    fractional_slope_determined,
+    model_families_distinguished,
 )
 from dashpot.fitting.order_selection import SelectedModel
 from dashpot.fitting.parameter_errors import estimate_covariance, rounding
@@ -330,13 +330,13 @@ class FamilySelection:
         """Return what to ask of a solid that was taken beside another family."""
         if self.other is None:
             return ()
-        check = families_told_apart(alternative)
+        check = model_families_distinguished(alternative)
         if not isinstance(self.best, FractionalFit):
             return (check,)
         error = float(self.best.error[ELEMENT.index("alpha")])
         return (
-            slope_known(error, edge=self.best.is_at_edge),
-            element_explains(self.other.residual, self.other.solid.maxwell.arms),
+            fractional_slope_determined(error, edge=self.best.is_at_edge),
+            fractional_model_suffices(self.other.residual, self.other.solid.maxwell.arms),
             check,
         )
 
@@ -449,7 +449,7 @@ def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: Frac
     other = build_alternative(
         bent.solid, fit.solid, rise, bent.band, explains=explains, extra=RAMPS
     )
-    checks = (*bent.checks, families_told_apart(other))
+    checks = (*bent.checks, model_families_distinguished(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
 
 

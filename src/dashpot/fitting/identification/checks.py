@@ -73,7 +73,9 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
     otherwise=f"stop beyond {CONTRADICTED:g}",
     ends=Status.TESTS_DISAGREE,
 )
-def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.inf) -> Finding:
+def hammer_agrees_with_relaxation_test(
+    number: int, ratio: float, *, missed: float = np.inf
+) -> Finding:
     """The hammer does not contradict a relaxation test.
 
     `missed` is the rms force that the joint fit adds to the residual, over the peak force.
@@ -103,7 +105,7 @@ def cables_described(band_error: BandError, peak: float) -> Finding:
 
 
 @criterion("distance in standard deviations", "<=", STRAINED, "root mean square of all parameters")
-def earlier_fit_kept(off: float) -> Finding:
+def hammer_agrees_with_earlier_fit(off: float) -> Finding:
     """The hammer does not contradict the earlier fit."""
     return Finding(
         f"The joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
@@ -156,7 +158,7 @@ class Believable(Protocol):
         """Return the answer."""
 
 
-def _believable(quantity: str, ends: Status | None = None) -> Believable:
+def _plausible(quantity: str, ends: Status | None = None) -> Believable:
     remedy = REMEDIES[quantity]
 
     @criterion(
@@ -166,7 +168,7 @@ def _believable(quantity: str, ends: Status | None = None) -> Believable:
         source="1.2 % of normal errors are beyond",
         otherwise=f"stop beyond {4 * STRAINED:g}",
         ends=ends,
-        name=f"{quantity}_believable",
+        name=f"{quantity}_plausible",
         question=f"The {quantity} stays near what was known of it.",
     )
     def judge(off: float, sd: float) -> Finding:
@@ -182,9 +184,9 @@ def _believable(quantity: str, ends: Status | None = None) -> Believable:
 
 
 # a mass beyond belief is another than that on the balance: hammer and balance disagree
-mass_believable = _believable("mass", Status.TESTS_DISAGREE)
-gain_believable, delay_believable, stiffness_believable = map(
-    _believable, ("gain", "delay", "stiffness")
+mass_plausible = _plausible("mass", Status.TESTS_DISAGREE)
+gain_plausible, delay_plausible, stiffness_plausible = map(
+    _plausible, ("gain", "delay", "stiffness")
 )
 
 

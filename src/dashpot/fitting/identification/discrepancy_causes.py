@@ -233,7 +233,7 @@ def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list
         )
     ]
     answers += [
-        checks.relaxation_still_explained(
+        checks.hammer_agrees_with_relaxation_test(
             i, chi2 / relaxation.samples, missed=_compute_excess_force(relaxation, chi2)
         )
         for i, (relaxation, chi2) in enumerate(
@@ -243,7 +243,7 @@ def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list
     earlier = candidate.model_prediction.earlier[0]
     if len(earlier):
         off = float(np.sqrt(np.mean(earlier**2)))
-        answers.append(checks.earlier_fit_kept(off))
+        answers.append(checks.hammer_agrees_with_earlier_fit(off))
     return answers + _check_rig_nuisances(candidate.point, known or problem.priors)
 
 
@@ -258,12 +258,12 @@ def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Chec
     """Return how far each nuisance had to go from what was known of it."""
     mass = priors.mass
     pairs = [
-        (checks.gain_believable, float(np.log(point.gain)), priors.gain.sd),
-        (checks.delay_believable, point.delay, priors.delay.sd),
-        (checks.stiffness_believable, point.factor - priors.factor.mean, priors.factor.sd),
+        (checks.gain_plausible, float(np.log(point.gain)), priors.gain.sd),
+        (checks.delay_plausible, point.delay, priors.delay.sd),
+        (checks.stiffness_plausible, point.factor - priors.factor.mean, priors.factor.sd),
     ]
     if mass is not None:
-        pairs.insert(0, (checks.mass_believable, point.mass - mass.mean, mass.sd))
+        pairs.insert(0, (checks.mass_plausible, point.mass - mass.mean, mass.sd))
     return [judge(off, sd) for judge, off, sd in pairs if 0 < sd < np.inf]
 
 

@@ -35,9 +35,9 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.fractional_model.checks import (
-    element_explains,
-    families_told_apart,
-    slope_known,
+    fractional_model_suffices,
+    fractional_slope_determined,
+    model_families_distinguished,
 )
 from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, build_alternative
 from dashpot.fitting.identification import checks
@@ -136,10 +136,14 @@ def family_checks(
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     answers = []
     if isinstance(best.problem.sought, FractionalElement):
-        answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)))
+        answers.append(
+            fractional_slope_determined(
+                float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)
+            )
+        )
         if rival is not None:
-            answers.append(element_explains(rival.worst_misfit_ratio, rival.other.arms))
-    return answers if rival is None else [*answers, families_told_apart(other)]
+            answers.append(fractional_model_suffices(rival.worst_misfit_ratio, rival.other.arms))
+    return answers if rival is None else [*answers, model_families_distinguished(other)]
 
 
 def _compute_misfits(candidate: Candidate) -> np.ndarray:

@@ -18,7 +18,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
-from dashpot.fitting.fractional_model.checks import slope_known
+from dashpot.fitting.fractional_model.checks import fractional_slope_determined
 from dashpot.fitting.fractional_model.family_selection import ALPHA, BEYOND, SOUGHT, STEP
 from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
 from dashpot.numerics.inference.model_order import is_well_determined
@@ -217,7 +217,7 @@ class FractionalElement:
 
     def is_identified(self, error: FloatArray) -> bool:
         """Return whether no number is unknown."""
-        return not slope_known(float(error[3]), edge=False).failed
+        return not fractional_slope_determined(float(error[3]), edge=False).failed
 
     def is_complete(self, solid: Solid) -> bool:
         """Return whether no part has left it."""

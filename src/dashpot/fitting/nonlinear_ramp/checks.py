@@ -33,7 +33,7 @@ BEYOND = 0.25
     0.01,
     f"our choice; or 1.5 times the noise, and that {_ANOTHER} times the hold's if no law bends",
 )
-def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) -> Finding:
+def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: str) -> Finding:
     """The solid follows the ramp.
 
     `missed` and `noise` are parts of the largest force, `discrepancy` what one independent
@@ -73,7 +73,7 @@ def ramp_explained(quality: LinearFitQuality | None) -> Finding:
 
 
 @criterion("hold residual / hold alone", "<=", 1.25, "our choice; or 0.5 % of the peak")
-def hold_followed(rho: Sequence[float], missed: Sequence[float]) -> Finding:
+def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Finding:
     """The solid follows each hold as well as the hold alone can be followed.
 
     `missed` is the residual in each hold as a part of the largest force: below 0.5 % it matters
@@ -100,7 +100,7 @@ def hold_followed(rho: Sequence[float], missed: Sequence[float]) -> Finding:
     "simulation: see the question",
     otherwise="note of a law that bends little and evenly",
 )
-def tangent_told(law: ElasticLaw, ramps: int) -> Finding:
+def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
     """The tangent inside the ramp rests on more than one ramp.
 
     One ramp tells the tangent within 5 % if all arms share one elastic law. A law of its own for
@@ -121,7 +121,7 @@ def tangent_told(law: ElasticLaw, ramps: int) -> Finding:
 
 
 @criterion("k_inf off, of F_end/x", "<=", 0.05, "our choice; or 3 SE")
-def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: float) -> Finding:
+def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: float) -> Finding:
     r"""The equilibrium stiffness fits the force that was left at the end.
 
     Of the force at the end over the depth, `end` in N/m, the arms still carry
@@ -147,7 +147,7 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
 @criterion(
     "offset less baseline, SE", "<=", 3.0, grade="note", otherwise="limit from 1 % of the force on"
 )
-def offset_believable(results: Sequence[tuple[float, float, float, float]]) -> Finding:
+def offset_plausible(results: Sequence[tuple[float, float, float, float]]) -> Finding:
     """The offset of the load cell is what the record shows before contact.
 
     `results` holds of each test the fitted offset, its mean and its standard deviation before the
@@ -163,7 +163,7 @@ def offset_believable(results: Sequence[tuple[float, float, float, float]]) -> F
     grade="note",
     otherwise="limit from 1 % of the force over the record on, if k(T) is beyond its limits",
 )
-def drift_believable(
+def drift_plausible(
     results: Sequence[tuple[float, float, float, float]], excess: float = np.inf
 ) -> Finding:
     """The drift of the load cell is what its baseline or data sheet allows.

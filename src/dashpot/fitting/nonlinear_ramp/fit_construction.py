@@ -16,7 +16,7 @@ from dashpot.datamodel.fit_diagnostics import DepthStiffness, Evidence
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra
-from dashpot.fitting.checks.solid import frequencies_informed, loss_factor_known
+from dashpot.fitting.checks.solid import loss_factor_determined, valid_band_exists
 from dashpot.fitting.fit_construction import (
     Residuals,
     SolidEstimate,
@@ -80,8 +80,8 @@ def ramp_fit(
     answers = (
         *law_checks(tests, law, end),
         *checks,
-        frequencies_informed(band),
-        loss_factor_known(error),
+        valid_band_exists(band),
+        loss_factor_determined(error),
     )
     return build_fit(
         SolidEstimate(
@@ -142,7 +142,7 @@ def law_checks(tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None) -
     """Return every check of the records, of the solid and of its elastic law."""
     residual = law.estimate.residual
     error = np.sqrt(np.diag(law.estimate.covariance))
-    # the ramp's own misfit is priced, and judged by ramp_followed
+    # the ramp's own misfit is priced, and judged by ramp_residual_small
     held = [
         residual[test.settled.start - test.hold.stop :]
         for residual, test in zip(law.residuals, tests, strict=True)
@@ -163,7 +163,7 @@ def ramp_checks(
     values = law.followed.nuisance
     error = np.sqrt(np.diag(law.estimate.covariance))
     deepest = int(np.argmax(rows.depths))
-    followed = checks.ramp_followed(
+    followed = checks.ramp_residual_small(
         law.relative_residuals[worst],
         max(rows.noise[worst], law.hold.rms[worst]) / rows.peak(worst),
         law.discrepancy[worst],
@@ -171,23 +171,23 @@ def ramp_checks(
     )
     return (
         followed,
-        checks.hold_followed(
+        checks.hold_residual_small(
             law.rho, [value / rows.peak(i) for i, value in enumerate(law.followed.hold)]
         ),
-        checks.tangent_told(law.law, different_ramps(tests)),
-        checks.k_inf_believable(
+        checks.tangent_determined(law.law, different_ramps(tests)),
+        checks.k_inf_plausible(
             law.model,
             float(np.hypot(error[0], law.hold.plateau_error[deepest])),
             end_stiffness(tests[deepest], rows.known[deepest].offset.mean),
             tests[deepest].hold_time,
         ),
-        checks.offset_believable(
+        checks.offset_plausible(
             [
                 (values[f"offset@{i}"], *priors.offset, significant_drift(tests[i]).offset)
                 for i, priors in enumerate(rows.known)
             ]
         ),
-        checks.drift_believable(
+        checks.drift_plausible(
             [
                 (values[f"drift@{i}"], *priors.drift, significant_drift(tests[i]).drift)
                 for i, priors in enumerate(rows.known)

@@ -31,7 +31,7 @@ _RINGS_ON = 5.0
 _PULSES = 0.02
 """Part of a record that a hammer's pulses hardly fill."""
 _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
-    "hammer": (size_checks.hammer_felt, size_checks.hammer_not_heavy),
+    "hammer": (size_checks.impact_force_measurable, size_checks.hammer_not_heavy),
     "acceleration": (size_checks.acceleration_not_large,),
 }
 

@@ -176,7 +176,9 @@ def _refuse_sizes(
     change = lasting_change(time)
 
     def check_step_unit(steps: Leap, ticks: str) -> Check:
-        return size_checks.steps_of_one_unit(steps.beside, steps.step, float(time[steps.at]), ticks)
+        return size_checks.clock_unit_constant(
+            steps.beside, steps.step, float(time[steps.at]), ticks
+        )
 
     def evaluate_sizes(
         times: Mapping[Role, float], unit: Mapping[Role, str], stated: AbstractSet[Role]

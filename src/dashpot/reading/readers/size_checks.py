@@ -160,7 +160,7 @@ time_of_a_test = _make_size_criterion(
     "our choice: rates change by 10 and 100, units by 1,000",
     grade="stop",
 )
-def steps_of_one_unit(before: float, after: float, at: float, unit: str) -> Finding:
+def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Finding:
     """The steps of the clock are of one unit from first to last."""
     decades = abs(np.log10(after / before))
     off = abs(decades - 3 * max(round(decades / 3), 1))
@@ -213,8 +213,8 @@ hammer_not_heavy = _make_size_criterion(
     "greatest force <= 1e3 N", "a sledge hammer's",
     says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
-hammer_felt = _make_size_criterion(
-    "hammer_felt",
+impact_force_measurable = _make_size_criterion(
+    "impact_force_measurable",
     "The hammer hits hard enough for a load cell.",
     "greatest force >= 5e-2 N", "a touch", says="The hammer's force reaches", role="hammer",
 )  # fmt: skip

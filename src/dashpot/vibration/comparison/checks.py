@@ -54,12 +54,12 @@ def checks(
         stiffness,
         peak,
         damping,
-        no_unit_slip(c),
+        no_unit_error(c),
         lines_resolve_the_peak(measured, predicted),
     ]
     stiff, damped = not stiffness.failed, not (peak.failed or damping.failed)
     if fit is not None:
-        checks.append(inside_identified_band(c, fit, borne_out=stiff and damped))
+        checks.append(inside_valid_band(c, fit, borne_out=stiff and damped))
         checks.append(damping_tested(c, fit, borne_out=damped))
     if point is not None and np.isfinite(point.compression):
         checks.append(operating_point(point, borne_out=stiff))
@@ -162,7 +162,7 @@ def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     grade="stop",
     source="not near sqrt(1000) in frequency, 9.81 or 1000 in height",
 )
-def no_unit_slip(c: Comparison) -> Finding:
+def no_unit_error(c: Comparison) -> Finding:
     """No unit slip left its mark: sqrt(1000) on a frequency, 9.81 or 1000 on a height."""
     frequency = c.measured_hz / c.predicted_hz
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
@@ -203,7 +203,7 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
 
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
-def inside_identified_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
+def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
     """The measured peak lies where the fit informs the solid, or bears out the prediction."""
     low, high = fit.band
     if not high > 0:
@@ -297,7 +297,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
 def format_conclusion(c: Comparison) -> str:
     """What agrees, what does not, why, and what to do, as a verdict says it."""
     checks = {check.name: check for check in c.checks}
-    slip, tested = checks["no_unit_slip"], checks.get("damping_tested")
+    slip, tested = checks["no_unit_error"], checks.get("damping_tested")
     if slip.failed:
         return format_short_message(slip)
     stiff = not checks["stiffness_agrees"].failed

@@ -121,7 +121,7 @@ def checks_of(
                 shift=frf.shift,
                 sd=frf.sd,
             )
-        checks.append(mass_line(apparent, mass))
+        checks.append(high_frequency_mass_agrees(apparent, mass))
     return tuple(checks)
 
 
@@ -256,7 +256,7 @@ def _turn(size: FloatArray) -> int | None:
 
 
 @criterion(source="by definition")
-def scatter_known() -> Finding:
+def line_errors_stated() -> Finding:
     """The FRF says how well each of its lines is known."""
     return Finding(
         "The FRF has neither coherence nor scatter, so every line counts alike",
@@ -320,7 +320,7 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
     0.1,
     "our choice; a damping ratio is then known to 10 %",
 )
-def window_known(window: ExponentialWindow, main: Mode | None) -> Finding:
+def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Finding:
     """The decay of an exponential window that the record carries is known."""
     if not (window.stated or window.evident):
         return Finding(
@@ -582,7 +582,7 @@ def apparent_mass(
     "ISO 7626-2, 7.5.2",
     otherwise=f"stop beyond a factor {GROSS:g}",
 )
-def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
+def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above resonance the block shows the mass that was weighed."""
     if apparent is None:
         return Finding(

@@ -17,7 +17,7 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.amplitude_trend import with_resonances
-from dashpot.vibration.impact.checks import agreement, checks_of, window_known
+from dashpot.vibration.impact.checks import agreement, checks_of, window_decay_determined
 from dashpot.vibration.impact.estimators import (
     ChannelSpectra,
     Estimator,
@@ -408,7 +408,7 @@ def estimate_frf(
     )
     unmeasured = not np.isfinite(recorded.ratio) and not recorded.stated
     if recorded.rate > 0 or not recorded.known or recorded.evident or unmeasured:
-        checks = (*checks, window_known(recorded, main))
+        checks = (*checks, window_decay_determined(recorded, main))
     return replace(frf, checks=(*checks, *caution_checks(frf.source)))
 
 

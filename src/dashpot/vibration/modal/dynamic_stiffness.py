@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.vibration.checks import causal
+from dashpot.vibration.checks import stiffness_causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
 
 # Effect of small errors of a test on storage and loss factor.
@@ -304,4 +304,4 @@ def _causal(
     error = float(np.pi / 2 * np.hypot(np.linalg.norm(scatter), tilt))
     top = int(np.argmin(np.abs(frequency - peak)))
     measured = float(loss[top] / storage[top])
-    return (causal(implied, measured, error=error, peak=peak),)
+    return (stiffness_causal(implied, measured, error=error, peak=peak),)

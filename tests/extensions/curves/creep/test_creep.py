@@ -115,9 +115,9 @@ def test_a_part_that_flows_is_said_to_flow() -> None:
     assert found.model.k_inf == 0
     assert found.model.arms == 2
     checks = {check.name: check for check in found.checks}
-    assert checks["flow_told"].passed
+    assert checks["flow_distinguished"].passed
     assert "The part flows" in checks["creep_finished"].says
-    assert "plateau_told" not in checks
+    assert "plateau_determined" not in checks
     assert found.left_open is not None
     low, high = found.left_open["k_end"]
     assert low < 1 / float(fluid.compliance(found.end_of_hold.time)) < high
@@ -128,7 +128,7 @@ def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
     slow = CreepSpectrum(2e-3, (1e-3, 2e-3), (0.8, 60.0))
     found = fit(record(slow, noise=1e-6))
     checks = {check.name: check for check in found.checks}
-    assert checks["creep_finished"].failed or checks["flow_told"].failed
+    assert checks["creep_finished"].failed or checks["flow_distinguished"].failed
     assert found.verdict.use != "use"
 
 

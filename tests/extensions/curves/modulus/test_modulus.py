@@ -116,7 +116,7 @@ def test_a_curve_too_broad_for_a_few_arms_is_told_as_a_dense_spectrum() -> None:
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     time = np.concatenate(([0.0], np.geomspace(1e-11, 1e10, 200)))
     found = fit_modulus(time, many.relaxation(time))
-    check = next(check for check in found.checks if check.name == "few_arms_suffice")
+    check = next(check for check in found.checks if check.name == "few_arms_sufficient")
     assert check.failed
     assert found.status is Status.NOT_IDENTIFIED
     assert found.model.arms > 6

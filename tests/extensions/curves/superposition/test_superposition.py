@@ -156,11 +156,12 @@ def test_given_shifts_are_taken_as_they_are():
 @pytest.mark.parametrize(
     ("change", "check"),
     [
-        pytest.param(lambda: sweeps(temperatures=TEMPERATURES[::2] - 20), "overlap", id="apart"),
+        pytest.param(lambda: sweeps(temperatures=TEMPERATURES[::2] - 20), "isotherms_overlap",
+            id="apart"),
         pytest.param(lambda: sweeps(temperatures=TEMPERATURES - 25), "shifts_determined", id="ice"),
         pytest.param(lambda: exchanged(sweeps()), "shift_monotone", id="exchanged"),
         pytest.param(lambda: sweeps(complexity=0.1), "thermorheologically_simple", id="complex"),
-        pytest.param(lambda: sweeps(noise=0.2), "vertical_shift_known", id="noise"),
+        pytest.param(lambda: sweeps(noise=0.2), "vertical_shift_determined", id="noise"),
     ],
 )  # fmt: skip
 def test_what_is_no_master_curve_is_said(change, check):
@@ -185,7 +186,7 @@ def test_a_wrong_temperature_leaves_the_law_and_is_named():
     assert "law_follows_shifts" not in failed(
         dp.solids.superpose(replace(data, temperature=wrong), law="free")
     )
-    assert failed(dp.solids.superpose(data)) <= {"overlap"}
+    assert failed(dp.solids.superpose(data)) <= {"isotherms_overlap"}
 
 
 def test_a_sound_set_is_judged_sound():
@@ -210,7 +211,7 @@ def test_a_row_that_stands_twice_counts_once():
 
 def test_free_vertical_shifts_are_a_diagnostic():
     found = dp.solids.superpose(sweeps(), vertical="free")
-    assert "vertical_shift_known" in failed(found)
+    assert "vertical_shift_determined" in failed(found)
     assert found.temperatures.shifts[0].b_t_se > 0
 
 
@@ -256,8 +257,10 @@ def test_one_temperature_of_more_gain_is_named():
     data, at = sweeps(3), TEMPERATURES[7]
     gain = np.where(data.temperature == at, 1.05, 1.0)
     more = replace(data, storage=gain * data.storage, loss=gain * data.loss)
-    assert "temperatures_in_line" not in failed(dp.solids.superpose(data))
-    told = {check.name: check for check in dp.solids.superpose(more).checks}["temperatures_in_line"]
+    assert "no_temperature_outlier" not in failed(dp.solids.superpose(data))
+    told = {check.name: check for check in dp.solids.superpose(more).checks}[
+        "no_temperature_outlier"
+    ]
     assert told.failed
     assert told.says.startswith("50 degC lies ")
 

@@ -121,10 +121,10 @@ def test_the_point_alone_is_that_of_the_whole_fit(pair):
 
 
 def test_two_temperatures_are_told_that_three_see_more(pair, triple):
-    told = {check.name: check for check in pair.checks}["shifts_told_apart"]
+    told = {check.name: check for check in pair.checks}["shifts_distinguished"]
     assert told.failed
     assert "three are needed" in told.says
-    assert "shifts_told_apart" not in failed(triple)
+    assert "shifts_distinguished" not in failed(triple)
 
 
 def test_three_temperatures_carry_a_law(triple):
@@ -269,7 +269,7 @@ def test_a_seal_that_warms_is_told_from_one_that_shifts_otherwise():
 
 
 def test_temperatures_too_far_apart_are_said():
-    assert "overlap" in failed(fitted("hidden", (ROOM, -20.0)))
+    assert "isotherms_overlap" in failed(fitted("hidden", (ROOM, -20.0)))
 
 
 def test_tests_of_one_temperature_are_fitted_as_ever():

@@ -103,12 +103,12 @@ def test_softening_is_that_of_the_cycles_and_set_that_of_the_contact():
         ({}, set()),
         ({"gap": 0.0}, set()),
         ({"gap": -1e-3}, {"zero_recorded"}),
-        ({"cycles": 1}, {"conditioned"}),
-        ({"cycles": 2}, {"conditioned"}),
-        ({"depth": (4e-3, 5e-3, 6e-3, 8e-3)}, {"conditioned", "depth_conditioned"}),
+        ({"cycles": 1}, {"specimen_conditioned"}),
+        ({"cycles": 2}, {"specimen_conditioned"}),
+        ({"depth": (4e-3, 5e-3, 6e-3, 8e-3)}, {"specimen_conditioned", "depth_conditioned"}),
         ({"wait": 3.0}, set()),
         ({"drift": 3e-3}, {"load_cell_steady"}),
-        ({"cycles": 1, "unload": False}, {"conditioned", "unloading_recorded"}),
+        ({"cycles": 1, "unload": False}, {"specimen_conditioned", "unloading_recorded"}),
     ],
 )
 def test_what_is_wrong_with_a_record_is_said_and_no_more(how, names):
@@ -131,7 +131,7 @@ def test_a_stop_in_the_stroke_is_no_turning_point_but_no_even_speed():
     test = dp.CompressionTest(*held, np.arange(len(held[0])) / 100, SPECIMEN, units="SI")
     one = cld(test, at=6e-3)
     assert len(one.cycles) == 3
-    assert "speed_even" in failed(one)
+    assert "plate_speed_constant" in failed(one)
 
 
 def test_the_cycle_asked_for_and_the_one_that_reaches():
@@ -210,7 +210,7 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     one = cld(dp.CompressionTest(x, 200.0 * x, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(1.2)
     assert one.preload == 0
-    assert failed(one) == {"conditioned", "unloading_recorded", "length_given"}
+    assert failed(one) == {"specimen_conditioned", "unloading_recorded", "length_given"}
     up = np.concatenate((x, x[-2::-1]))
     assert cld(dp.CompressionTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
         0, abs=1e-9
@@ -233,4 +233,4 @@ def test_a_seal_that_sticks_is_told_from_noise(pull, holds):
     truth = pressed(softening=0.0)
     back = (np.gradient(truth.compression) < 0) & (np.abs(truth.compression - 2e-4) < 4e-4)
     one = found(replace(truth, force=truth.force - pull * back))
-    assert {check.name: check.passed for check in one.checks}["released_freely"] is holds
+    assert {check.name: check.passed for check in one.checks}["no_adhesion_on_release"] is holds

@@ -164,7 +164,7 @@ def lower_limits(seeds, **how):
     rubber, held = Rubber(hours=1e8), []
     for seed in seeds:
         found = fitted(rubber, seed, **how)
-        assert "chemistry_seen" in failed(found)
+        assert "chemical_aging_resolved" in failed(found)
         assert [one.name for one in found.found] == ["physical_loss", "chemical_time"]
         life, left = predict_aging(found, temperature="70degC", until=["50%", "1000h"]).answers
         assert np.isnan(life.value)
@@ -250,18 +250,18 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     force = np.where(hot, one.force * slow.left(one.hours, 150) / TRUE.left(one.hours, 150),
                      one.force)  # fmt: skip
     found = CounterforceTest(one.hours, force, one.celsius, one.piece, units="h, N, degC")
-    assert "ovens_on_a_line" in failed(fit_aging([found]))
+    assert "one_activation_energy_explains_ovens" in failed(fit_aging([found]))
 
 
 def test_a_drift_of_the_cell_is_held_beside_the_coldest_oven():
     one = [recorded(lot(TRUE))]
     # 3 % of 34 N in 1000 h is 1 mN/h
-    assert "aging_beside_drift" not in failed(fit_aging(one))
+    assert "aging_exceeds_cell_drift" not in failed(fit_aging(one))
     bad = fit_aging(one, machine=Machine(drift="5mN/h"))
-    assert "aging_beside_drift" in failed(bad)
+    assert "aging_exceeds_cell_drift" in failed(bad)
     none = fit_aging(one, machine=Machine(drift=0.0))
-    assert "aging_beside_drift" not in failed(none)
-    (held,) = (one for one in none.checks if one.name == "cell_holds")
+    assert "aging_exceeds_cell_drift" not in failed(none)
+    (held,) = (one for one in none.checks if one.name == "load_cell_zero_stable")
     assert held.passed is None
 
 
@@ -271,7 +271,7 @@ def test_a_drift_that_nobody_said_is_found_and_covered(drift):
     shown = []
     for seed in (12, 14, 16):
         found = fitted(seed=seed, drift=None, zero=drift)
-        (held,) = (one for one in found.checks if one.name == "cell_holds")
+        (held,) = (one for one in found.checks if one.name == "load_cell_zero_stable")
         shown.append(held.value)
         assert predicted_life(found), seed
     assert np.sign(drift) * np.median(shown) > 2.0
@@ -414,6 +414,6 @@ def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
     scatter = next(
         one
         for one in csr_checks.run_checks(found, read, own, None, drift=0.0)
-        if one.name == "readings_scatter"
+        if one.name == "readings_residuals_random"
     )
     assert scatter.value == 0.0

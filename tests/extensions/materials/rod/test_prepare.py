@@ -200,10 +200,10 @@ def test_a_rocking_mode_is_no_solid(rocking):
     for seed in range(5):
         one, _, _ = noisy_rod(seed, rocking=rocking)
         checks = {check.name: check for check in one.checks}
-        assert checks["lines_of_one_solid"].failed
+        assert checks["one_solid_explains_lines"].failed
         assert use_of(one) != "use"
     sound, _, _ = noisy_rod(0)
-    (check,) = [one for one in sound.checks if one.name == "lines_of_one_solid"]
+    (check,) = [one for one in sound.checks if one.name == "one_solid_explains_lines"]
     assert check.passed
     assert check.value is not None
     assert 0.7 < check.value < 1.4

@@ -123,7 +123,10 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
         (lambda T: T - 1, {"mass_over_base"}),
         (lambda T: 1.05 * T, {"sensors_agree"}),
         (lambda T: T * np.exp(-2j * np.pi * HZ * 2e-4), {"kramers_kronig"}),
-        (lambda T: T + 0.03 / (1 - (HZ / 140) ** 2 + 0.06j * HZ / 140), {"lines_of_one_solid"}),
+        (
+            lambda T: T + 0.03 / (1 - (HZ / 140) ** 2 + 0.06j * HZ / 140),
+            {"one_solid_explains_lines"},
+        ),
     ],
     ids=["sign", "polarity", "swapped", "relative", "gain", "delay", "rocking"],
 )
@@ -146,7 +149,7 @@ def test_masses_far_off_are_named(tmp_path):
     path = written(tmp_path / "a.csv", shaken())
     for mass, density in (("3.14g", "1000"), ("31.4g", "10000")):
         words = (*WORDS[:2], "--density", density, "--mass", mass)
-        assert {"waves_plane", "lines_of_one_solid"} & failed(told(path, *words))
+        assert {"waves_plane", "one_solid_explains_lines"} & failed(told(path, *words))
 
 
 def test_what_no_line_shows_is_a_scale(tmp_path):

@@ -169,7 +169,7 @@ def test_a_memory_of_another_piece_is_seen() -> None:
         tests, mass=MASS, slam=THREE, memory=wrong, law=SlamLaw.from_fit(relaxed(random))
     )
     failed = {one.name for one in found.checks if one.failed}
-    assert failed & {"memory_kept", "losses_agree", "slam_speeds_agree"}
+    assert failed & {"arms_agree_with_relaxation_test", "loss_factors_agree", "slam_speeds_agree"}
 
 
 def record(*speeds: float, rest: float = 0.5) -> dp.SlamTest:

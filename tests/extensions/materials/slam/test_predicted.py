@@ -159,10 +159,12 @@ def test_what_lies_beyond_the_test_is_marked() -> None:
     fit = seal(LAWS["stiff"])
     deep = predict_slam(fit, slam=2.0, mass="200g")
     marked = {one.name for one in deep.checks if one.failed}
-    assert {"slam_within_law", "air_escapes", "piece_length_given"} <= marked
-    assert "20 mm" in next(one.says for one in deep.checks if one.name == "slam_within_law")
+    assert {"slam_within_measured_depth", "air_escapes", "piece_length_given"} <= marked
+    assert "20 mm" in next(
+        one.says for one in deep.checks if one.name == "slam_within_measured_depth"
+    )
     bare = predict_slam(replace(fit, elastic_law=None), slam=0.3, mass="200g")
-    assert "slam_within_law" in {one.name for one in bare.checks if one.failed}
+    assert "slam_within_measured_depth" in {one.name for one in bare.checks if one.failed}
 
 
 @pytest.mark.parametrize(

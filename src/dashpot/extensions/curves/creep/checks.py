@@ -72,7 +72,7 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
 
 
 @criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
-def travel_renewed(test: LoadHold, displacement: FloatArray) -> Finding:
+def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
     """The displacement is read anew from sample to sample while the load is held.
 
     Of a load that is held nothing else is expected than that it stands. `displacement` is of the
@@ -146,7 +146,7 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
 
 
 @criterion("difference of BIC", ">=", TOLD, "our choice: 1 to 150 in likelihood")
-def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
+def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
     """The record tells a solid that comes to rest from one that flows."""
     word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
     doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
@@ -165,7 +165,7 @@ def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Findi
 @criterion(
     "flow / displacement at the end", ">=", FLOWED, "our choice: a slow retardation shows less"
 )
-def flow_prevails(creep: CreepSpectrum, hold: float) -> Finding:
+def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
     """The flow that was found moved the part by more than a slow retardation would have.
 
     `hold` is in s.
@@ -180,7 +180,7 @@ def flow_prevails(creep: CreepSpectrum, hold: float) -> Finding:
 
 
 @criterion("drift / what a channel drifts", "<=", DRIFTS, "our choice; two standard deviations")
-def drift_is_no_flow(drift: float, usual: float, *, reported: bool) -> Finding:
+def drift_distinguished_from_flow(drift: float, usual: float, *, reported: bool) -> Finding:
     """What was taken for a drift of the displacement is no flow of the part.
 
     Both in m/s; `reported` if the samples before the load show the drift.
@@ -198,7 +198,7 @@ def drift_is_no_flow(drift: float, usual: float, *, reported: bool) -> Finding:
 @criterion(
     "smooth misfit / noise", "<=", MISSED, "our choice", otherwise=f"stop beyond {NOT_FOLLOWED:g}"
 )
-def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
+def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding:
     """The solid follows the displacement to its noise.
 
     `residual` is of the last samples of the record.
@@ -219,7 +219,7 @@ def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
 
 
 @criterion("rms error of the fit", "<=", FOLLOWED)
-def compliance_followed(missed: float, arms: int) -> Finding:
+def compliance_residual_small(missed: float, arms: int) -> Finding:
     """The fit follows the curve of compliance."""
     return Finding(
         f"{format_arm_count(arms)} leave {100 * missed:.2g} % rms of the compliance",

@@ -30,7 +30,7 @@ from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import quantum
-from dashpot.extensions.curves.checks import plateau_told
+from dashpot.extensions.curves.checks import plateau_determined
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.creep.load_noise import load_rows
 from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
@@ -58,11 +58,11 @@ from dashpot.fitting.checks.relaxation import residuals_steady
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
-    frequencies_informed,
-    loss_factor_known,
+    loss_factor_determined,
     order_agreed,
-    residuals_random,
+    residuals_white,
     tau_inside_window,
+    valid_band_exists,
 )
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_data import NUISANCE, FitData, max_determinable_arms, regularise_clock
@@ -366,11 +366,11 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         checks.creep_finished(creep, record.hold_time),
         *_plateau_checks(creep, end, record.unit),
         *_drift_checks(record, retardation),
-        checks.displacement_followed(record, residual),
+        checks.displacement_residual_small(record, residual),
         checks.levels_agree(*_departure(record, retardation)),
         residuals_steady([residual], rounding=ROUNDING * retardation.data.peak),
-        frequencies_informed(band),
-        loss_factor_known(error),
+        valid_band_exists(band),
+        loss_factor_determined(error),
         clocks_agree([_late(nuisance)]),
     )
     return build_fit(
@@ -472,13 +472,15 @@ def _checks(
             if retardation.flows
             else None
         )
-        final_checks.append(checks.flow_told(retardation.flows, retardation.alternative, ratio))
+        final_checks.append(
+            checks.flow_distinguished(retardation.flows, retardation.alternative, ratio)
+        )
     return (
         arms_distinct(model),
         arms_supported(model, retardation.every_error, unit=unit),
         tau_inside_window(model, window, of),
         *final_checks,
-        residuals_random(estimate.kappa, estimate.rms),
+        residuals_white(estimate.kappa, estimate.rms),
         *([] if retardation.choice is None else [order_agreed(retardation.choice)]),
         *retardation.enough(left_in),
     )
@@ -486,7 +488,7 @@ def _checks(
 
 def _flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
     """Return whether a flow that was taken may be slow creep."""
-    return [checks.flow_prevails(creep, hold)] if creep.flow > 0 else []
+    return [checks.flow_exceeds_slow_retardation(creep, hold)] if creep.flow > 0 else []
 
 
 def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
@@ -495,12 +497,14 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
         return []
     baseline = estimate_preload_baseline(record)
     drift = retardation.solution.coefficient("drift")
-    return [checks.drift_is_no_flow(drift, baseline.usual, reported=baseline.determined)]
+    return [
+        checks.drift_distinguished_from_flow(drift, baseline.usual, reported=baseline.determined)
+    ]
 
 
 def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
     """Return whether a part that is said to come to rest has done so, where that was asked."""
-    return [] if end is None or creep.flow > 0 else [plateau_told(end, unit)]
+    return [] if end is None or creep.flow > 0 else [plateau_determined(end, unit)]
 
 
 def _end_of_test(
@@ -632,8 +636,8 @@ def _fit_curve(
         *_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
         *_plateau_checks(creep, end, unit),
-        checks.compliance_followed(best.estimate.rms, best.model.arms),
-        loss_factor_known(error),
+        checks.compliance_residual_small(best.estimate.rms, best.model.arms),
+        loss_factor_determined(error),
     )
     step = _step(best, f"{len(t)} values of a creep compliance", options.arms)
     return build_fit(

@@ -99,7 +99,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     answers = (
         checks.load_begins_at_rest(record),
         checks.load_held(record),
-        checks.travel_renewed(record, test.displacement),
+        checks.displacement_samples_not_repeated(record, test.displacement),
         clock_steady(record),
         *check_temperature(test.specimen),
     )

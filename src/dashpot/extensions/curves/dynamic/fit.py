@@ -21,7 +21,7 @@ from dashpot.datamodel.parameter_estimate import Residual
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.checks import (
-    bands_meet,
+    bands_overlap,
     data_agree,
     instrument_stiff,
     kramers_kronig,
@@ -51,9 +51,9 @@ from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
-    loss_factor_known,
+    loss_factor_determined,
     order_agreed,
-    residuals_random,
+    residuals_white,
     tau_inside_window,
 )
 from dashpot.fitting.fit_construction import build_fit
@@ -256,7 +256,7 @@ def fit_dynamic(
                 *_checks(selection, data, records, end, [n for item in sets for n in item.freedom]),
                 *both.checks(other),
                 *met,
-                loss_factor_known(band_error),
+                loss_factor_determined(band_error),
             ),
             alternative=other,
             end_of_hold=end,
@@ -504,7 +504,7 @@ def _checks(
     answers = [
         *of_arms,
         *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra),
-        residuals_random(estimate.kappa, estimate.rms),
+        residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
         *selection.enough("sd"),
     ]
@@ -528,7 +528,7 @@ def _band(
     # the blocks are in units of their own scatter
     blocks = [item.block for item in held]
     informed = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
-    met = bands_meet(sweep, informed)
+    met = bands_overlap(sweep, informed)
     if met.failed:
         return sweep, (met,)
     return (min(sweep[0], informed[0]), max(sweep[1], informed[1])), (met,)

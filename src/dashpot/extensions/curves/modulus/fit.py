@@ -34,9 +34,9 @@ from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
-    loss_factor_known,
+    loss_factor_determined,
     order_agreed,
-    residuals_random,
+    residuals_white,
     tau_inside_window,
 )
 from dashpot.fitting.fit_construction import build_fit
@@ -149,10 +149,10 @@ def fit_modulus(
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
         *checks,
-        residuals_random(selection.estimate.kappa, selection.estimate.rms),
+        residuals_white(selection.estimate.kappa, selection.estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
         *selection.enough("1" if weights == "relative" else unit),
-        loss_factor_known(band_error),
+        loss_factor_determined(band_error),
     )
     step = Step(
         "fit_modulus",

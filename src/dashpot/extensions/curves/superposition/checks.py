@@ -35,7 +35,7 @@ _SLIGHT = 0.1
     OVERLAP,
     "our choice: less, and everything fits; of ramps and holds 1.5, as simulated pairs ask",
 )
-def overlap(
+def isotherms_overlap(
     shared: FloatArray | Sequence[float],
     temperature: FloatArray | Sequence[float],
     least: float = OVERLAP,
@@ -127,7 +127,7 @@ def collect_law_checks(
     error = float(np.sqrt(law_fit.covariance[-1, -1])) if law_fit.law.kind == "wlf" else 0.0
     return [
         law_follows_shifts(law_fit.score, law_fit.scores, requested=requested),
-        temperatures_in_line(law_fit.odd),
+        no_temperature_outlier(law_fit.odd),
         glass_below_tests(law_fit.law, coldest, error),
     ]
 
@@ -165,7 +165,7 @@ def law_follows_shifts(
 
 
 @criterion("decades off the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
-def temperatures_in_line(odd: ShiftOutlier | None) -> Finding:
+def no_temperature_outlier(odd: ShiftOutlier | None) -> Finding:
     """No one temperature lies off the law that all others follow."""
     if odd is None:
         return Finding("No single temperature lies off a law that all others follow", 0.0)
@@ -202,7 +202,7 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
     MIN_BIC_MARGIN,
     "Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773: very strong",
 )
-def vertical_shift_known(vertical: str, margin: float, difference: float) -> Finding:
+def vertical_shift_determined(vertical: str, margin: float, difference: float) -> Finding:
     """The data, or the user, say how stiffness itself follows temperature.
 
     `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what

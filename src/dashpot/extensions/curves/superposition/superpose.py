@@ -24,10 +24,10 @@ from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.superposition.checks import (
     MIN_BIC_MARGIN,
     collect_shift_checks,
-    overlap,
+    isotherms_overlap,
     thermorheologically_simple,
     vertical_rule_holds,
-    vertical_shift_known,
+    vertical_shift_determined,
 )
 from dashpot.extensions.curves.superposition.isotherms import (
     Isotherm,
@@ -193,7 +193,7 @@ def _search_shifts(
     free = vertical == "free"
     best = refine_shifts(isotherms, spectra[how], reference=at, noise=noise, free_b=free)
     if free:
-        return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
+        return best, "free", (vertical_shift_determined("free", 0.0, 0.0),)
     step, score = vertical_step(isotherms, best, reference=at, noise=noise)
     followed = vertical_rule_holds(step, score, t)
     if vertical != "auto":
@@ -203,7 +203,7 @@ def _search_shifts(
     # the support of a spectrum is a rough count: what both measures say is known
     taken = spectra[how]
     margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
-    return best, how, (vertical_shift_known(how, margin, ratio), followed)
+    return best, how, (vertical_shift_determined(how, margin, ratio), followed)
 
 
 def _apply_stated_shifts(
@@ -252,7 +252,7 @@ def _collect_checks(
     t = np.array([isotherm.temperature for isotherm in isotherms])
     values, requested = _decadic(best, at), law == "free"
     return (
-        overlap(_compute_overlap(isotherms, best), t),
+        isotherms_overlap(_compute_overlap(isotherms, best), t),
         *collect_shift_checks(t, best.ln_a / _LN10, values, law_fit, requested=requested),
     )
 

@@ -107,7 +107,7 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     "our choice: two cannot contradict each other",
     grade="note",
 )
-def shifts_told_apart(count: int) -> Finding:
+def shifts_distinguished(count: int) -> Finding:
     """There are temperatures enough to see arms that shift apart, and to lay a law."""
     return Finding(
         f"{count} temperatures were tested; three are needed",

@@ -19,7 +19,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, pa
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit
-from dashpot.extensions.curves.superposition.checks import collect_shift_checks, overlap
+from dashpot.extensions.curves.superposition.checks import collect_shift_checks, isotherms_overlap
 from dashpot.extensions.curves.temperatures import checks
 from dashpot.extensions.curves.temperatures.joint_covariance import (
     JointCovariance,
@@ -41,10 +41,10 @@ from dashpot.fitting.admissible_spectra import compute_end_limits, spectra_of_ho
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import (
     arms_enough,
-    frequencies_informed,
-    loss_factor_known,
+    loss_factor_determined,
     optimum_found,
     order_agreed,
+    valid_band_exists,
 )
 from dashpot.fitting.fit_construction import (
     RelaxationWindow,
@@ -151,7 +151,7 @@ def fit_thermal(
     made = _build_fit(fit, options)
     end = _end_of_hold(fit, made)
     band, error = _find_loss_factor_band(fit, made)
-    checks = (*made.checks, hold_long_enough(end), loss_factor_known(error))
+    checks = (*made.checks, hold_long_enough(end), loss_factor_determined(error))
     if arms is not None:
         further = replace(options, arms="auto", max_arms=arms + FURTHER)
         more = optimum(tests, further, reference)
@@ -297,7 +297,7 @@ def _checks(
             needed=fit.best.choice is not None,
         ),
         *_collect_shift_checks(fit, shifts, law_fit),
-        frequencies_informed(band),
+        valid_band_exists(band),
     ]
     if fit.best.choice is not None:
         answers.append(order_agreed(fit.best.choice))
@@ -324,7 +324,7 @@ def _collect_shift_checks(
     )
     chance, excess = _misfit(fit)
     return [
-        overlap(shared, temperatures, checks.SHARED),
+        isotherms_overlap(shared, temperatures, checks.SHARED),
         *collect_shift_checks(
             fit.best.joint.temperatures,
             [shift.log10_a_t for shift in shifts.shifts],
@@ -339,7 +339,7 @@ def _collect_shift_checks(
         ),
         checks.stiffness_of_one_seal(shifts),
         checks.temperature_steady(warming),
-        checks.shifts_told_apart(len(temperatures)),
+        checks.shifts_distinguished(len(temperatures)),
     ]
 
 

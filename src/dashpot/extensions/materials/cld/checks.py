@@ -43,7 +43,7 @@ def zero_recorded(preload: float, *, air: bool) -> Finding:
     SETTLED,
     "our choice: what is left of softening is then within the scatter of seals",
 )
-def conditioned(change: float | None, *, cycle: int, softening: float) -> Finding:
+def specimen_conditioned(change: float | None, *, cycle: int, softening: float) -> Finding:
     """The seal has softened as far as it does in such cycles (Mullins)."""
     if change is None:
         return Finding(
@@ -110,7 +110,7 @@ def load_cell_steady(drift: float | None) -> Finding:
     EVEN,
     "our choice: a stop of a twentieth of the stroke",
 )
-def speed_even(departure: float | None) -> Finding:
+def plate_speed_constant(departure: float | None) -> Finding:
     """The plate moves at one speed."""
     if departure is None:
         return Finding("Without a clock there is no speed to judge")
@@ -129,7 +129,7 @@ def speed_even(departure: float | None) -> Finding:
     "no seal gives back more than it is given; less is noise",
     grade="stop",
 )
-def energy_lost(hysteresis: float | None) -> Finding:
+def no_energy_gained(hysteresis: float | None) -> Finding:
     """The seal gives back no more energy than was put in."""
     if hysteresis is None:
         return Finding("Without the unloading the energy returned is not known")
@@ -142,7 +142,7 @@ def energy_lost(hysteresis: float | None) -> Finding:
 
 
 @criterion("pull / greatest force", "<=", PULLS, "our choice: a load cell's zero is known to less")
-def released_freely(pull: float | None) -> Finding:
+def no_adhesion_on_release(pull: float | None) -> Finding:
     """The seal leaves the plate as it is released, and does not pull on it."""
     if pull is None:
         return Finding("Without air beside the release a pull on the plate is not seen")
@@ -186,7 +186,7 @@ BETTER = 10.0
 
 
 @criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
-def memory_explains(raw: float | None, remainder: float | None) -> Finding:
+def relaxation_explains_hysteresis(raw: float | None, remainder: float | None) -> Finding:
     """Without the memory, loading and unloading fall onto one curve."""
     if raw is None or remainder is None:
         return Finding("Without the unloading the memory cannot be checked")
@@ -200,7 +200,7 @@ def memory_explains(raw: float | None, remainder: float | None) -> Finding:
 
 
 @criterion("stroke / longest or shortest time of the test", "x/", 1.0, "the band of the fit")
-def stroke_within_memory(stroke: float | None, band: tuple[float, float]) -> Finding:
+def stroke_within_relaxation_times(stroke: float | None, band: tuple[float, float]) -> Finding:
     """The stroke takes as long as a time that the relaxation test informs."""
     if stroke is None:
         return Finding("No speed is known")
@@ -232,7 +232,7 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
 
 
 @criterion("largest difference of F(t) / F at rest", "<=", AGREES, "as pieces scatter")
-def memories_agree(difference: float | None) -> Finding:
+def relaxation_tests_agree(difference: float | None) -> Finding:
     """The relaxation tests have one memory, whatever depth they were held at."""
     if difference is None:
         return Finding("No speed is known, so the memories are not compared")
@@ -247,7 +247,7 @@ def memories_agree(difference: float | None) -> Finding:
 
 
 @criterion("BIC over that of a dashpot", "<=", BETTER, "Kass and Raftery 1995: very strong beyond")
-def memory_suffices(over: float) -> Finding:
+def one_relaxation_explains_speeds(over: float) -> Finding:
     """One memory explains the speeds as well as a dashpot that depends on compression does."""
     if over >= -BETTER:
         says = "The speeds do not separate one memory from a dashpot that depends on compression"
@@ -274,7 +274,7 @@ def speeds_spread(ratio: float) -> Finding:
 
 
 @criterion("residual / noise", "<=", 2.0, "pieces 2 % apart: 3.4; one piece: 0.9 to 1.1")
-def speeds_followed(residual: float, noise: float, peak: float) -> Finding:
+def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding:
     """One law and one memory follow every speed, in and back, to the noise or 0.1 %."""
     return Finding(
         f"The model misses {100 * residual / peak:.2g} % of the greatest force; the noise is "
@@ -287,7 +287,7 @@ def speeds_followed(residual: float, noise: float, peak: float) -> Finding:
 
 
 @criterion("longest time / slowest stroke", "<=", 1.0, "what is slower is not at rest by then")
-def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
+def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding:
     """The slowest stroke is slow against the longest relaxation time."""
     if longest is None:
         return Finding("No memory was found")
@@ -306,7 +306,7 @@ def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
     "as for the arms of a relaxation test",
     ends=Status.NOT_IDENTIFIED,
 )
-def memory_told(error: float | None) -> Finding:
+def relaxation_times_determined(error: float | None) -> Finding:
     """Every relaxation time is told."""
     if error is None:
         return Finding("No memory was found")

@@ -86,10 +86,14 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         fraction,
         1 - last / first,
         (
-            checks.memory_explains(raw, fraction),
-            checks.stroke_within_memory(stroke, fit.band),
+            checks.relaxation_explains_hysteresis(raw, fraction),
+            checks.stroke_within_relaxation_times(stroke, fit.band),
             *(check for fit in fits for check in _check_relaxed_force(cld, law, fit)),
-            *([checks.memories_agree(_compare_memories(fits, stroke))] if len(fits) > 1 else ()),
+            *(
+                [checks.relaxation_tests_agree(_compare_memories(fits, stroke))]
+                if len(fits) > 1
+                else ()
+            ),
         ),
         others,
     )

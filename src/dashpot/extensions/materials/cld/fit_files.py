@@ -281,7 +281,9 @@ def _add_speed_fit(pieces: Pieces) -> Pieces:
     """With the elastic law and the memory of one seal at several speeds."""
     fit = fit_speeds(pieces.pieces)
     rate = fit_rate(pieces.pieces, fit)
-    final_check = next(check for check in rate.checks if check.name == "memory_suffices")
+    final_check = next(
+        check for check in rate.checks if check.name == "one_relaxation_explains_speeds"
+    )
     fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, final_check)))
     return replace(pieces, checks=(*pieces.checks, *fit.checks), fit=fit, rate=rate)
 

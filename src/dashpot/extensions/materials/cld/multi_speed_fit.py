@@ -322,9 +322,9 @@ def _build_fit(
     speeds = [cld.cycle.speed or np.nan for cld in pieces]
     requested_checks = (
         checks.speeds_spread(max(speeds) / min(speeds)),
-        checks.speeds_followed(rms, max(cld.noise for cld in pieces), peak),
-        checks.slowest_relaxed(max(model.tau, default=None), max(strokes)),
-        checks.memory_told(float(error.max()) if model.arms else None),
+        checks.speeds_residual_small(rms, max(cld.noise for cld in pieces), peak),
+        checks.slowest_stroke_quasi_static(max(model.tau, default=None), max(strokes)),
+        checks.relaxation_times_determined(float(error.max()) if model.arms else None),
     )
     step = Step(
         "fit",

@@ -336,7 +336,7 @@ def _checks(
     drift = zero.drift / used.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
-        checks.conditioned(
+        checks.specimen_conditioned(
             used.common / before[-1].common - 1 if before else None,
             cycle=used.number,
             softening=cycles[0].common / cycles[-1].common - 1,
@@ -346,9 +346,9 @@ def _checks(
         ),
         checks.compressions_reached(most, used.depth + new_cycles.beyond),
         checks.load_cell_steady(drift),
-        checks.speed_even(new_cycles.uneven[index]),
-        checks.energy_lost(used.hysteresis),
-        checks.released_freely(_pull(used, zero)),
+        checks.plate_speed_constant(new_cycles.uneven[index]),
+        checks.no_energy_gained(used.hysteresis),
+        checks.no_adhesion_on_release(_pull(used, zero)),
         checks.unloading_recorded(recorded=used.unloading is not None),
         checks.length_given(provided=test.specimen.length is not None),
     )

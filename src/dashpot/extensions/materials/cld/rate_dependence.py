@@ -155,7 +155,7 @@ def _build_rate_law(pieces: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -
         rms,
         value - other,
         (
-            checks.memory_suffices(other - value),
-            checks.speeds_followed(rms, of.noise, max(piece.cycle.peak for piece in pieces)),
+            checks.one_relaxation_explains_speeds(other - value),
+            checks.speeds_residual_small(rms, of.noise, max(piece.cycle.peak for piece in pieces)),
         ),
     )

@@ -32,13 +32,13 @@ def run_checks(
     return (
         force_falls(risen),
         f0_read(max(float(read.time[read.piece == i].min()) for i in range(read.pieces))),
-        readings_scatter(together),
-        readings_close(aging.scatter),
-        chemistry_seen(hottest.significance, hottest.temperature),
+        readings_residuals_random(together),
+        readings_residual_small(aging.scatter),
+        chemical_aging_resolved(hottest.significance, hottest.temperature),
         ovens_enough(len(aging.ovens)),
-        ovens_on_a_line(strain),
-        cell_holds(*_estimate_drift(estimate, drift)),
-        aging_beside_drift(None if aging.law.bound_alone else coldest.rate, drift),
+        one_activation_energy_explains_ovens(strain),
+        load_cell_zero_stable(*_estimate_drift(estimate, drift)),
+        aging_exceeds_cell_drift(None if aging.law.bound_alone else coldest.rate, drift),
     )
 
 
@@ -73,7 +73,7 @@ def f0_read(first: float) -> Finding:
 
 
 @criterion("correlation of neighbours * sqrt(readings)", "<=", 3.0, "chance, once in 700")
-def readings_scatter(together: float) -> Finding:
+def readings_residuals_random(together: float) -> Finding:
     """The readings scatter about the law, and neighbours do so apart."""
     return Finding(
         f"Neighbours in time miss the law together by {together:.2g} standard deviations",
@@ -84,7 +84,7 @@ def readings_scatter(together: float) -> Finding:
 
 
 @criterion("part of F0", "<=", 0.04, "our choice: four times the 1 % of a usual reading")
-def readings_close(scatter: float) -> Finding:
+def readings_residual_small(scatter: float) -> Finding:
     """The readings lie near the law."""
     return Finding(
         f"A reading lies {100 * scatter:.2g} % of F0 from the law",
@@ -95,7 +95,7 @@ def readings_close(scatter: float) -> Finding:
 
 
 @criterion("rate / standard error", ">=", SEEN, "our choice: chance, once in 30,000")
-def chemistry_seen(significance: float, hottest: float) -> Finding:
+def chemical_aging_resolved(significance: float, hottest: float) -> Finding:
     """The hottest oven shows that the rubber ages."""
     return Finding(
         f"At {celsius(hottest)} chemical aging is {significance:.2g} standard errors from none",
@@ -121,7 +121,7 @@ def ovens_enough(ovens: int) -> Finding:
 
 
 @criterion("chi square / degrees of freedom", "<=", 9.0, "our choice: chance, once in 370")
-def ovens_on_a_line(strain: float | None) -> Finding:
+def one_activation_energy_explains_ovens(strain: float | None) -> Finding:
     """One activation energy explains all ovens within the error of their temperatures."""
     if strain is None:
         return Finding("Two ovens always lie on one line of 1/T, so it is not judged")
@@ -134,7 +134,7 @@ def ovens_on_a_line(strain: float | None) -> Finding:
 
 
 @criterion("drift / standard error", "|x| <=", 3.0, "chance, once in 700", grade="note")
-def cell_holds(drift: float | None, error: float) -> Finding:
+def load_cell_zero_stable(drift: float | None, error: float) -> Finding:
     """The zero of the load cell stays where it is; of F0 in 1000 h."""
     if drift is None:
         return Finding("The load cell is said not to drift")
@@ -148,7 +148,7 @@ def cell_holds(drift: float | None, error: float) -> Finding:
 
 
 @criterion("rate / drift", ">=", 1.0, "our choice: a rate at least as large", grade="note")
-def aging_beside_drift(rate: float | None, drifted: float) -> Finding:
+def aging_exceeds_cell_drift(rate: float | None, drifted: float) -> Finding:
     """The coldest oven ages faster than a load cell drifts, in parts of F0 in 1000 h."""
     if rate is None:
         return Finding("No chemistry was seen, so no drift of the cell is compared with it")
@@ -174,7 +174,9 @@ def temperature_near_ovens(colder: float, temperature: float) -> Finding:
 
 
 @criterion("change / standard error", "<=", 2.0, "inside the 95 % interval")
-def cold_bears_lower_energy(change: float | None, lower: float, coldest: float) -> Finding:
+def robust_to_lower_activation_energy(
+    change: float | None, lower: float, coldest: float
+) -> Finding:
     """The answer stays within its interval if the activation energy falls below the ovens."""
     if change is None:
         return Finding("The temperature is that of an oven, or above, so it is not judged")

@@ -16,7 +16,7 @@ from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.checks import (
-    cold_bears_lower_energy,
+    robust_to_lower_activation_energy,
     stiffness_follows_force,
     temperature_near_ovens,
     time_near_readings,
@@ -120,7 +120,7 @@ def predict_aging(
     changes = [_compute_answer_shift(aging, temperature, *_end(question)) for question in questions]
     checks = (
         temperature_near_ovens(coldest - temperature, temperature),
-        cold_bears_lower_energy(
+        robust_to_lower_activation_energy(
             max((change for change in changes if change is not None), default=None), LOWER, coldest
         ),
         time_near_readings(math.log10(furthest / aging.longest), aging.longest),

@@ -19,8 +19,10 @@ def page(aging: Aging) -> KindPage:
                ("Scatter", f"{100 * aging.scatter:.2g} % of F0")),
         lights=lights(
             aging.checks, Topic("Readings"),
-            Topic("Ovens", {"ovens_enough", "ovens_on_a_line"}, f"{len(warm)} on one line"),
-            Topic("Chemistry", {"chemistry_seen", "aging_beside_drift", "cell_holds"}, "seen"),
+            Topic("Ovens", {"ovens_enough", "one_activation_energy_explains_ovens"},
+                f"{len(warm)} on one line"),
+            Topic("Chemistry", {"chemical_aging_resolved", "aging_exceeds_cell_drift",
+                "load_cell_zero_stable"}, "seen"),
         ),
         answers="What is left of the force",
         picture=aging.plot(),

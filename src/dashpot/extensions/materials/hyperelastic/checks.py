@@ -67,27 +67,27 @@ def run_checks(
     lost = [curve.lost for curve in fit.curves if curve.lost is not None]
     softer = [curve.softer for curve in fit.curves if curve.softer is not None]
     return (
-        law_followed(
+        law_residual_small(
             fit.residuals[worst],
             _name(fit.curves[worst]),
             still,
         ),
-        no_law_closer(chosen.rms, flexible),
-        foam_no_closer(None if foam else min(chosen.rms, flexible), still),
+        no_better_law(chosen.rms, flexible),
+        compressible_law_no_better(None if foam else min(chosen.rms, flexible), still),
         stable_in_use(least, where, fit.stable),
         modes_enough(len({curve.mode for curve in shaped}), both=_both_ways(shaped), foam=foam),
-        modes_told(*_untold(fit, chosen, tried, quantity, times)),
+        unmeasured_modes_determined(*_untold(fit, chosen, tried, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, chosen.rms))),
-        use_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
-        constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
+        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
+        constants_determined(fit.law.constant_names[wide], float(half[wide]) / largest),
         rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
         files_agree(_compare_repeat_files(fit.curves)),
-        loading_returned(max(lost, default=None), removed=fit.memory is not None),
-        conditioned(max(softer, default=None, key=abs)),
-        zero_known(*_slack(through, fit.law.poisson, flexible)),
+        loading_reversible(max(lost, default=None), removed=fit.memory is not None),
+        specimen_conditioned(max(softer, default=None, key=abs)),
+        zero_stress_at_zero_strain(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
-        volume_known(certain=fit.law.bulk_modulus is not None),
+        bulk_modulus_determined(certain=fit.law.bulk_modulus is not None),
     )
 
 
@@ -258,7 +258,7 @@ def _reading(
     "our choice: pieces scatter so",
     otherwise="stop beyond 0.2",
 )
-def law_followed(residual: float, worst: str, swelling: float = math.inf) -> Finding:
+def law_residual_small(residual: float, worst: str, swelling: float = math.inf) -> Finding:
     """The law follows every curve; `swelling` is what a foam that does not swell would leave."""
     remedy = Remedy("Use a law of more constants, or name the test of each file.", "model")
     because = ""
@@ -277,7 +277,7 @@ def law_followed(residual: float, worst: str, swelling: float = math.inf) -> Fin
 
 
 @criterion("residual / that of the closest stable law", "<=", 2.0, "our choice: twice as close")
-def no_law_closer(residual: float, flexible: float) -> Finding:
+def no_better_law(residual: float, flexible: float) -> Finding:
     """No other stable law follows the curves much closer."""
     ratio = residual / max(flexible, SMALL)
     return Finding(
@@ -290,7 +290,7 @@ def no_law_closer(residual: float, flexible: float) -> Finding:
 
 
 @criterion("residual / that of a foam", "<=", 1.3, "our choice: of rubber 1.0, of foam 1.6 or more")
-def foam_no_closer(residual: float | None, swelling: float) -> Finding:
+def compressible_law_no_better(residual: float | None, swelling: float) -> Finding:
     """A foam that does not swell sideways follows the curves no closer than rubber."""
     if residual is None:
         return Finding("The law is that of a foam, so it is not compared with one")
@@ -325,7 +325,7 @@ def stable_in_use(
 
 
 @criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: a tape or camera errs so")
-def sideways_agrees(ratio: float, reported: float | None, *, foam: bool) -> Finding:
+def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool) -> Finding:
     """The law swells sideways as the piece did."""
     if reported is None:
         return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
@@ -374,7 +374,7 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
 
 
 @criterion("doubt of the stress / largest", "<=", TOLD, "our choice: a tenth")
-def modes_told(doubt: float | None, mode: str, why: str) -> Finding:
+def unmeasured_modes_determined(doubt: float | None, mode: str, why: str) -> Finding:
     """The tests tell the stress in the modes that were not measured, too."""
     if doubt is None:
         return Finding("No second law follows the tests, so the other modes are not compared")
@@ -389,7 +389,7 @@ def modes_told(doubt: float | None, mode: str, why: str) -> Finding:
 
 
 @criterion("largest strain of use / measured", "<=", 1.0, "beyond it nothing was measured")
-def use_measured(ratio: float) -> Finding:
+def use_range_measured(ratio: float) -> Finding:
     """The stretches of use were measured."""
     says = "not measured at all" if math.isinf(ratio) else f"{ratio:.3g} times those measured"
     return Finding(
@@ -401,7 +401,7 @@ def use_measured(ratio: float) -> Finding:
 
 
 @criterion("half interval / largest constant", "<=", 0.25, "our choice: a quarter")
-def constants_known(name: str, part: float) -> Finding:
+def constants_determined(name: str, part: float) -> Finding:
     """Every constant is known."""
     return Finding(
         f"The least certain constant, {name}, is known to {100 * part:.2g} % of the largest",
@@ -436,7 +436,7 @@ def files_agree(difference: float | None) -> Finding:
 
 
 @criterion("part of the energy", "<=", 0.1, "our choice: beyond it loading is not the elastic law")
-def loading_returned(lost: float | None, *, removed: bool) -> Finding:
+def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
     """Unloading gives back what loading took."""
     if lost is None:
         return Finding("No unloading shows how much of the stress is elastic")
@@ -450,7 +450,7 @@ def loading_returned(lost: float | None, *, removed: bool) -> Finding:
 
 
 @criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")
-def conditioned(softer: float | None) -> Finding:
+def specimen_conditioned(softer: float | None) -> Finding:
     """The material no longer softens from loading to loading."""
     if softer is None:
         return Finding("One loading shows no softening (Mullins); it may have been the first")
@@ -463,7 +463,7 @@ def conditioned(softer: float | None) -> Finding:
 
 
 @criterion("shift / largest strain", "|x| <=", 0.005, "a shift below it is not sought")
-def zero_known(part: float, name: str) -> Finding:
+def zero_stress_at_zero_strain(part: float, name: str) -> Finding:
     """Stress and strain are zero together."""
     if not name:
         return Finding("No shift of the zero of strain brings the curves closer to a law", 0.0)
@@ -503,7 +503,7 @@ def measures_stated(part: float) -> Finding:
 
 
 @criterion(grade="note")
-def volume_known(*, certain: bool) -> Finding:
+def bulk_modulus_determined(*, certain: bool) -> Finding:
     """The bulk modulus is known."""
     return Finding(
         "The change of volume is known",

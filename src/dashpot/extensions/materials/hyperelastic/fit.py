@@ -126,7 +126,7 @@ def fit_hyperelastic(
     checked_checks = checks.run_checks(
         hyperelastic_fit, chosen, tried, derived, uncertainty.quantile(), requested=stretches
     )
-    sideways = checks.sideways_agrees(chosen.law.poisson, reported, foam=foam)
+    sideways = checks.lateral_swelling_agrees(chosen.law.poisson, reported, foam=foam)
     checked_checks = (*checked_checks, sideways, *caution_checks(hyperelastic_fit.sources))
     return replace(hyperelastic_fit, checks=checked_checks)
 

@@ -22,9 +22,10 @@ def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
 
 def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
     """Return what the page of a hyperelastic law holds."""
-    use = {"stable_in_use", "use_measured", "volume_known"}
-    law = {"law_followed", "no_law_closer", "foam_no_closer", "constants_known", "modes_enough",
-           "modes_told", "sideways_agrees"}  # fmt: skip
+    use = {"stable_in_use", "use_range_measured", "bulk_modulus_determined"}
+    law = {"law_residual_small", "no_better_law", "compressible_law_no_better",
+        "constants_determined", "modes_enough",
+           "unmeasured_modes_determined", "lateral_swelling_agrees"}  # fmt: skip
     remainder = f"{round_to_error(100 * max(hyperelastic_fit.residuals), digits=2)} % left"
     curves = tuple(
         (curve.mode, "" if curve.source is None else curve.source.file,

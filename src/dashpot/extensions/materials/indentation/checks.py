@@ -58,12 +58,12 @@ def run_checks(
         flights_recorded(before, after),
         sensor_in_range(clipped),
         first_contact(contact.before, contact.after),
-        law_followed(relative, fit.residual),
-        released_freely(*_undershoot(fit, size)),
-        parameters_known(worst.name, worst.high / worst.value, bounded, leads=_leading(fit)),
+        law_residual_small(relative, fit.residual),
+        no_adhesion_on_release(*_undershoot(fit, size)),
+        parameters_determined(worst.name, worst.high / worst.value, bounded, leads=_leading(fit)),
         laws_agree(fit, others),
         velocity_agrees(fit["impact_velocity"].value, stated),
-        gravity_known(GRAVITY * T / hit.approach, stated),
+        gravity_stated(GRAVITY * T / hit.approach, stated),
         force_agrees(_force_ratio(fit, test)),
         indentation_shallow(hit.depth, test.indenter.radius),
         sensor_fast_enough(_memory(fit, test.step)),
@@ -176,7 +176,7 @@ def first_contact(before: int, after: int) -> Finding:
     "sound records: 0.8 to 1.3",
     otherwise="stop where a fiftieth of the push is left",
 )
-def law_followed(ratio: float | None, residual: float) -> Finding:
+def law_residual_small(ratio: float | None, residual: float) -> Finding:
     """The law follows the contact down to the noise."""
     return Finding(
         f"The law misses the contact by {100 * residual:.2g} % of the push"
@@ -190,7 +190,7 @@ def law_followed(ratio: float | None, residual: float) -> Finding:
 
 
 @criterion("pull after release / push", ">=", -0.02, "our choice: a fiftieth of the push")
-def released_freely(pull: float | None, noise: float) -> Finding:
+def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
     """Nothing holds the body back as it leaves."""
     if pull is None:
         return Finding("No acceleration or force shows the release", None)
@@ -209,7 +209,7 @@ def released_freely(pull: float | None, noise: float) -> Finding:
     "our choice: a quarter",
     otherwise="note where stiffness, depth, restitution and modulus are",
 )
-def parameters_known(
+def parameters_determined(
     name: str, factor: float, bounded: str = "", *, leads: float = np.inf
 ) -> Finding:
     """Each parameter of the law is known to a quarter, or a loss is bounded from above.
@@ -296,7 +296,7 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
     0.01,
     "a fall not stated: k, depth and e are about as much off",
 )
-def gravity_known(part: float, stated: float | None) -> Finding:
+def gravity_stated(part: float, stated: float | None) -> Finding:
     """Whether gravity pulls the indenter on is stated, or does not matter."""
     says = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
     return Finding(

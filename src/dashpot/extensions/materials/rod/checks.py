@@ -14,7 +14,7 @@ NO_SOLID = 10.0
 
 
 @criterion("usable lines", ">=", ROD_LINES, "our choice", otherwise="stop where there is none")
-def rod_usable(lines: int, band: tuple[float, float]) -> Finding:
+def modulus_determined_near_resonance(lines: int, band: tuple[float, float]) -> Finding:
     """Lines enough about the resonance know storage and loss factor to 10 %."""
     if not lines:
         return Finding(
@@ -34,7 +34,7 @@ def rod_usable(lines: int, band: tuple[float, float]) -> Finding:
 
 
 @criterion("mass / rod", "<=", 100.0, "our choice: tests of rods have .5 to 50 (Kulik et al. 2009)")
-def mass_beside_rod(ratio: float) -> Finding:
+def mass_ratio_suitable(ratio: float) -> Finding:
     """The mass is one that such a rod carries; no line shows modulus and mass too large alike."""
     return Finding(
         f"The mass is {ratio:.3g} times that of the rod",
@@ -48,7 +48,7 @@ def mass_beside_rod(ratio: float) -> Finding:
     "chi square / degrees of freedom", "<=", 1.5,
     "own rods: 1.42 at most of 360 whose lines are of one solid", otherwise="stop beyond 10",
 )  # fmt: skip
-def lines_of_one_solid(misfit: float | None) -> Finding:
+def one_solid_explains_lines(misfit: float | None) -> Finding:
     """One passive solid explains the lines, within their scatter and the errors that they share."""
     if misfit is None:
         return Finding("The lines are too few, or their scatter is not known, to ask for one solid")

@@ -25,7 +25,7 @@ from dashpot.extensions.materials.rod.fit import fit_rod
 from dashpot.extensions.materials.rod.wave_equation import rod_modulus
 from dashpot.reading.read_options import ReadOptions
 from dashpot.solids.part_geometry import Block, Disc
-from dashpot.vibration.impact.checks import scatter_known
+from dashpot.vibration.impact.checks import line_errors_stated
 from dashpot.workflow.frf_prediction import parse_part_shape
 from dashpot.workflow.job import HammerChoices, RodChoices
 from dashpot.workflow.measured_frf import read_measured
@@ -33,7 +33,7 @@ from dashpot.workflow.measured_frf import read_measured
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
-_OF_THE_PLATEAU = frozenset({"plateau_told", "end_level"})
+_OF_THE_PLATEAU = frozenset({"plateau_determined", "curve_level_at_end"})
 """Checks of what lies below the band of a rod, whose answer is its modulus within."""
 
 
@@ -84,7 +84,7 @@ class Rod(HasVerdict, Serialisable):
     def checks(self) -> tuple[Check, ...]:
         """Of the FRF, of the inversion, and of the fit."""
         # of an FRF without coherence the lines themselves show how they scatter
-        seen = tuple(check for check in self.frf.checks if check.name != scatter_known.name)
+        seen = tuple(check for check in self.frf.checks if check.name != line_errors_stated.name)
         checks = (*seen, *self.modulus.checks)
         return checks if self.fit is None else self.fit.checks
 

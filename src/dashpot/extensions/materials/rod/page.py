@@ -18,11 +18,12 @@ def page(rod: Rod) -> KindPage:
     low, high = of.band
     usable = bool(of.usable.any())
     modulus = Topic(
-        "Modulus", {"rod_usable", "waves_plane", "mass_beside_rod", "sensors_agree"},
+        "Modulus", {"modulus_determined_near_resonance", "waves_plane", "mass_ratio_suitable",
+        "sensors_agree"},
         f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "",
     )  # fmt: skip
     solid = OF_REST | OF_LOSS | {
-        "lines_of_one_solid", "residuals_random", "optimum_found", "storage_rises",
+        "one_solid_explains_lines", "residuals_white", "optimum_found", "storage_rises",
     }  # fmt: skip
     groups: list[Group] = []
     if usable:

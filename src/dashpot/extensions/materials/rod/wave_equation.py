@@ -31,9 +31,9 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.materials.rod.checks import (
     PLANE,
     ROD_LINES,
-    lines_of_one_solid,
-    mass_beside_rod,
-    rod_usable,
+    mass_ratio_suitable,
+    modulus_determined_near_resonance,
+    one_solid_explains_lines,
     sensors_agree,
     waves_plane,
 )
@@ -120,7 +120,7 @@ def rod_modulus(
     if over_base and not relative_sensor:
         modulus, seen = _remove_sensor_offset(modulus, measured, rod)
         checks = [seen]
-    return replace(modulus, checks=(*modulus.checks, mass_beside_rod(rod.ratio), *checks))
+    return replace(modulus, checks=(*modulus.checks, mass_ratio_suitable(rod.ratio), *checks))
 
 
 @dataclass(frozen=True)
@@ -220,7 +220,7 @@ def _invert_lines(
     # a solid in a row with a spring is one solid again
     solid = replace(modulus.only(usable), errors=replace(errors, glue=0.0))
     misfit = compute_single_solid_misfit(solid, scatter[usable])
-    return replace(modulus, checks=(*modulus.checks, lines_of_one_solid(misfit)))
+    return replace(modulus, checks=(*modulus.checks, one_solid_explains_lines(misfit)))
 
 
 def _compute_glue_sensitivity(
@@ -259,7 +259,11 @@ def _estimate_errors_and_band(
     modulus = replace(modulus, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
     widest = float(bulging[modulus.usable].max()) if modulus.usable.any() else None
     return replace(
-        modulus, checks=(rod_usable(int(modulus.usable.sum()), band), waves_plane(widest, band[1]))
+        modulus,
+        checks=(
+            modulus_determined_near_resonance(int(modulus.usable.sum()), band),
+            waves_plane(widest, band[1]),
+        ),
     )
 
 

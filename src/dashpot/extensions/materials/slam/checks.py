@@ -11,7 +11,7 @@ MAX_SHAPE = 2.5
 
 
 @criterion("compression / depth of the law", "<=", 1.0, "the law was measured to there")
-def slam_within_law(deepest: float, depth: float | None) -> Finding:
+def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
     """The mass presses the piece no deeper than its elastic law was measured."""
     pressed = f"The mass presses the piece by {format_quantity(deepest, 'mm', '.3g')}"
     if depth is None:
@@ -30,7 +30,7 @@ def slam_within_law(deepest: float, depth: float | None) -> Finding:
 
 
 @criterion("frequency / highest informed", "<=", 1.0, "the band of the fit")
-def slam_within_band(frequency: float, highest: float) -> Finding:
+def slam_in_valid_band(frequency: float, highest: float) -> Finding:
     """The contact is no faster than the fit informs."""
     return Finding(
         f"The contact is half a cycle of {frequency:.3g} Hz, and the fit holds to {highest:.2g} Hz",
@@ -89,7 +89,7 @@ def loss_determined(relative: float, frequency: float) -> Finding:
 
 
 @criterion("rms / scatter", "<=", 1.5, "our choice: what is left is the scatter of the sensor")
-def slams_followed(misfit: float) -> Finding:
+def slams_residual_small(misfit: float) -> Finding:
     """The motion follows every slam."""
     return Finding(
         f"What the motion leaves of the force is {misfit:.3g} times its scatter",
@@ -105,7 +105,7 @@ def slams_followed(misfit: float) -> Finding:
     MAX_SHAPE,
     "measured: of sound slams one in 13 has more",
 )
-def slams_without_more(shapes: Mapping[str, float]) -> Finding:
+def slam_residual_structureless(shapes: Mapping[str, float]) -> Finding:
     """What is left of the force has no shape that a piece or a sensor may add."""
     if not shapes:
         return Finding("The slams are too few to tell what else there is")
@@ -120,7 +120,7 @@ def slams_without_more(shapes: Mapping[str, float]) -> Finding:
 
 
 @criterion()
-def slow_arms_known(*, provided: bool) -> Finding:
+def slow_arms_determined(*, provided: bool) -> Finding:
     """The arms that are slow beside a contact are known."""
     return Finding(
         "The slow arms are known from another test",
@@ -170,7 +170,7 @@ def slam_speeds_agree(off: float | None) -> Finding:
 
 
 @criterion("rest / contact", ">=", 10.0, "our choice: arms rest between slams")
-def slams_apart(rest: float | None) -> Finding:
+def slams_separated(rest: float | None) -> Finding:
     """The piece has rested between slams."""
     if rest is None:
         return Finding("Every record holds one slam")
@@ -196,7 +196,7 @@ def slam_mass_agrees(ratio: float | None) -> Finding:
 
 
 @criterion("standard deviations", "<=", 3.0, "chance, once in 370")
-def memory_kept(change: float | None) -> Finding:
+def arms_agree_with_relaxation_test(change: float | None) -> Finding:
     """The slams leave the arms where the relaxation test has them."""
     if change is None:
         return Finding("The arms of the other test are held")
@@ -220,7 +220,7 @@ def spectrum_has_gaps(arms: int) -> Finding:
 
 
 @criterion("|standard errors|", "<=", 3.0, "chance, once in 370")
-def losses_agree(gap: float | None, value: float, before: float, *, within: bool) -> Finding:
+def loss_factors_agree(gap: float | None, value: float, before: float, *, within: bool) -> Finding:
     """The loss factor by slams is what the relaxation test has, or more where that sees no more."""
     if gap is None:
         return Finding("The loss factor by the slams has no error, so it is not compared")

@@ -249,19 +249,19 @@ class _SlamsSolved:
         samples = min(hit.contact / float(hit.time[1] - hit.time[0]) for hit in hits)
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),
-            checks.slams_followed(misfit),
-            checks.slams_without_more(compute_residual_shapes(slams, self.known.optimum)),
+            checks.slams_residual_small(misfit),
+            checks.slam_residual_structureless(compute_residual_shapes(slams, self.known.optimum)),
             checks.slams_sampled(samples),
-            checks.slow_arms_known(provided=self.fit is not None),
+            checks.slow_arms_determined(provided=self.fit is not None),
             checks.slam_speeds_spread(None if elastic_law else float(speeds.max() / speeds.min())),
             checks.slam_speeds_agree(float(off.max()) if len(off) else None),
-            checks.slams_apart(min(differences, default=None)),
+            checks.slams_separated(min(differences, default=None)),
             checks.slam_mass_agrees(max(ratios, key=lambda number: abs(number - 1), default=None)),
             *self._check_memory_agreement(value, sd),
             *(
                 []
                 if elastic_law is None
-                else [checks.slam_within_law(self.depth, elastic_law.depth)]
+                else [checks.slam_within_measured_depth(self.depth, elastic_law.depth)]
             ),
             checks.air_escapes(float(speeds.max())),
             checks.piece_length_given(provided=self.records[0].specimen.length is not None),
@@ -286,9 +286,9 @@ class _SlamsSolved:
         if gap is not None and not seen:
             gap = min(gap, 0.0)
         return [
-            checks.memory_kept(change),
+            checks.arms_agree_with_relaxation_test(change),
             checks.spectrum_has_gaps(len(memory.g)),
-            checks.losses_agree(gap, value, before, within=seen),
+            checks.loss_factors_agree(gap, value, before, within=seen),
         ]
 
     def _piece(self, checks: tuple[Check, ...]) -> Fit:

@@ -141,10 +141,10 @@ def predict_slam(
     motions = simulate_impacts(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
     motion = motions[0]
     checked = (
-        checks.slam_within_law(
+        checks.slam_within_measured_depth(
             motion.deepest.compression, None if elastic_law is None else elastic_law.depth
         ),
-        checks.slam_within_band(motion.frequency, fit.band[1]),
+        checks.slam_in_valid_band(motion.frequency, fit.band[1]),
         checks.air_escapes(approach.speed),
         checks.piece_length_given(provided=piece.specimen.length is not None),
     )

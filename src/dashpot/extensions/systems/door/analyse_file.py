@@ -266,14 +266,14 @@ def _check_door(
     """Every check of a door."""
     door = assembly.door
     yield from _check_lateral_stiffness(assembly)
-    yield checks.door_held(count_free_motions(assembly.system()))
+    yield checks.door_supported(count_free_motions(assembly.system()))
     if fit is not None and door.line is not None:
         response = [
             (mode.mode.frequency, max(mode.share(SEAL), mode.loss_share(SEAL))) for mode in modes
         ]
         section = door.line.section
         band = fit.band if section is None else _intersect_bands(fit.band, section.shear.band)
-        yield checks.door_modes_informed(response, band)
+        yield checks.door_modes_in_valid_band(response, band)
         yield from _check_seal_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
@@ -288,12 +288,12 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
     if line is None or section is None:
         return
     if not section.shear.holds:
-        yield checks.line_holds_sideways(*count_lateral_free_motions(assembly))
+        yield checks.lateral_restraint_present(*count_lateral_free_motions(assembly))
         return
     stations = line.stations(assembly.door.pitch)
     normal, *others = (way.solid.k_inf * way.share.sum() for way in section.ways(stations))
     if normal > 0:
-        yield checks.shear_usual(float(max(others) / normal))
+        yield checks.shear_stiffness_plausible(float(max(others) / normal))
 
 
 def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
@@ -324,7 +324,7 @@ def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Chec
 
 def _check_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
     """Whether the shapes are known where they are held, and enough of them."""
-    yield checks.shapes_known_there(*find_farthest_point(assembly, modes))
+    yield checks.mode_shapes_cover_points(*find_farthest_point(assembly, modes))
     elastic = modes.frequency[~modes.rigid]
     highest = float(elastic.max(initial=0.0))
     yield checks.modes_suffice(basis_error(assembly, below), len(elastic), highest)

@@ -20,7 +20,7 @@ HELD_BY_SEAL = 0.01
 
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
-def door_modes_informed(
+def door_modes_in_valid_band(
     modes: Sequence[tuple[float, float]], band: tuple[float, float] | None
 ) -> Finding:
     """Modes of which the seal holds or loses a hundredth lie where its test informs it.
@@ -79,7 +79,7 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
 
 
 @criterion("motions", "<=", 0, "our choice: a tenth of a seal as stiff sideways as it is pressed")
-def line_holds_sideways(motions: int, slowest: float | None) -> Finding:
+def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
     """What holds the door sideways is there: hinges, latch, or the shear of its seal."""
     several = motions > 1
     near = "" if slowest is None else f" from {slowest:.3g} Hz"
@@ -96,7 +96,7 @@ def line_holds_sideways(motions: int, slowest: float | None) -> Finding:
     "sideways / pressed", "<=", SIZES["shear"].soft[1],
     "our choice: G/E of a block is 1/3, bulbs have 0.1 to 0.5",
 )  # fmt: skip
-def shear_usual(ratio: float) -> Finding:
+def shear_stiffness_plausible(ratio: float) -> Finding:
     """The seal is no stiffer sideways than seals are."""
     return Finding(
         f"The seal is {ratio:.3g} times as stiff sideways as where it is pressed",
@@ -153,7 +153,7 @@ def modes_suffice(change: float | None, count: int, highest: float) -> Finding:
     "distance, m", "<=", 0.03, "our choice: a tenth of a short panel wave",
     otherwise="stop beyond 0.3",
 )  # fmt: skip
-def shapes_known_there(away: float, place: str) -> Finding:
+def mode_shapes_cover_points(away: float, place: str) -> Finding:
     """Shapes are known near the seal, the supports and the points."""
     return Finding(
         f"The shapes are known within {format_quantity(away, 'mm', '.3g')} of all places that are "
@@ -178,7 +178,7 @@ def masses_agree(stated: float, implied: float) -> Finding:
 
 
 @criterion("motions", "<=", 0, "by definition")
-def door_held(loose: int) -> Finding:
+def door_supported(loose: int) -> Finding:
     """Something holds the door in every motion in which it is free."""
     return Finding(
         "Every motion of the door is held",
@@ -189,7 +189,7 @@ def door_held(loose: int) -> Finding:
 
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
-def closing_informed(
+def closing_in_valid_band(
     seconds: float,
     band: tuple[float, float] | None,
     *,
@@ -222,7 +222,7 @@ def closing_informed(
 
 
 @criterion(source="by definition", grade="note")
-def faster_doors_close(closes: bool) -> Finding:
+def faster_closings_latch(closes: bool) -> Finding:
     """Every door that is faster than the least speed closes."""
     return Finding(
         "Every faster door that was tried closes too",

@@ -53,13 +53,13 @@ def close_file(
 
 
 def _check_closing(closing: Closing, fit: Fit | None) -> Iterator[Check]:
-    yield checks.faster_doors_close(closing.monotone)
+    yield checks.faster_closings_latch(closing.monotone)
     pressed, pieces = closing.door.compression, closing.door.length
     yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
     if fit is None:
         return
     solid = closing.door.section.solid
-    yield checks.closing_informed(
+    yield checks.closing_in_valid_band(
         closing.sealing,
         fit.band,
         glassy=solid.k_0 / solid.k_inf if solid.k_inf > 0 else float("inf"),

@@ -39,8 +39,10 @@ from dashpot.report.page_frame import Attachment, attachment, environment
 from dashpot.report.result_page import CollapsibleSection, Topic, judgement, lights, text_of
 from dashpot.report.tables import TextTable
 
-_MODES = frozenset({"door_modes_informed", "modes_suffice", "shapes_known_there", "masses_agree"})
-_CLOSING = frozenset({"closing_informed", "faster_doors_close"})
+_MODES = frozenset(
+    {"door_modes_in_valid_band", "modes_suffice", "mode_shapes_cover_points", "masses_agree"}
+)
+_CLOSING = frozenset({"closing_in_valid_band", "faster_closings_latch"})
 _HOLDS = 0.01
 """Share of the energy from which the seal is said to hold a mode."""
 _ROWS = 12
