@@ -398,7 +398,7 @@ def _command(*words: str | Path) -> dict:
     )  # fmt: skip
     document = json.loads(done.stdout)
     if document["schema"].startswith("dashpot/error"):
-        raise dp.DashpotError(document["says"])
+        raise dp.DashpotError(document["message"])
     return document
 
 
@@ -542,7 +542,7 @@ def judged_delayed(one: Sheet) -> dict[str, object]:
 def _said(verdict: dp.Verdict | Mapping) -> dict[str, object]:
     """What a verdict says, and because of which checks."""
     if isinstance(verdict, Mapping):
-        return {"use": verdict["use"], "because": verdict["because"]}
+        return {"use": verdict["verdict_grade"], "because": verdict["failed_checks"]}
     return {"use": verdict.use, "because": list(verdict.reasons)}
 
 

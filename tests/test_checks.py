@@ -2251,7 +2251,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
     assert check.ends is Status.NOT_CONVERGED
     assert check == replace(check, ends=None)
     assert list(check.document) == [
-        "name", "passed", "grade", "value", "limit", "says", "remedy"
+        "name", "passed", "grade", "value", "limit", "message", "remedy"
     ]  # fmt: skip
     kept = json.loads(to_json(a_fit(arm(), checks=(check,))))["checks"]
     assert kept == [check.document]

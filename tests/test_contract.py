@@ -105,7 +105,7 @@ def test_exponential_sums():
 
 def test_fit_json(folder, tmp_path):
     found = document("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
-    assert found["schema"] == "dashpot/fit@1"
+    assert found["schema"] == "dashpot/fit@2"
     assert found["status"] == "converged"
     assert found["ok"] is True
     assert set(found["model"]) >= {"k_inf", "b", "arms"}
@@ -114,7 +114,7 @@ def test_fit_json(folder, tmp_path):
     assert [order["arms"] for order in found["orders"]]
     assert set(found["residual"]) >= {"n", "sse", "rms"}
     assert len(found["band_hz"]) == 2
-    assert {"name", "passed", "value", "limit", "says"} <= set(found["checks"][0])
+    assert {"name", "passed", "value", "limit", "message"} <= set(found["checks"][0])
     assert found["source"][0]["file"] == "seal_8mm.csv"
     assert len(found["source"][0]["sha256"]) == 64
     assert json.loads((tmp_path / "fit.json").read_text()) == found
@@ -139,9 +139,9 @@ def test_impact_compare_identify_json(folder, tmp_path):
         "fit", folder / "impact.csv", folder / "seal_8mm.csv", *MASS,
         "-o", tmp_path / "joint.json",
     )  # fmt: skip
-    assert joint["schema"] == "dashpot/fit@1"
+    assert joint["schema"] == "dashpot/fit@2"
     assert joint["mass"] == pytest.approx(BROAD_MASS, rel=0.02)
-    assert joint["moved"]
+    assert joint["parameter_changes"]
     assert joint["nuisance"]
     agreement = document("compare", tmp_path / "joint.json", folder / "impact.csv", *MASS)
     assert abs(agreement["peak"]["difference_percent"]) < 0.2
@@ -160,7 +160,7 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert pressed["tangent"]["frequency"] == predicted["secant"]["frequency"]
     planned = document("plan", "--frequency", "12.71Hz", "--machine", "compliance=0mm/N")
     assert planned["expected"]["loss_factor_sd"] > 0.1
-    assert 0 < planned["end"]["named"] < planned["end"]["half_width"]
+    assert 0 < planned["end"]["if_machine_named"] < planned["end"]["half_width"]
     told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
     assert json.loads(to_json(from_json(json.dumps(told)))) == told
     seen, hammer = told["files"]
@@ -183,8 +183,8 @@ def test_the_main_job(folder, tmp_path):
         "-o", tmp_path / "report.html",
     )  # fmt: skip
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert found["schema"] == "dashpot/study@1"
-    assert found["fit"]["schema"] == "dashpot/fit@1"
+    assert found["schema"] == "dashpot/study@2"
+    assert found["fit"]["schema"] == "dashpot/fit@2"
     assert "<svg" in page
     assert "seal_8mm.csv" in page
 
@@ -202,7 +202,7 @@ def test_pipes(folder):
     fit = did("fit", folder / "seal_8mm.csv", "-o", "-").stdout
     result = CliRunner().invoke(main, ["predict", "-", *MASS, "--json"], input=fit)
     assert result.exit_code == 0, result.output
-    assert json.loads(result.stdout)["schema"] == "dashpot/prediction@1"
+    assert json.loads(result.stdout)["schema"] == "dashpot/prediction@2"
 
 
 @pytest.mark.parametrize(

@@ -231,7 +231,7 @@ def test_the_document_has_every_fact_in_si(fit):
         assert there == (fact.value, size, ends), fact
     for fact in fit.known:
         if fact.name == "k_end":
-            assert tuple(whole["left_open"]["k_end"]) == (fact.low, fact.high)
+            assert tuple(whole["end_of_hold_limits"]["k_end"]) == (fact.low, fact.high)
     assert whole["unit"] == fit.known[0].unit
 
 
@@ -331,7 +331,7 @@ def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
     held(found.found, table(facts(found.found)))
-    kept = {one["name"]: one for one in to_document(found)["found"]}
+    kept = {one["name"]: one for one in to_document(found)["values"]}
     for fact in found.found:
         assert kept[fact.name] == {
             key: getattr(fact, key) for key in ("name", "value", "low", "high", "unit")
@@ -437,7 +437,7 @@ FRAMED = {
     "rubber": (
         lambda at: hyperelastic_files({"uniaxial": [at("tension.csv")]}),
         lambda rows: rows["value"][rows["parameter"].index("shear_modulus")],
-        lambda told: next(one["value"] for one in told["found"] if one["name"] == "shear_modulus"),
+        lambda told: next(one["value"] for one in told["values"] if one["name"] == "shear_modulus"),
     ),
     "door": (
         lambda at: door_file(at("door.toml")),
@@ -459,7 +459,7 @@ FRAMED = {
     "pieces": (
         lambda at: cld_files([at("cld_1.csv"), at("cld_2.csv")]),
         lambda rows: rows["loading"][1],
-        lambda told: told["pieces"][1]["nominal"]["loading"],
+        lambda told: told["specimens"][1]["nominal"]["loading"],
     ),
 }
 

@@ -158,10 +158,10 @@ def test_a_kind_gives_its_numbers_under_its_own_name(tmp_path: Path) -> None:
     kept = tmp_path / "peel.json"
     words = ("fit", file, "--part", "format=labkit", "--as", "peel")
     found = told(*words, "-o", kept)
-    (force,) = found["found"]
+    (force,) = found["values"]
     assert (force["name"], force["unit"]) == ("peel_force", "N")
     assert force["value"] == pytest.approx(1.602, abs=1e-3)
-    assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in found["verdict"]["says"]
+    assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in found["verdict"]["message"]
     again = dp.read(kept)
     assert (again.by, again.found[0].value) == ("labkit 0.1.0", force["value"])
     test = dp.read(file, part={"format": "labkit"}, kind="peel")
@@ -237,14 +237,14 @@ def test_units_and_blanks_are_judged_as_in_any_file(
         ('{"numbers": [{"name": "a", "value": 3.0}], "best": 1}', "the key 'best'"),
         (
             '{"numbers": [{"name": "a", "value": 3.0}], "checks": [{"name": "c"}]}',
-            "'says' of type NoneType",
+            "'message' of type NoneType",
         ),
         (
-            _ONE + '"checks": [{"name": "c", "says": "s", "passed": 1}]}',
+            _ONE + '"checks": [{"name": "c", "message": "s", "passed": 1}]}',
             "'passed' is 1",
         ),
         (
-            _ONE + '"checks": [{"name": "c", "says": "s", "passed": True, "grade": "x"}]}',
+            _ONE + '"checks": [{"name": "c", "message": "s", "passed": True, "grade": "x"}]}',
             "of grade 'x'",
         ),
     ],

@@ -85,8 +85,10 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     printed = format_for_screen(results.study(study), study.verdict, checks, verbose=False)
     assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(to_json(study))
-    assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
-    assert document["comparison"]["verdict"]["says"] == study.comparison.says
+    assert document["verdict"] == {
+        "verdict_grade": "use", "message": study.verdict.says, "failed_checks": [],
+    }  # fmt: skip
+    assert document["comparison"]["verdict"]["message"] == study.comparison.says
     assert from_json(to_json(study)).verdict == study.verdict
 
 

@@ -74,9 +74,9 @@ def test_under_json_every_error_is_a_document(broken, words, kind, code):
         broken.write_text("")
     result = ran(*(word.format(file=broken) for word in words), "--json")
     found = json.loads(result.stdout)
-    assert found["schema"] == "dashpot/error@1"
+    assert found["schema"] == "dashpot/error@2"
     assert (found["kind"], found["exit_code"], result.exit_code) == (kind, code, code)
-    assert found["says"] in result.stderr.replace("\n", " ")
+    assert found["message"] in result.stderr.replace("\n", " ")
 
 
 def test_a_file_called_json_asks_for_no_document(broken):
@@ -169,14 +169,14 @@ def test_the_measurement_is_not_written_over(tmp_path):
 def test_stdout_holds_one_document_even_where_the_output_is_stdout(tmp_path):
     fit = tmp_path / "fit.json"
     fit.write_text(
-        '{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": [{"k": 100.0, "tau": 0.5}]}}'
+        '{"schema": "dashpot/fit@2", "model": {"k_inf": 200.0, "arms": [{"k": 100.0, "tau": 0.5}]}}'
     )
     deck = json.loads(
         ran("export", fit, "--to", "csv", "--unit-system", "SI", "--allow", "all", "--json").stdout
     )
     assert deck["deck"].startswith("# dashpot ")
     words = ("predict", fit, "--mass", "104g", "-o", "-", "--json")
-    assert json.loads(ran(*words).stdout)["schema"] == "dashpot/prediction@1"
+    assert json.loads(ran(*words).stdout)["schema"] == "dashpot/prediction@2"
     words = ("simulate", "relaxation", "--hold", "3s", "-o", "-", "--json")
     assert "time [s]" in json.loads(ran(*words).stdout)["text"]
 

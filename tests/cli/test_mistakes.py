@@ -26,7 +26,7 @@ EXAMPLES = (
     "shaker_20mN.csv", "shaker_500mN.csv", "door_line.csv", "sweeps.csv",
 )  # fmt: skip
 FIT = {
-    "schema": "dashpot/fit@1",
+    "schema": "dashpot/fit@2",
     "model": {"k_inf": 200.0, "arms": [{"k": 120.0, "tau": 0.5}, {"k": 18.0, "tau": 16.0}]},
 }
 NAMED = (

@@ -121,7 +121,7 @@ def test_commands_offer_every_field_of_their_nouns(command, nouns):
 
 def test_a_rig_without_a_test_is_refused(tmp_path):
     fit = tmp_path / "fit.json"
-    fit.write_text('{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": []}}')
+    fit.write_text('{"schema": "dashpot/fit@2", "model": {"k_inf": 200.0, "arms": []}}')
     result = ran("predict", fit, "--mass", "104g", "--machine", "compliance=50um/N")
     assert result.exit_code == 2
     assert "--record" in result.output

@@ -20,7 +20,7 @@ from dashpot.reading.read_options import load_profile
 
 FILES = files()
 FIT = {
-    "schema": "dashpot/fit@1",
+    "schema": "dashpot/fit@2",
     "model": {"k_inf": 200.0, "arms": [{"k": 120.0, "tau": 0.5}, {"k": 18.0, "tau": 16.0}]},
 }
 NAMED = ("--column", "hammer=ch1,acceleration=ch2", "--column", "acceleration=ch3")

@@ -107,10 +107,11 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
 def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
     again = from_json(to_json(broad_fit))
     assert again.end_of_hold == broad_fit.end_of_hold
-    kept = to_document(broad_fit)["left_open"]
+    kept = to_document(broad_fit)["end_of_hold_limits"]
     assert kept["k_inf"] == list(broad_fit.left_open["k_inf"])
     assert set(kept) == {
-        "k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended",
+        "k_inf", "k_end", "k_at_3_end", "end_time", "slope_limit", "if_machine_named",
+        "k_at_10_end", "test_kind",
     }  # fmt: skip
     pair = broad_fit.in_parallel(2)
     assert pair.left_open["k_end"][1] == 2 * broad_fit.left_open["k_end"][1]

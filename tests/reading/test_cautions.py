@@ -58,8 +58,8 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
     document = told("fit", path)
     check = next(one for one in document["checks"] if one["name"] == "numbers_unambiguous")
     assert check["passed"] is False
-    assert words in check["says"]
-    assert "--" not in check["says"]
+    assert words in check["message"]
+    assert "--" not in check["message"]
 
 
 @pytest.mark.parametrize("head", HARMLESS.values(), ids=HARMLESS.keys())

@@ -278,7 +278,7 @@ def test_trios_json(tmp_path: Path) -> None:
     path.write_text(json.dumps(document))
     with pytest.raises(ReadError, match="row 31 lacks force"):
         read_relaxation(path)
-    path.write_text('{"schema": "dashpot/fit@1"}')
+    path.write_text('{"schema": "dashpot/fit@2"}')
     with pytest.raises(ReadError, match="JSON, but no TRIOS data found"):
         read_relaxation(path)
 

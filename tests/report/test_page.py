@@ -551,7 +551,7 @@ def test_the_numbers_can_be_taken_along_in_full_precision(whole):
     assert from_json(files["fit.json"]) == S.fit
     assert from_json(files["joint.json"]) == S.joint
     head, first, *rest = files["frf.csv"].splitlines()
-    assert json.loads(files["fit.json"])["schema"] == "dashpot/fit@1"
+    assert json.loads(files["fit.json"])["schema"] == "dashpot/fit@2"
     assert head.split(",")[:3] == [
         "frequency [Hz]", "measured real [(m/s^2)/N]", "measured imaginary [(m/s^2)/N]",
     ]  # fmt: skip

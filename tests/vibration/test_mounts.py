@@ -67,7 +67,7 @@ def test_the_mass_of_the_seals_is_told_once_to_each_command(tmp_path):
     fit, path = tmp_path / "fit.json", tmp_path / "base.csv"
     arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
     model = {"k_inf": PAPER.k_inf, "arms": arms}
-    fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": model}))
+    fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": model}))
     write_frf(rod(np.arange(5.0, 25.0, 0.05)), path)
     mass = ["--mass", f"{1e3 * MASS}g", "--seals", "2"]
     seal = ["--seal-mass", f"{1e3 * HEAVY / 2}g"]

@@ -303,13 +303,13 @@ class TestCommand:
         for hz, first in (("900Hz", "plateau_determined"), ("1100Hz", "prediction_in_valid_band")):
             asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
             said = told(*asked)["verdict"]
-            assert said["because"][0] == first
-            assert ("prediction_in_valid_band" in said["because"]) == (hz == "1100Hz")
+            assert said["failed_checks"][0] == first
+            assert ("prediction_in_valid_band" in said["failed_checks"]) == (hz == "1100Hz")
             first_line = (
                 f"{said['use'].capitalize()}: {said['says'][0].lower()}{said['says'][1:50]}"
             )
             assert ran(*asked).stdout.startswith(first_line)
-        assert said["because"][0] == "prediction_in_valid_band"
+        assert said["failed_checks"][0] == "prediction_in_valid_band"
 
     @pytest.mark.parametrize(
         ("words", "says"),

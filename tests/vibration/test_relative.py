@@ -272,7 +272,7 @@ def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, mot
     fit = tmp_path / "fit.json"
     arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
     model = {"k_inf": PAPER.k_inf, "arms": arms}
-    fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": model}))
+    fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": model}))
     over_what = ["--relative"] if motion == "relative" else []
     heard = ran("fit", path, *MASS, *over_what, "--arms", 1)
     assert says in " ".join(heard.output.split())

@@ -97,7 +97,7 @@ INSPECTIONS = Inspections(
         ),
     )
 )
-LEAST = '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": []}}'
+LEAST = '{"schema": "dashpot/fit@2", "model": {"k_inf": 1.0, "arms": []}}'
 NOUNS = [
     MODEL,
     DynamicTest(
@@ -144,7 +144,7 @@ def test_models_come_back_to_the_last_bit(k_inf, arms):
 
 def test_a_fit_speaks_the_contract():
     found = json.loads(to_json(FIT))
-    assert found["schema"] == "dashpot/fit@1"
+    assert found["schema"] == "dashpot/fit@2"
     assert found["status"] == "not_identified"
     assert found["ok"] is False
     assert found["model"]["arms"][0] == {"k": 117.5, "tau": 0.5021, "b": 117.5 * 0.5021}
@@ -176,13 +176,13 @@ def test_the_least_temperature_of_the_contract_is_read():
 def test_the_least_fit_of_the_contract_is_read():
     """A fit with the contract's keys only, as another program may write it."""
     fit = from_json(
-        """{"schema": "dashpot/fit@1", "status": "converged", "ok": true,
+        """{"schema": "dashpot/fit@2", "status": "converged", "ok": true,
         "model": {"k_inf": 196.5, "b": 0.0, "arms": [{"k": 117.5, "tau": 0.5021, "b": 59.0}]},
         "standard_error": {"k_inf": 0.1, "arms": [{"k": 0.2, "tau": 0.003}]},
         "residual": {"n": 41000, "sse": 1.0e-3, "rms": 1.6e-4}, "band_hz": [0.004, 0.32],
         "orders": [{"arms": 1, "bic": 1.0, "sse": 1.0}],
         "checks": [{"name": "hold_long_enough", "passed": true, "value": 2.4, "limit": 3.0,
-                    "says": "..."}],
+                    "message": "..."}],
         "source": [{"file": "seal_8mm.csv", "sha256": "..."}]}"""
     )
     assert fit.model == GeneralizedMaxwell(196.5, (117.5,), (0.5021,))
@@ -196,7 +196,7 @@ def test_the_least_fit_of_the_contract_is_read():
     ("before", "after"),
     [
         ('"k_inf": 196.5', '"k_inf": 196500.0'),
-        ('"says": "', '"says": "it is very good: '),
+        ('"message": "', '"message": "it is very good: '),
         ('"sha256": "0', '"sha256": "1'),
     ],
 )
@@ -225,7 +225,7 @@ def test_a_fit_printed_by_another_program_is_that_fit():
 
 def test_a_text_for_a_number_is_named():
     text = (
-        '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": "0,1"}]}}'
+        '{"schema": "dashpot/fit@2", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": "0,1"}]}}'
     )
     with pytest.raises(ReadError, match=r'arms\[0\]\.tau is the text "0,1"; expected a number'):
         from_json(text)
@@ -233,7 +233,7 @@ def test_a_text_for_a_number_is_named():
 
 def test_a_fit_that_tells_no_errors_claims_none():
     fit = from_json(
-        '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": 3.0}]}}'
+        '{"schema": "dashpot/fit@2", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": 3.0}]}}'
     )
     assert fit.standard_error["k_inf"] == float("inf")
     assert fit.intervals()["tau"] == ((0.0, float("inf")),)
@@ -245,7 +245,7 @@ def test_a_fit_that_tells_no_errors_claims_none():
         ("", "not a JSON document"),
         ("[1, 2]", '"schema" is None'),
         ('{"schema": "dashpot/fit@9"}', "dashpot/fit@9"),
-        ('{"schema": "dashpot/fit@1"}', "model"),
+        ('{"schema": "dashpot/fit@2"}', "model"),
         (LEAST[:-1] + ', "status": "fine"}', "status 'fine'"),
         ('{"schema": "dashpot/model@1", "k_inf": -1, "arms": []}', "k_inf >= 0"),
         ('{"schema": "dashpot/model@1", "k_inf": "a", "arms": []}', "float"),
@@ -254,7 +254,7 @@ def test_a_fit_that_tells_no_errors_claims_none():
         ('{"schema": []}', '"schema" is []'),
         ('{"schema": {"a": 1}}', '"schema" is {'),
         ('{"schema": "dashpot/model@1", "k_inf": 1}', 'no "arms"'),
-        ('{"schema": "dashpot/fit@1", "model": {"k_inf": 1}}', 'no "arms"'),
+        ('{"schema": "dashpot/fit@2", "model": {"k_inf": 1}}', 'no "arms"'),
         ('{"schema": "dashpot/model@1", "k_inf": 1, "arms": {}}', "$.arms is an object"),
         ('{"schema": "dashpot/model@1", "k_inf": 1, "arms": [], "k": []}', '$ has "k"'),
         ('{"schema": "dashpot/model@1", "k_inf": true, "arms": []}', "got `bool`"),

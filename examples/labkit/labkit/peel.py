@@ -16,7 +16,7 @@ def fit(columns: list, options: dict) -> dict:
             {
                 "name": "peel_steady",
                 "passed": max(running) < 1.2 * mean,
-                "says": f"The largest force is {max(running) / mean:.2f} of the mean.",
+                "message": f"The largest force is {max(running) / mean:.2f} of the mean.",
                 "remedy": "Peel more slowly.",
             }
         ],

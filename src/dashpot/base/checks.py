@@ -106,7 +106,7 @@ class Check(Serialisable):
     (True, 'limit')
     """
 
-    keys = ("name", "passed", "grade", "value", "limit", "says", "remedy")
+    keys = ("name", "passed", "grade", "value", "limit", "message=says", "remedy")
 
     name: str
     passed: bool | None
@@ -159,7 +159,7 @@ class Verdict(Serialisable):
     'use'
     """
 
-    keys = ("use", "says", "because=reasons")
+    keys = ("verdict_grade=use", "message=says", "failed_checks=reasons")
 
     use: Use
     says: str

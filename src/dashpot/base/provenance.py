@@ -88,8 +88,10 @@ def describe_record_source(source: Source | None, samples: int) -> str:
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Serialisable):
     """Processing step: its name, its parameters as text, and a sentence on its effect."""
+
+    keys = ("*", "message=says")
 
     name: str
     parameters: tuple[tuple[str, str], ...] = ()

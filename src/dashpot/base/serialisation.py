@@ -24,13 +24,13 @@ class Serialisable:
     Attributes
     ----------
     schema : str
-        Its versioned name, ``"dashpot/rod@1"``; empty for a part of another document.
+        Its versioned name, ``"dashpot/rod@2"``; empty for a part of another document.
     keys : tuple of str
         ``"law"``, the attribute of this name; ``"fit.law"``, one on the way, under its last word;
         ``"key=fit.law"``, under another; None where one on the way is. With ``"?"`` at the end
         left out where it is None, with ``"~"`` numbers that are not finite are None.
         ``"*fit.values"``: every item of a mapping, or of another document, under its own;
-        ``"*"``: every field of the dataclass, as where there are no keys.
+        ``"*"``: every field of the dataclass that no other key names, as where there are no keys.
     read_back : bool
         Whether a document with a schema holds the whole value, so that it can be read back.
     """
@@ -86,15 +86,14 @@ def _attribute(result: Any, name: str) -> Any:
 
 @cache
 def _keys(kind: Any) -> tuple[_Key, ...]:
-    names = (
-        [field.name for field in fields(kind) if EDGE not in field.metadata]
-        if is_dataclass(kind)
-        else []
-    )
+    names = list(getattr(kind, "_fields", ()))
+    if is_dataclass(kind):
+        names = [field.name for field in fields(kind) if EDGE not in field.metadata]
+    texts = getattr(kind, "keys", ()) or ("*",)
+    alone = {key.way for key in map(_Key.parse_key, texts) if not key.spread}
+    rest = [name for name in names if (name,) not in alone]
     return tuple(
-        _Key.parse_key(name)
-        for text in kind.keys or ("*",)
-        for name in (names if text == "*" else [text])
+        _Key.parse_key(name) for text in texts for name in (rest if text == "*" else [text])
     )
 
 
@@ -152,7 +151,8 @@ def to_plain_value(value: Any) -> Any:
 @to_plain_value.register(tuple)
 def _(value: Any) -> Any:
     if hasattr(value, "_fields"):
-        return {name: to_plain_value(getattr(value, name)) for name in value._fields}
+        keys = _keys(type(value))
+        return {name: item for key in keys for name, item in key.item(value).items()}
     return [to_plain_value(item) for item in value]
 
 

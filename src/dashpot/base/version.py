@@ -58,7 +58,7 @@ def is_record(head: bytes) -> bool:
 def is_ours(head: bytes) -> bool:
     """Return whether a file that begins with `head` was written by dashpot.
 
-    >>> is_ours(b'{"schema": "dashpot/fit@1"'), is_ours(b"dashpot 2: front left")
+    >>> is_ours(b'{"schema": "dashpot/fit@2"'), is_ours(b"dashpot 2: front left")
     (True, False)
     """
     schema, profile = _SCHEMA.match(head), head.startswith(_PROFILE)

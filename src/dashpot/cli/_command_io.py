@@ -124,13 +124,14 @@ def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> s
     return "\n".join(format_for_screen(*parts, verbose=verbose, style=click.style, size=screen()))
 
 
-def format_json(document: Serialisable) -> str:
-    """Return a result as the JSON that commands print and write."""
+def format_json(result: Serialisable) -> str:
+    """Return a result as the JSON that commands print and write: it names its schema."""
     import json
 
-    return escaped_json(
-        json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False)
-    )
+    document = result.document
+    if "schema" not in document:
+        raise TypeError(f"the document of {type(result).__name__} names no schema")
+    return escaped_json(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:

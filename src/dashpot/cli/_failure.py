@@ -32,8 +32,8 @@ WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md t
 class Failure(Serialisable):
     """Failure of a command: its kind, sentence, exit code, output and place."""
 
-    schema = "dashpot/error@1"
-    keys = ("kind", "says", "exit_code=code", "traceback?")
+    schema = "dashpot/error@2"
+    keys = ("kind", "message=says", "exit_code=code", "traceback?")
 
     kind: str
     says: str

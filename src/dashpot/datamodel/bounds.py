@@ -93,7 +93,10 @@ class EndOfHold(Serialisable):
         ``"hold"``, ``"curve"``, ``"sweep"``, ``"creep"`` or, of a hammer alone, ``"frf"``.
     """
 
-    keys = ("k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended")
+    keys = (
+        "k_inf", "k_end", "k_at_3_end=k_3end", "end_time=time", "slope_limit=falling",
+        "if_machine_named=named", "k_at_10_end=k_10end", "test_kind=ended",
+    )  # fmt: skip
 
     time: float
     k_end: tuple[float, float]
@@ -246,7 +249,7 @@ class StiffnessLimits(TypedDict):
 
 
 @dataclass(frozen=True, eq=False)
-class StiffnessBounds(EqualByValue):
+class StiffnessBounds(EqualByValue, Serialisable):
     """Lower and upper limits of the dynamic stiffness against frequency.
 
     Attributes
@@ -260,6 +263,8 @@ class StiffnessBounds(EqualByValue):
     says : str
         What the limits hold for, in one sentence.
     """
+
+    keys = ("*", "message=says")
 
     frequency: FloatArray
     storage: FloatArray
@@ -283,7 +288,7 @@ class StiffnessBounds(EqualByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class FRFBounds(FrozenArrays):
+class FRFBounds(FrozenArrays, Serialisable):
     """Limits of the predicted response of a mass on a seal.
 
     Attributes
@@ -306,6 +311,8 @@ class FRFBounds(FrozenArrays):
     kind : Kind
         Accelerance or transmissibility.
     """
+
+    keys = ("*", "unmeasured=unseen", "message=says")
 
     frequency: FloatArray
     magnitude: FloatArray

@@ -87,17 +87,20 @@ class Fit(EqualByValue, Plottable, Serialisable):
     (2, ['b', 'k', 'k_inf', 'tau'])
     """
 
-    schema = "dashpot/fit@1"
+    schema = "dashpot/fit@2"
     keys = (
-        "id=identity", "status", "ok", "says=status.value", "verdict", "model", "solid=own_solid~",
+        "id=identity", "status", "ok", "message=status.value", "verdict", "model",
+        "solid=own_solid~",
         "standard_error=errors_by_arm~", "interval_95=intervals_95~", "estimate.residual",
-        "band_hz=evidence.band", "elastic_law", "left_open=evidence.end_of_hold",
+        "band_hz=evidence.band", "elastic_law", "end_of_hold_limits=evidence.end_of_hold",
         "error_in_band=evidence.band_error?",
         "temperature=temperatures", "mass=mass_found?", "evidence.creep?", "provenance.method",
-        "estimate.parameters", "estimate.covariance", "estimate.of_noise?", "estimate.dof",
+        "estimate.parameters", "estimate.covariance", "noise_covariance=estimate.of_noise?",
+        "estimate.dof",
         "evidence.orders", "evidence.certificate", "estimate.profiles", "estimate.nuisance",
         "evidence.checks", "provenance.source", "provenance.steps", "evidence.by_depth",
-        "provenance.specimen", "evidence.moved", "evidence.explanations", "evidence.alternative",
+        "provenance.specimen", "parameter_changes=evidence.moved", "evidence.explanations",
+        "evidence.alternative",
         "unit",
     )  # fmt: skip
 

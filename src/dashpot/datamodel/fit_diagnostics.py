@@ -43,7 +43,9 @@ class Alternative(Serialisable):
         What the two predict there, and what would tell them apart.
     """
 
-    keys = ("family", "*")
+    keys = (
+        "family", "*", "is_sufficient=explains", "differs_from_hz=parts_at", "message=says",
+    )  # fmt: skip
 
     solid: Solid
     bic: float
@@ -86,7 +88,7 @@ class OrderScore:
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(Serialisable):
     """Optimality certificate: distance to the best positive model with any number of arms.
 
     Attributes
@@ -100,6 +102,8 @@ class Certificate:
     says : str
         The sentence printed with the fit.
     """
+
+    keys = ("*", "message=says")
 
     optimal: bool
     gap: float
@@ -158,7 +162,7 @@ class ParameterChange:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Explanation(Serialisable):
     """Explanation of two tests that disagree on one seal.
 
     Attributes
@@ -179,6 +183,11 @@ class Explanation:
     says : str
         With its value only where it explains both tests best: one quantity has one value.
     """
+
+    keys = (
+        "*", "relative_deviation=departure", "deviance_fall=fall", "is_sufficient=explains",
+        "message=says",
+    )  # fmt: skip
 
     name: str
     value: float

@@ -154,7 +154,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     ('(m/s^2)/N', 'm/N')
     """
 
-    schema = "dashpot/frf@1"
+    schema = "dashpot/frf@2"
     keys = (
         "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "shift_sd", "record",
         "pulse", "averages", "hits", "checks", "source", "steps",

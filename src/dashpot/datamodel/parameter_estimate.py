@@ -24,6 +24,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, FrozenArrays, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import get_display_unit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.interconversion import CreepSpectrum
@@ -65,7 +66,7 @@ def parameter_names(arms: int, *, dashpot: bool = False) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Residual:
+class Residual(Serialisable):
     """Statistics of the residual of a fit.
 
     Attributes
@@ -84,6 +85,8 @@ class Residual:
         ``"N"``; ``"1"`` where each is relative to its own value; ``"sd"`` in standard deviations of
         the scatter of each set; else that of the modulus.
     """
+
+    keys = ("*", "variance_inflation=kappa")
 
     n: int
     sse: float

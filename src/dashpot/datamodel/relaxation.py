@@ -214,7 +214,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     1.0
     """
 
-    schema = "dashpot/ramp-hold@1"
+    schema = "dashpot/ramp-hold@2"
+    keys = ("*", "machine_deflection=given")
 
     time: FloatArray
     displacement: FloatArray

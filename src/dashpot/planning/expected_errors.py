@@ -26,6 +26,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL
+from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.bounds import STANDS, naming
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, rows_with
@@ -205,7 +206,7 @@ def _on_a_named_rig(bench: Bench, *names: str) -> Bench:
 
 
 @dataclass(frozen=True)
-class ExpectedEnd:
+class ExpectedEnd(Serialisable):
     """Expected error of the stiffness at the end of a test, to first order.
 
     Attributes
@@ -219,6 +220,8 @@ class ExpectedEnd:
     named : float
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
+
+    keys = ("*", "if_machine_named=named")
 
     time: float
     stiffness: float

@@ -254,7 +254,7 @@ class Plan(HasChecks, Serialisable):
         well if the machine were named.
     """
 
-    schema = "dashpot/plan@1"
+    schema = "dashpot/plan@2"
     keys = ("verdict", "*")
 
     at: float

@@ -143,7 +143,8 @@ class Agreement(HasVerdict, Serialisable):
 
     # the verdict is of the measured FRF too, not of the comparison alone
     keys = (
-        "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unseen", "verdict",
+        "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unmeasured=unseen",
+        "verdict",
         "*at_rest.told",
     )  # fmt: skip
 

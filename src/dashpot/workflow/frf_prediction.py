@@ -260,7 +260,7 @@ class Prediction(HasVerdict, Serialisable):
     '(m/s^2)/N'
     """
 
-    schema = "dashpot/prediction@1"
+    schema = "dashpot/prediction@2"
     keys: ClassVar[tuple[str, ...]] = (
         "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
         "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",

@@ -70,7 +70,7 @@ class InspectedFile(Inspection, Serialisable):
 class Inspections(Serialisable):
     """Result of ``dashpot inspect``, file by file."""
 
-    schema = "dashpot/inspection@1"
+    schema = "dashpot/inspection@2"
 
     files: tuple[InspectedFile, ...]
 

@@ -211,7 +211,8 @@ class Job(Serialisable):
         File of an image for its head.
     """
 
-    schema = "dashpot/job@1"
+    schema = "dashpot/job@2"
+    keys = ("*", "time_limits=cuts", "other_tests=further")
 
     relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
     impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)

@@ -13,6 +13,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from dashpot.base.document_versions import convert_document, name_present_schema
 from dashpot.base.errors import DataError, ReadError, Status
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import (
@@ -175,13 +176,13 @@ def from_json(text: str | bytes) -> Any:
     """
     import msgspec
 
-    kind, entries = _parse_document(text)
-    name = kind.schema
+    kind, written = _parse_document(text)
+    name, entries = kind.schema, convert_document(written)
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             result = _convert_to_class(kind, _map_to_fields(kind, entries))
             unknown = find_unknown_keys(entries, to_document(result))
-            changed = has_edited_fit(entries)
+            changed = has_edited_fit(written)
     except (*_WRONG, msgspec.ValidationError) as error:
         raise ReadError(f"the {name} document is not valid: {_because(error, entries)}") from None
     if unknown:
@@ -218,13 +219,26 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = data.get("schema") if isinstance(data, dict) else None
-    kind = _find_schema_class(name) if isinstance(name, str) else None
+    kind = _find_schema_class(name_present_schema(name)) if isinstance(name, str) else None
     if kind is None:
-        raise ReadError(
-            f'the document\'s "schema" is {name!r}; this version of dashpot reads '
-            f"{', '.join(sorted(schemas()))}"
-        )
+        raise ReadError(_format_unknown_schema(name))
     return kind, data
+
+
+def _format_unknown_schema(name: object) -> str:
+    """Return why a document of this schema is not read, and what to do."""
+    what, _, version = str(name).partition("@")
+    present = next((schema for schema in schemas() if schema.startswith(f"{what}@")), "")
+    newest = present.partition("@")[2]
+    if newest and version.isdecimal() and int(version) > int(newest):
+        return (
+            f'the document\'s "schema" is {name!r}, of a newer version of dashpot; this version '
+            f"reads {what!r} up to @{newest}. Update dashpot, or write the document with this one"
+        )
+    return (
+        f'the document\'s "schema" is {name!r}; this version of dashpot reads '
+        f"{', '.join(sorted(schemas()))}. Name a file that it wrote, or make the result again"
+    )
 
 
 # -- plain values to results -----------------------------------------------------------------------
@@ -411,7 +425,7 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     TemperatureShifts: _shifts,
     DepthStiffness: _convert_old_depth,
     # the bare contract does not say how long the seal was held
-    EndOfHold: lambda entries: {"time": np.nan} | entries,
+    EndOfHold: lambda entries: {"end_time": np.nan} | entries,
     InspectedFile: _convert_old_inspection,
 }
 """Constructors of classes that need more than their keys."""

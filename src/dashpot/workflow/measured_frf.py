@@ -347,7 +347,7 @@ class ImpactResult(Modes):
         Where the FRF was written.
     """
 
-    schema = "dashpot/impact@1"
+    schema = "dashpot/impact@2"
     keys = (
         "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks", "verdict",
         "frf.source", "file", "frf",

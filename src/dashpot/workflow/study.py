@@ -156,8 +156,10 @@ class Study(Plottable, Serialisable):
     True
     """
 
-    schema = "dashpot/study@1"
-    keys = ("verdict", "*")
+    schema = "dashpot/study@2"
+    keys = (
+        "verdict", "*", "unmeasured=unseen", "static_equilibrium=at_rest", "other_tests=further",
+    )  # fmt: skip
 
     test: RelaxationTest
     prepared: RampHold

@@ -153,8 +153,8 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
     told = ran(*files["absolute"], *words)
     same = ran(*files["relative"], *words, "--relative")
     assert same["amplitudes"] == pytest.approx(told["amplitudes"], rel=1e-9)
-    assert same["verdict"]["use"] == told["verdict"]["use"] == "use"
-    assert ran(*files["relative"], *words)["verdict"]["use"] == "do not use"
+    assert same["verdict"]["verdict_grade"] == told["verdict"]["verdict_grade"] == "use"
+    assert ran(*files["relative"], *words)["verdict"]["verdict_grade"] == "do not use"
     columns = 10 + 0 * GRID, 100 * GRID, 2 - GRID, 1 + 0 * GRID, 20 + 0 * GRID
     sweep = saved(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
     assert "--relative is for" in ran(sweep, "--relative", code=2)
@@ -280,7 +280,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
     covered = [c["passed"] for c in found["checks"] if c["name"] == "amplitude_in_tested_range"]
     assert covered == [True, False]
     assert beyond["amplitude"] > found["amplitudes"][1]
-    assert found["verdict"]["use"] == "use with care"
+    assert found["verdict"]["verdict_grade"] == "use with care"
 
 
 @pytest.mark.parametrize(
@@ -352,7 +352,7 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
         True,
         False,
     ]
-    assert found["verdict"]["use"] == "use with care"
+    assert found["verdict"]["verdict_grade"] == "use with care"
     belongs = ran(path, "--seals", "2", "--resonance-at", "1N", code=2)
     assert "--seals belongs to FRFs" in belongs
     read = level_files([path], at=[0.05])
@@ -375,10 +375,10 @@ def test_levels_said_of_hits_are_held_against_them(tmp_path):
     passed = {check["name"]: check["passed"] for check in told["checks"]}
     assert passed["levels_as_stated"]
     assert passed["high_frequency_mass_agrees"]
-    assert told["verdict"]["use"] == plain["verdict"]["use"] == "use"
+    assert told["verdict"]["verdict_grade"] == plain["verdict"]["verdict_grade"] == "use"
     odd = ran(soft, hard, "--level", "2N", "--level", "0.11N", "--mass", "130g")
-    assert odd["verdict"]["because"] == ["levels_as_stated", "high_frequency_mass_agrees"]
-    said = next(check["says"] for check in odd["checks"] if check["name"] == "levels_as_stated")
+    assert odd["verdict"]["failed_checks"] == ["levels_as_stated", "high_frequency_mass_agrees"]
+    said = next(check["message"] for check in odd["checks"] if check["name"] == "levels_as_stated")
     assert "The levels belong to each other's files." in said
     assert "2 hammer files and 1 levels" in ran(soft, hard, "--level", "2N", code=2)
     nothing = ran(soft, hard, "--level", "2N", "--level", "0N", code=2)
@@ -391,7 +391,9 @@ def test_an_frf_of_hits_is_of_no_level(tmp_path):
     of_hits = tmp_path / "of_hits.csv"
     write_frf(estimate_frf(read_impact(hits), band="8:20Hz"), of_hits)
     found = ran(paths[0], of_hits, "--level", "0.05N", "--level", "1N", "--mass", "104g")
-    assert found["verdict"]["because"][0] == "levels_controlled"
-    says = next(check["says"] for check in found["checks"] if check["name"] == "levels_controlled")
+    assert found["verdict"]["failed_checks"][0] == "levels_controlled"
+    says = next(
+        check["message"] for check in found["checks"] if check["name"] == "levels_controlled"
+    )
     assert "of_hits.csv: an FRF of hits has no level" in says
     assert "not fitted together" in " ".join(ran(paths[0], hits, "--mass", "1kg", code=2).split())

@@ -187,7 +187,7 @@ def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, s
 def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
     told = answered(place, *DISC, "--base", "--level", level)
     assert ("amplitude_in_tested_range" in str(told["verdict"])) is not passes
-    assert told["verdict"]["says"].startswith("At 200 m/s^2") is not passes
+    assert told["verdict"]["message"].startswith("At 200 m/s^2") is not passes
 
 
 @pytest.mark.parametrize(

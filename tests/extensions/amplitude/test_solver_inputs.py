@@ -389,4 +389,4 @@ def test_a_level_document_that_was_changed_is_refused():
 )
 def test_a_law_of_amplitudes_has_no_force_along_a_path(document, says):
     with pytest.raises(ReadError, match=f"holds {says}, which has no force along a path"):
-        from_json(json.dumps({"schema": "dashpot/levels@1"} | document))
+        from_json(json.dumps({"schema": "dashpot/levels@2"} | document))

@@ -544,7 +544,7 @@ def test_kinds_that_stand_alone_are_judged(visit, tmp_path):
     assert "Force at nominal" in page.at.locator("#answers").inner_text()
     with page.at.expect_download() as taken:
         page.at.get_by_role("button", name="Save the numbers").click()
-    assert json.loads(taken.value.path().read_text())["verdict"]["use"]
+    assert json.loads(taken.value.path().read_text())["verdict"]["verdict_grade"]
     # what is missing is said in the verdict's own place
     page.at.locator("#pick").set_input_files(str(tmp_path / "hit.csv"))
     verdict.get_by_role("alert").filter(has_text="moving mass is not given").wait_for()

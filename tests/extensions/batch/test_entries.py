@@ -23,7 +23,7 @@ def here(tmp_path, monkeypatch):
                  ".cache/x.csv"):  # fmt: skip
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Path(name).write_text(name)
-    Path("a/fit.json").write_text('{"schema": "dashpot/fit@1"}')
+    Path("a/fit.json").write_text('{"schema": "dashpot/fit@2"}')
     Path("a/seal.csv").write_text("# simulated by dashpot 1.2.3: a virtual rig, not a measurement")
     return tmp_path
 

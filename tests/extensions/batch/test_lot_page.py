@@ -147,8 +147,8 @@ def test_tests_are_found_by_their_date_where_one_is_known(lot):
 def test_what_the_page_says_is_what_the_document_says():
     large, found = many()
     page, document = unescape(html(large, found=found)), found.document
-    for light in document["lights"]:
-        assert light["says"] in page.replace("\xa0", " ")
+    for light in document["summary"]:
+        assert light["message"] in page.replace("\xa0", " ")
     assert f">{document['verdict']['use'].capitalize()}<" in page
     (of,) = document["statistics"]
     for one in of["capability"]:

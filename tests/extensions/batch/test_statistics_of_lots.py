@@ -175,7 +175,7 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
 
     folders = [in_folder(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
     document = told("compare", *folders)
-    assert document["schema"] == "dashpot/lot-comparison@1"
+    assert document["schema"] == "dashpot/lot-comparison@2"
     assert document["lots"] == ["may", "june"]
     assert [one["different"] for one in document["differences"]] == [True, True]
     said = ran("compare", *folders, "--quantity", "k_end").stdout

@@ -338,7 +338,7 @@ def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):
         done = ran(*common, "--limits", path, "--strict", "--json")
         assert done.exit_code == code, done.output
         (one,) = json.loads(done.stdout)["statistics"]
-        assert {judge["decision"] for judge in one["judged"]} == {decision}
+        assert {judge["decision"] for judge in one["decisions"]} == {decision}
     page = (tmp_path / "lot" / "lot.html").read_text()
     assert "0 of two seals" not in page
     assert "outside" in page

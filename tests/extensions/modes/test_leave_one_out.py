@@ -42,21 +42,22 @@ def compared(folder, *words):
 def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
     found = compared(files)
     assert found["in_sample"] is True
-    assert found["unseen"] is None
-    assert found["verdict"]["says"].startswith("The peak is off by ")
+    assert found["unmeasured"] is None
+    assert found["verdict"]["message"].startswith("The peak is off by ")
     assert (
-        "This tests nothing, because the fit was made from these hits." in found["verdict"]["says"]
+        "This tests nothing, because the fit was made from these hits."
+        in found["verdict"]["message"]
     )
 
 
 def test_hits_left_out_in_turn_are_predicted(files):
     found = compared(files, "--record", files / "seal_8mm.csv")
-    unseen = found["unseen"]
+    unseen = found["unmeasured"]
     assert unseen["hits"] >= 3
     assert 0.001 < unseen["error"] < 0.1
     low, high = unseen["height_error"]
     assert -0.1 < low <= high < 0.1
-    assert f"{100 * unseen['error']:.2g} % rms" in found["verdict"]["says"]
+    assert f"{100 * unseen['error']:.2g} % rms" in found["verdict"]["message"]
 
 
 def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):

@@ -106,7 +106,7 @@ def test_points_over_a_base_and_per_force_are_no_one_set():
 @pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance", "dynamic_stiffness"])
 def test_modes_of_a_file_of_any_kind_are_the_true_ones(tmp_path, kind):
     found = asked(written(tmp_path, measured().to(kind)), "--band", "5:50Hz")
-    assert found["schema"] == "dashpot/modes@1"
+    assert found["schema"] == "dashpot/modes@2"
     assert found["band"] == [5.0, 50.0]
     assert len(found["modes"]) == len(TRUE)
     modes = sorted(found["modes"], key=lambda mode: mode["frequency_hz"])

@@ -164,7 +164,7 @@ def test_a_clipped_channel_is_told_and_a_sine_is_not():
 )
 def test_what_a_shaken_base_has_no_use_for(path, tmp_path, words, says):
     fit = tmp_path / "fit.json"
-    fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": 393.0, "arms": []}}))
+    fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": 393.0, "arms": []}}))
     words = [fit if word == "fit.json" else word for word in words]
     refused = ran(*words, path, "--column", "base-acceleration=table")
     assert refused.exit_code == 2

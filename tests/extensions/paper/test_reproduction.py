@@ -75,7 +75,7 @@ def test_the_steps_of_the_load_cell():
 
 def test_the_command_makes_every_figure_and_a_page(made):
     folder, told = made
-    assert told["schema"] == "dashpot/paper@1"
+    assert told["schema"] == "dashpot/paper@2"
     assert told["reproduced"] is True
     assert {one.name for one in folder.iterdir()} >= {
         "paper.csv", "paper_steps.csv", "paper_rig.csv", "figure_2.svg", "figure_4.svg",
@@ -98,8 +98,8 @@ def test_every_statement_stands_beside_what_is_found(made):
     assert {row["name"] for row in rows if row["part"] == "equation"} == {
         "eq. (1)", "eq. (2)", "eq. (3)", "eqs. (4), (5)", "eq. (6)", "eq. (7)",
     }  # fmt: skip
-    assert all(row["holds"] for row in rows if row["tolerance"] is not None)
-    said = " ".join(row["found"] for row in rows if row["part"] == "misprint")
+    assert all(row["within_interval"] for row in rows if row["tolerance"] is not None)
+    said = " ".join(row["reproduced"] for row in rows if row["part"] == "misprint")
     # every b_j times a half, one, two, five; lines .1, .25, .5 and 1 Hz apart
     for number in ("542.5", "1083.8", "2167.0", "5417.0", "1067", "885.3", "274.5", "213.6"):
         assert number in said

@@ -89,7 +89,7 @@ def test_the_rigid_door_of_the_reference(folder):
     assert bare == pytest.approx([54.404, 87.173, 204.014], abs=1e-3)
     assert document["seal"]["length"] == pytest.approx(4.6)
     assert document["seal"]["stiffness"] == pytest.approx(4.6 * 200 * BROAD.k_inf)
-    assert document["verdict"]["use"] == "use"
+    assert document["verdict"]["verdict_grade"] == "use"
     point = document["frf"]["points"]["farthest from the hinges"]
     f = np.array(document["frf"]["frequency_hz"])
     top = {
@@ -162,7 +162,7 @@ def test_a_seal_that_does_not_reach_is_told_and_carries_nothing(folder):
     gaps = 'height = "20mm"\ngap = "14, 14, 26, 26 mm"\npitch'
     document = found(folder, "pitch", gaps)
     assert not of(document, "seal_touches")["passed"]
-    assert "do not touch" in of(document, "seal_touches")["says"]
+    assert "do not touch" in of(document, "seal_touches")["message"]
     whole = found(folder)
     assert document["seal"]["touching"] == pytest.approx(0.5, abs=0.01)
     assert document["seal"]["stiffness"] == pytest.approx(
@@ -217,7 +217,7 @@ def test_a_motion_that_nothing_holds_is_told(folder):
     latch = 'at = "1.1, 0.6, 0 m"\n'
     (folder / "door.toml").write_text(hinged.replace(latch, latch + "along = [0, 0, 1]\n"))
     document = json.loads(ran(folder / "door.toml", "--json").stdout)
-    assert "3 motions of the door are free" in of(document, "door_supported")["says"]
+    assert "3 motions of the door are free" in of(document, "door_supported")["message"]
 
 
 @pytest.mark.parametrize(

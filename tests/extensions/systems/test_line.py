@@ -355,7 +355,7 @@ def test_the_file_of_a_door_says_its_friction(folder):
     assert told.exit_code == 0, told.output
     document = json.loads((folder / "door.json").read_text())
     assert [one["frequency_hz"] for one in document["modes"]] == pytest.approx(ALONE, rel=1e-7)
-    assert document["seal"]["sticks"] == pytest.approx(0.4 * 0.006 / 0.15)
+    assert document["seal"]["slip_limit"] == pytest.approx(0.4 * 0.006 / 0.15)
     said = " ".join(told.output.split())
     assert "its friction sticks sideways up to 16.0 mm; the modes are of a seal that sticks" in said
 

@@ -145,7 +145,7 @@ class TestRandomBase:
         fit, psd = tmp_path / "fit.json", tmp_path / "psd.csv"
         arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
         model = {"k_inf": PAPER.k_inf, "arms": arms}
-        fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": model}))
+        fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": model}))
         psd.write_text(f"frequency [Hz],PSD [{unit}]\n5,0.01\n20,0.04\n200,0.001\n")
         words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
         said = told(*words, "--base-psd", psd)["random"]

@@ -63,7 +63,7 @@ class Levels(HasVerdict, Serialisable):
     'Levels'
     """
 
-    schema = "dashpot/levels@1"
+    schema = "dashpot/levels@2"
     keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=asked?")
 
     fit: AmplitudeFit | LevelFit | HitLevels
@@ -105,7 +105,7 @@ class Levels(HasVerdict, Serialisable):
 
     @property
     def document(self) -> dict[str, Any]:
-        """``dashpot/levels@1``; of FRFs as their fit writes it, which is read again."""
+        """``dashpot/levels@2``; of FRFs as their fit writes it, which is read again."""
         if isinstance(self.fit, LevelFit):
             return replace(self.fit, checks=self.checks, at=self.at).document
         return super().document

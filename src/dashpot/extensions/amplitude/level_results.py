@@ -109,7 +109,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         The levels that were asked for.
     """
 
-    schema = "dashpot/levels@1"
+    schema = "dashpot/levels@2"
     keys = (
         "amplitudes", "verdict", "checks", "residual", "mass", "seals", "band_hz=band",
         "linear_residual", "model=solid", "sliders", "cubic", "orders=two_ln_l", "levels", "source",

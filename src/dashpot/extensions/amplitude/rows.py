@@ -58,7 +58,7 @@ EXTENSION = Extension(
             "loops": "dashpot.extensions.amplitude.figure:loops",
         },
         "read document": {
-            "dashpot/levels@1": "dashpot.extensions.amplitude.level_results:complete_document",
+            "dashpot/levels@2": "dashpot.extensions.amplitude.level_results:complete_document",
         },
         "deck terms": {
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.report.page_frame:find_terms",

@@ -70,7 +70,7 @@ class LotComparison(HasChecks, Serialisable):
     checks : tuple of Check
     """
 
-    schema = "dashpot/lot-comparison@1"
+    schema = "dashpot/lot-comparison@2"
     keys = ("lots=names", "verdict", "differences=each", "checks")
 
     names: tuple[str, str]

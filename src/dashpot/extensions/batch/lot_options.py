@@ -144,7 +144,7 @@ class LotOutput(Serialisable):
     quantity : str
     """
 
-    schema = "dashpot/batch@1"
+    schema = "dashpot/batch@2"
     keys = (
         "folder", "files", "found.lot.computed?", "found.lot.simulated?", "found.lot.outcomes?",
         "found.lot.verdicts?", "found.lot.agreements?", "components?", "outliers?",

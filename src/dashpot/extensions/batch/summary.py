@@ -69,6 +69,8 @@ class Flag(NamedTuple):
         Whether the statistics feel it, or would.
     """
 
+    keys = ("*", "message=says")
+
     lot: str
     seal: str
     file: str
@@ -78,6 +80,8 @@ class Flag(NamedTuple):
 
 class ExcludedFile(NamedTuple):
     """File that was excluded from a lot, with the reason."""
+
+    keys = ("*", "copy_of=says")
 
     file: str
     says: str
@@ -94,6 +98,8 @@ class LotLight(NamedTuple):
         ``"good"``, ``"note"``, ``"care"`` or ``"bad"``.
     says : str
     """
+
+    keys = ("*", "message=says")
 
     name: str
     mark: str
@@ -152,7 +158,7 @@ class OfQuantity(Serialisable):
 
     keys = (
         "quantity=quantity.name", "quantity.column", "seals", "charts=by_lot", "lots", "components",
-        "gauge", "limits?", "capability=capable?", "judged=decided?",
+        "gauge", "limits?", "capability=capable?", "decisions=decided?",
     )  # fmt: skip
 
     quantity: Quantity
@@ -246,7 +252,10 @@ class Summary(HasChecks, Serialisable):
     checks : tuple of Check
     """
 
-    keys = ("verdict", "lights", "statistics=each~", "flags", "unlike", "copies", "checks")
+    keys = (
+        "verdict", "summary=lights", "statistics=each~", "flags", "dissimilar=unlike", "copies",
+        "checks",
+    )  # fmt: skip
 
     lot: Lot
     main: OfQuantity

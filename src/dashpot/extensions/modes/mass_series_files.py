@@ -62,7 +62,7 @@ class ModesByMass(HasChecks, HasVerdict, Serialisable):
     True
     """
 
-    schema = "dashpot/modes-by-mass@1"
+    schema = "dashpot/modes-by-mass@2"
     keys = ("tests=each", "stiffness", "model", "together.distance", "verdict", "checks")
 
     tests: tuple[MeasuredModes, ...]

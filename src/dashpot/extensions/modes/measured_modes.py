@@ -118,7 +118,7 @@ class MeasuredModes(Modes):
         The modes of another set that these are found in again.
     """
 
-    schema = "dashpot/modes@1"
+    schema = "dashpot/modes@2"
     keys = ("frf.checks", "verdict", "frf.source", "*")
 
     modes: tuple[MeasuredMode, ...]

@@ -40,7 +40,7 @@ EXTENSION = Extension(
             "stabilisation": "dashpot.extensions.modes.figure:stabilisation",
         },
         "document": {
-            "dashpot/modes@1": "dashpot.extensions.modes.measured_modes:MeasuredModes",
+            "dashpot/modes@2": "dashpot.extensions.modes.measured_modes:MeasuredModes",
         },
     },
     fits=(

@@ -90,7 +90,10 @@ class Statement(Serialisable):
             return None
         return bool(self.off <= self.tolerance)
 
-    keys = ("part", "name", "paper", "found", "off", "tolerance", "holds")
+    keys = (
+        "part", "name", "paper", "reproduced=found", "difference=off", "tolerance",
+        "within_interval=holds",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -172,7 +175,7 @@ class Reproduction(Serialisable):
         The main job on the virtual rig and hammer.
     """
 
-    schema = "dashpot/paper@1"
+    schema = "dashpot/paper@2"
     keys = (
         "seed", "reproduced", "rows", "table", "force", "accelerance", "peak", "receptance_peak",
         "mode", "one_arm", "two_arms", "quantised",

@@ -77,8 +77,8 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources : tuple of Source
     """
 
-    schema = "dashpot/plugged@1"
-    keys = ("verdict", "*")
+    schema = "dashpot/plugged@2"
+    keys = ("verdict", "*", "values=found")
 
     kind: str
     by: str

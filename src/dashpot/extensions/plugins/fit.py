@@ -101,7 +101,7 @@ def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> flo
 
 
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
-    name, says = (get_text(plugin, item, key) for key in ("name", "says"))
+    name, says = (get_text(plugin, item, key) for key in ("name", "message"))
     passed, grade = item.get("passed"), item.get("grade", "limit")
     if not (passed is None or isinstance(passed, bool)):
         plugin.wrong(f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None")

@@ -26,7 +26,7 @@ from dashpot.text_output.layout import Text
 class Verification(Serialisable):
     """Verification of a project: the hash of its history, and the findings on every result."""
 
-    schema = "dashpot/verification@1"
+    schema = "dashpot/verification@2"
     keys = ("project", "ok", "head", "checks")
 
     project: str

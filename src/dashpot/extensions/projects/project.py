@@ -26,6 +26,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from dashpot.base.document_versions import name_present_schema
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import PART, open_exclusive_lock, validate_path, write_atomic
 from dashpot.base.serialisation import Serialisable, to_plain_value
@@ -37,7 +38,7 @@ from dashpot.workflow.job import Job, with_paths
 from dashpot.workflow.json_archive import from_json, to_document, to_json
 from dashpot.workflow.study import Study, run
 
-SCHEMA = "dashpot/project@1"
+SCHEMA = "dashpot/project@2"
 NAME = 16
 """Digits of a hash that name a result."""
 
@@ -83,9 +84,13 @@ def create(folder: str | Path) -> Project:
             f"{path} holds files but no dashpot.toml; choose an empty folder for a new project"
         )
     path.mkdir(parents=True, exist_ok=True)
-    about = f'schema = "{SCHEMA}"\nname = {json.dumps(path.name)}\n'
-    write_atomic(path / "dashpot.toml", about.encode())
+    _write_about(path, path.name)
     return Project(path)
+
+
+def _write_about(folder: Path, name: str) -> None:
+    about = f'schema = "{SCHEMA}"\nname = {json.dumps(name)}\n'
+    write_atomic(folder / "dashpot.toml", about.encode())
 
 
 def open_project(folder: str | Path) -> Project:
@@ -110,9 +115,10 @@ def open_project(folder: str | Path) -> Project:
         ) from None
     except ReadError as error:
         raise ReadError(f"{path / 'dashpot.toml'}: {error}") from None
-    if about.get("schema") != SCHEMA:
+    if name_present_schema(str(about.get("schema"))) != SCHEMA:
         raise ReadError(
-            f"{path / 'dashpot.toml'} has schema {about.get('schema')!r}; expected {SCHEMA!r}"
+            f"{path / 'dashpot.toml'} has schema {about.get('schema')!r}; expected {SCHEMA!r} or a "
+            "former version. Update dashpot if a newer one made the project"
         )
     return Project(path)
 
@@ -158,6 +164,9 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
         made = contents(study, page)
         name = name_of(to_document(retained_job), made["records/.json"])
         outputs = {place.replace("/.", f"/{name}."): block for place, block in made.items()}
+        about = parsed_toml((project.folder / "dashpot.toml").read_bytes())
+        if about.get("schema") != SCHEMA:  # what is added is of the present version
+            _write_about(project.folder, str(about.get("name", project.folder.name)))
         stated = profiles(retained_job)
         for place, content in (stated | outputs).items():
             (project.folder / place).parent.mkdir(exist_ok=True)
@@ -203,7 +212,7 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
 class ResultNumbers(Serialisable):
     """Numbers of a study that verification recomputes and compares."""
 
-    schema = "dashpot/result@1"
+    schema = "dashpot/result@2"
     keys = ("study.mass", "fit", "alternatives", "*others")
 
     study: Study
@@ -231,7 +240,9 @@ class ResultNumbers(Serialisable):
 
 def numbers(whole: dict[str, Any]) -> dict[str, Any]:
     """Return a result's document without its sampled arrays and its texts."""
-    dropped = {"predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "says"}
+    dropped = {
+        "predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "message",
+    }  # fmt: skip
     return {key: value for key, value in whole.items() if key not in dropped}
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.checks import Check
+from dashpot.base.document_versions import convert_document, name_present_schema
 from dashpot.base.errors import ReadError
 from dashpot.base.serialisation import DIGEST
 from dashpot.base.version import software
@@ -35,6 +36,7 @@ from dashpot.extensions.projects.project import (
     resolve_job_paths,
     resolve_project_path,
 )
+from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS, split_common
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json, parts_of, require_unique_keys
 from dashpot.workflow.study import Study, run
@@ -137,8 +139,9 @@ def _compare_with_rerun(
         _kind(output.file): resolve_project_path(project, output.file).read_bytes()
         for output in line.outputs
     }
+    former = any(map(_is_former, retained.values()))
     # another version may word and draw the same numbers otherwise
-    alike = line.software == software()
+    alike = line.software == software() and not former
     names = {match[1] for output in line.outputs if (match := _NAMED.search(output.file))}
     other = retained.keys() != made.keys() or len(names) != 1
     if other or (alike and names != {name_of(line.job, retained["records/.json"])}):
@@ -151,10 +154,14 @@ def _compare_with_rerun(
                 float("inf"), "its job reads fewer files", line.line
             )
         ]
+    documents = [place for place in retained if place.endswith(".json")]
+    if former:
+        return [
+            *_compare_with_former(line, retained, made, documents),
+            verification_checks.page_redrawn(line.line, same=False, alike=False),
+        ]
     worst, where = max(
-        _json_difference(retained[place], made[place], place, words=alike)
-        for place in retained
-        if place.endswith(".json")
+        _json_difference(retained[place], made[place], place, words=alike) for place in documents
     )
     same = alike and same_page(retained["reports/.html"], made["reports/.html"])
     return [
@@ -169,6 +176,44 @@ _NAMED = re.compile(rf"/([0-9a-f]{{{NAME}}})\.")
 def _kind(place: str) -> str:
     """Return a place without the name of the result: ``records/0123456789abcdef.fit.json``."""
     return _NAMED.sub("/.", place)
+
+
+def _is_former(content: bytes) -> bool:
+    """Return whether a file is a document of a former version."""
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError):
+        return False
+    schema = document.get("schema") if isinstance(document, dict) else None
+    return isinstance(schema, str) and name_present_schema(schema) != schema
+
+
+def _compare_with_former(
+    line: HistoryLine, retained: dict[str, bytes], made: dict[str, bytes], documents: list[str]
+) -> list[Check]:
+    """Compare what documents of a former version and the present ones both hold."""
+    worst, where, revised = 0.0, "", set()
+    for place in documents:
+        try:
+            before = json.loads(retained[place], object_pairs_hook=require_unique_keys)
+        except (ValueError, RecursionError):
+            worst, where = float("inf"), f"{place} is no JSON"
+            continue
+        old, new, differing = split_common(
+            numbers(convert_document(before)), numbers(json.loads(made[place]))
+        )
+        worst, where = max((worst, where), find_largest_difference(old, new, place))
+        revised |= {
+            name.rpartition(".")[2]
+            for name, (was, now) in differing.items()
+            if find_largest_difference(was, now)[0] > verification_checks.SAME
+        }
+    by = line.software.get("dashpot", "another version")
+    reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised}
+    return [
+        verification_checks.former_result_recomputed(worst, where, line.line, by),
+        verification_checks.uncertainty_unrevised(reasons, line.line, by),
+    ]
 
 
 def _json_difference(content: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
 
+SAME = 1e-7
+"""Relative difference up to which a number that was computed again is the same."""
 LISTED = 20
 """Files that a sentence names before it counts the rest."""
 
@@ -132,7 +134,7 @@ def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
     )
 
 
-@criterion("relative difference", "<=", 1e-7, "our choice: below what is printed", grade="stop")
+@criterion("relative difference", "<=", SAME, "our choice: below what is printed", grade="stop")
 def result_recomputed(worst: float, where: str, number: int) -> Finding:
     """Every result follows again from its raw files."""
     result = f"The result of line {number}, computed again from its raw files, "
@@ -141,6 +143,34 @@ def result_recomputed(worst: float, where: str, number: int) -> Finding:
         worst,
         instead=f"{result}differs: {where}",
         remedy="Make the result again, and compare the versions.",
+    )
+
+
+@criterion("relative difference", "<=", SAME, "as of `result_recomputed`", grade="limit")
+def former_result_recomputed(worst: float, where: str, number: int, by: str) -> Finding:
+    """The solid that a former version found follows again from the raw files of its result."""
+    result = (
+        f"The result of line {number}, made by dashpot {by} and computed again by this version,"
+    )
+    return Finding(
+        f"{result} has the same solid (largest relative difference {worst:.2g})",
+        worst,
+        instead=f"{result} has another number: {where}. Its files are as they were recorded, so "
+        "the version changed it",
+        remedy="Make the result again, and use the new one.",
+    )
+
+
+@criterion("kinds of numbers", "<=", 0, "our choice: errors and limits alone", grade="note")
+def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> Finding:
+    """Errors, limits and band of a former result are what this version finds, too."""
+    changes = "; ".join(dict.fromkeys("; ".join(reasons.values()).split("; ")))
+    return Finding(
+        f"Errors and limits of line {number} are the same as by dashpot {by}",
+        len(reasons),
+        instead=f"Errors and limits of line {number} are other than by dashpot {by} "
+        f"({', '.join(reasons)}): {changes}",
+        remedy="Make the result again, and quote its errors.",
     )
 
 

@@ -79,8 +79,8 @@ class Comparison(Plottable, Serialisable):
     1.0
     """
 
-    schema = "dashpot/comparison@1"
-    keys = ("peak", "damping", "verdict", "*")
+    schema = "dashpot/comparison@2"
+    keys = ("peak", "damping", "verdict", "*", "message=says")
 
     predicted: FRF
     measured: FRF

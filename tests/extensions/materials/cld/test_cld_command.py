@@ -41,9 +41,9 @@ def told(folder, *words):
 
 def test_one_piece_in_full(folder):
     found = told(folder, "p1.csv", *WORDS)
-    assert found["schema"] == "dashpot/cld@1"
+    assert found["schema"] == "dashpot/cld@2"
     assert found["unit"] == "N per 100 mm"
-    (piece,) = found["pieces"]
+    (piece,) = found["specimens"]
     assert piece["length"] == 0.05
     assert len(piece["sha256"]) == 64
     assert [one["number"] for one in piece["cycles"]] == [1, 2, 3, 4]
@@ -62,7 +62,7 @@ def test_pieces_scatter_as_they_were_made(folder):
     force = next(one for one in found["scatter"] if one["name"] == "force at nominal")
     spread = np.std(SCALES, ddof=1) / np.mean(SCALES)
     assert force["deviation"] / force["mean"] == pytest.approx(spread, rel=0.05)
-    values = [one["nominal"]["per_100mm"]["loading"] for one in found["pieces"]]
+    values = [one["nominal"]["per_100mm"]["loading"] for one in found["specimens"]]
     assert found["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
     names = {check["name"]: check["passed"] for check in found["checks"]}
     assert names["pieces_tested_alike"] is True
@@ -76,12 +76,14 @@ def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
     assert "loading, N " in said
     assert "length_given" in said
     assert "N per 100 mm" not in said.split("checks")[0]
-    assert told(folder, "unclocked.csv")["pieces"][0]["cycles"][0]["speed"] is None
+    assert told(folder, "unclocked.csv")["specimens"][0]["cycles"][0]["speed"] is None
 
 
 def test_pieces_pressed_otherwise_are_told_apart(folder):
     found = told(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
-    assert "speed" in next(c["says"] for c in found["checks"] if c["name"] == "pieces_tested_alike")
+    assert "speed" in next(
+        c["message"] for c in found["checks"] if c["name"] == "pieces_tested_alike"
+    )
 
 
 def test_a_figure_is_drawn(folder, tmp_path):
@@ -140,7 +142,7 @@ def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
     words = ("p1.csv", "--compression", "6mm", "--memory", str(folder / "fit.json"))
     law = tmp_path / "law.json"
     found = told(folder, *words, "-o", str(law))
-    assert found["relaxed"]["left"] == pytest.approx(0, abs=0.01)
+    assert found["relaxed"]["residual_hysteresis"] == pytest.approx(0, abs=0.01)
     written = from_json(law.read_text())
     assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout

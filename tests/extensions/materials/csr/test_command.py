@@ -36,11 +36,11 @@ def test_inspect_says_what_it_is(folder):
 
 def test_a_document_is_predicted_from(folder):
     document = json.loads((folder / "csr.json").read_text())
-    assert document["schema"] == "dashpot/csr@1"
+    assert document["schema"] == "dashpot/csr@2"
     assert document["oven_sd"] == 1.0
     found = told("predict", folder / "csr.json", "--temperature", "70degC", "--until", "50%",
                  "--until", "1000h", "--plot", folder / "aged.svg")  # fmt: skip
-    life, cold, left = found["answers"]
+    life, cold, left = found["values"]
     assert life["low"] < 3600 * 101430 < life["high"]
     assert cold["name"] == "life_if_Ea_falls"
     assert left["low"] < 0.8964 < left["high"]
@@ -57,7 +57,7 @@ def test_a_seal_is_aged_for_a_mass_a_door_and_a_deck(folder):
     dp.save(dp.fit(new, arms=2), folder / "fit.json")
     aged = "predict", folder / "csr.json", "--temperature", "70degC", "--until"
     told(*aged, "1000h", "--new", folder / "fit.json", "-o", folder / "old.json")
-    left = told(*aged, "1000h")["answers"][0]
+    left = told(*aged, "1000h")["values"][0]
     before, after = dp.read(folder / "fit.json"), dp.read(folder / "old.json")
     assert after.model.k_inf == pytest.approx(left["value"] * before.model.k_inf)
     assert after.model.tau == pytest.approx(before.model.tau)

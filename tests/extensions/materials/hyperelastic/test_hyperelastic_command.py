@@ -91,7 +91,7 @@ def test_pressure_over_volume(tmp_path):
 def test_rates_without_their_memory(tmp_path):
     memory = tmp_path / "memory.json"
     memory.write_text(
-        json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": 1e6, "b": 0.0, "arms": [
+        json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": 1e6, "b": 0.0, "arms": [
             {"k": 1e6 * k, "tau": tau} for k, tau in zip(MEMORY.k, MEMORY.tau, strict=True)
         ]}, "unit": "Pa"})
     )  # fmt: skip

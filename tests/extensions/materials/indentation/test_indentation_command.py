@@ -33,11 +33,11 @@ def test_the_example_end_to_end(tmp_path):
     assert inspect_file(path).kind == "indentation"
     words = [path, *BALL, "--drop-height", "51mm"]
     found = json.loads(ran(*words, "--json", "--plot", figure).stdout)
-    assert found["schema"] == "dashpot/indentation@1"
+    assert found["schema"] == "dashpot/indentation@2"
     assert found["modulus"] == pytest.approx(4e6, rel=0.01)
     low, high = found["intervals"]["modulus"]
     assert low < found["modulus"] < high
-    assert found["verdict"]["use"] == "use"
+    assert found["verdict"]["verdict_grade"] == "use"
     assert "hertz-kelvin-voigt" in figure.read_text("utf-8")
     text = ran(*words).stdout
     assert "restitution" in text

@@ -74,9 +74,9 @@ def test_from_a_file_to_a_part(tmp_path):
     path = written(tmp_path / "a.csv", shaken())
     solid, picture = str(tmp_path / "fit.json"), tmp_path / "rod.svg"
     found = json.loads(ran(path, *WORDS, "--json", "-o", solid, "--plot", str(picture)).stdout)
-    assert found["schema"] == "dashpot/rod@1"
+    assert found["schema"] == "dashpot/rod@2"
     assert found["shape_factor"] == pytest.approx(0.25)
-    assert found["verdict"]["use"] == "use"
+    assert found["verdict"]["verdict_grade"] == "use"
     low, high = found["band"]
     assert 50 < low < 100
     assert 190 < high < 400
@@ -133,7 +133,7 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
 def test_what_is_spoilt_is_named(tmp_path, spoil, names):
     found = told(written(tmp_path / "a.csv", spoil(shaken())))
     assert names <= failed(found)
-    assert found["verdict"]["use"] != "use"
+    assert found["verdict"]["verdict_grade"] != "use"
 
 
 def test_a_phase_that_was_folded_is_named_and_one_unwrapped_is_not(tmp_path):

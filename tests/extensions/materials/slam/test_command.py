@@ -26,8 +26,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_slam_is_predicted_and_kept(folder: Path, tmp_path: Path) -> None:
     page, how = tmp_path / "slam.html", ("--slam", "0.3m/s", "--mass", "200g", "--seals", "2")
     found = told("predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg")
-    assert found["schema"] == "dashpot/slammed@1"
-    force = found["answers"][0]
+    assert found["schema"] == "dashpot/slammed@2"
+    force = found["values"][0]
     # of the straight law 393 x, as the table has it
     assert (force["name"], force["unit"]) == ("peak_force", "N")
     assert force["value"] == pytest.approx(3.423483, rel=1e-6)

@@ -235,7 +235,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         By how much `load` comes before `force`, s: 0 as recorded.
     """
 
-    schema = "dashpot/load-hold@1"
+    schema = "dashpot/load-hold@2"
 
     time: FloatArray
     displacement: FloatArray

@@ -432,7 +432,8 @@ class RelaxedLaw(Serialisable):
     """
 
     keys = (
-        "elastic_law=law.bare", "force_se=knot_se", "residual", "hysteresis", "left", "softening",
+        "elastic_law=law.bare", "force_se=knot_se", "residual", "hysteresis",
+        "residual_hysteresis=left", "softening",
     )  # fmt: skip
 
     law: ElasticLaw
@@ -492,7 +493,7 @@ class RateLaw(EqualByValue, Serialisable):
 
     keys = (
         "elastic_law=law.bare", "knots", "damping", "damping_se", "arms", "residual",
-        "bic_over_memory=bic", "checks",
+        "bic_over_relaxation=bic", "checks",
     )  # fmt: skip
 
     law: ElasticLaw

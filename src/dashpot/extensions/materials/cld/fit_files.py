@@ -110,9 +110,10 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
     1.5
     """
 
-    schema = "dashpot/cld@1"
+    schema = "dashpot/cld@2"
     keys = (
-        "unit", "pieces", "scatter", "capability", "relaxed?", "rate?", "verdict", "checks", "fit?",
+        "unit", "specimens=pieces", "scatter", "capability", "relaxed?", "rate?", "verdict",
+        "checks", "fit?",
     )  # fmt: skip
 
     pieces: tuple[CLD, ...]

@@ -151,8 +151,8 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources : tuple of Source
     """
 
-    schema = "dashpot/csr@1"
-    keys = ("verdict", "found", "*")
+    schema = "dashpot/csr@2"
+    keys = ("verdict", "values=found", "*")
 
     law: AgingLaw
     ovens: tuple[Oven, ...]

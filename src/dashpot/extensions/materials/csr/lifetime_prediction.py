@@ -45,8 +45,8 @@ class Aged(HasVerdict, Serialisable):
     checks : tuple of Check
     """
 
-    schema = "dashpot/aged@1"
-    keys = ("verdict", "answers", "*")
+    schema = "dashpot/aged@2"
+    keys = ("verdict", "values=answers", "*", "latest_time=furthest")
 
     aging: Aging
     temperature: float

@@ -205,8 +205,8 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     'neo-hooke'
     """
 
-    schema = "dashpot/hyperelastic@1"
-    keys = ("verdict", "*")
+    schema = "dashpot/hyperelastic@2"
+    keys = ("verdict", "*", "values=found")
 
     law: Hyperelastic
     found: tuple[ReportedValue, ...]

@@ -153,7 +153,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     'hertz'
     """
 
-    schema = "dashpot/indentation@1"
+    schema = "dashpot/indentation@2"
     keys = (
         "law", "of", "indenter", "*values", "intervals=between", "units", "orders=scores", "touch",
         "noise", "residual", "verdict", "checks", "source",

@@ -58,9 +58,10 @@ class Rod(HasVerdict, Serialisable):
         Why there is none.
     """
 
-    schema = "dashpot/rod@1"
+    schema = "dashpot/rod@2"
     keys = (
-        "shape", "part.shape_factor", "bonded", "mass", "own_mass", "errors", "modulus.frequency",
+        "shape", "part.shape_factor", "bonded", "mass", "rod_mass=own_mass", "errors",
+        "modulus.frequency",
         "modulus.storage", "modulus.loss_factor", "modulus.storage_sd", "modulus.loss_factor_sd",
         "sensitivity", "band", "verdict", "checks", "fit?",
     )  # fmt: skip

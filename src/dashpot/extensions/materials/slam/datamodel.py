@@ -111,7 +111,7 @@ class SlamHit(EqualByValue, Serialisable):
         s from the touch, and N.
     """
 
-    keys = ("name", "speed", "peak", "compression", "contact", "rebound", "lost_part")
+    keys = ("name", "speed", "peak", "compression", "contact", "rebound", "lost_fraction=lost_part")
 
     name: str
     speed: ReportedValue
@@ -144,8 +144,8 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources : tuple of Source
     """
 
-    schema = "dashpot/slam@1"
-    keys = ("verdict", "frequency", "found", "mass", "hits", "checks", "sources", "fit")
+    schema = "dashpot/slam@2"
+    keys = ("verdict", "frequency", "values=found", "mass", "hits", "checks", "sources", "fit")
     read_back = False
 
     frequency: float

@@ -46,9 +46,9 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
         Of the fit.
     """
 
-    schema = "dashpot/slammed@1"
+    schema = "dashpot/slammed@2"
     keys = (
-        "verdict", "*approach", "mass", "seals", "answers", "time", "compression", "force",
+        "verdict", "*approach", "mass", "seals", "values=answers", "time", "compression", "force",
         "checks",
     )  # fmt: skip
     read_back = False

@@ -80,7 +80,8 @@ class Scatter(Serialisable):
     """
 
     keys = (
-        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=above", "leaking",
+        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=above",
+        "share_leaking=leaking",
         "least_compression=least", "least_contact_force=contact",
     )  # fmt: skip
 

@@ -28,7 +28,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     checks : tuple of Check
     """
 
-    schema = "dashpot/closing@1"
+    schema = "dashpot/closing@2"
     keys = (
         "closing.speed", "closing.door.edge", "closing.door.inertia", "closing.latched",
         "closing.energy", "energy_left=closing.left", "closing.stopped", "closing.rebound",

@@ -72,7 +72,7 @@ class SealOfDoor(Serialisable):
 
     keys = (
         "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
-        "stiffness_per_metre=section.solid.k_inf", "sideways", "sticks?", "force",
+        "stiffness_per_metre=section.solid.k_inf", "sideways", "slip_limit=sticks?", "force",
         "line.joints",
         "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
     )  # fmt: skip
@@ -162,7 +162,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     checks : tuple of Check
     """
 
-    schema = "dashpot/door@1"
+    schema = "dashpot/door@2"
     keys = (
         "seal", "modes", "without_seal_hz=bare", "frf=responses", "random=shaken", "verdict",
         "checks", "source=sources",

@@ -1,0 +1,144 @@
+"""Documents of former versions read as what they were, and are written without a former key."""
+
+from __future__ import annotations
+
+import json
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+import pytest
+from kit.kinds import files
+
+import dashpot as dp
+from dashpot.base.checks import REGISTER
+from dashpot.base.document_versions import (
+    EVERYWHERE,
+    RENAMED_CHECKS,
+    RENAMED_KEYS,
+    convert_document,
+    name_present_schema,
+)
+from dashpot.base.serialisation import compute_document_digest
+from dashpot.extensions.projects.verification import find_largest_difference
+from dashpot.workflow.json_archive import from_json, schemas, to_document, to_json
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "tests" / "data" / "documents_1"
+NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
+RETURNED = [
+    name
+    for name in NAMES
+    if name_present_schema(json.loads((FOLDER / f"{name}.json").read_text("utf-8"))["schema"])
+    in schemas()
+    and name != "strain-sweep"  # its document never was a result
+]
+
+
+def read_text(name: str) -> str:
+    return (FOLDER / f"{name}.json").read_text(encoding="utf-8")
+
+
+def find_places(value: Any, schema: str = "", parent: str = "") -> set[tuple[str, str]]:
+    """Schema and place, by the key of the object above, of every key of a document."""
+    if isinstance(value, list):
+        return {place for item in value for place in find_places(item, schema, parent)}
+    if not isinstance(value, dict):
+        return set()
+    if isinstance(value.get("schema"), str):
+        schema, parent = value["schema"], ""
+    below = {place for key, item in value.items() for place in find_places(item, schema, key)}
+    return {(schema, f"{parent}.{key}") for key in value} | below
+
+
+def without_digest(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: without_digest(item) for key, item in value.items() if key != "digest"}
+    return [without_digest(item) for item in value] if isinstance(value, list) else value
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_converted_document_has_no_former_key(name: str) -> None:
+    document = json.loads(read_text(name))
+    converted = convert_document(document)
+    former = {schema: {*keys, *EVERYWHERE} for schema, keys in RENAMED_KEYS.items()}
+    assert not {
+        (schema, place)
+        for schema, place in find_places(converted)
+        if place in former.get(schema.replace("@2", "@1"), ())
+    }
+    assert "dashpot/" in converted["schema"]
+    assert not {schema for schema, _ in find_places(converted)} & RENAMED_KEYS.keys()
+
+
+@pytest.mark.parametrize("name", RETURNED)
+def test_a_former_document_reads_as_its_value(name: str) -> None:
+    result = from_json(read_text(name))
+    converted = without_digest(convert_document(json.loads(read_text(name))))
+    written = without_digest(json.loads(to_json(result)))
+    assert written == converted
+    assert json.loads(to_json(from_json(to_json(result)))) == json.loads(to_json(result))
+
+
+def test_a_former_fit_equals_the_one_that_is_made_now(tmp_path: Path) -> None:
+    head, *rows = files()["seal.csv"][0].splitlines()
+    (tmp_path / "s.csv").write_text("\n".join([head, *rows[::3]]) + "\n")
+    former = to_document(from_json(read_text("fit")))
+    present = to_document(dp.fit(dp.read(tmp_path / "s.csv")))
+    worst, where = find_largest_difference(without_digest(former), without_digest(present))
+    assert worst < 1e-6, where
+
+
+def test_every_new_name_of_a_check_is_one() -> None:
+    for kind in schemas().values():
+        assert kind  # loads the checks of every kind
+    names = {name for _, name in REGISTER}
+    assert not set(RENAMED_CHECKS) & names
+
+
+def test_the_page_of_documents_is_that_of_the_code() -> None:
+    spec = spec_from_file_location("documents_page", ROOT / "docs" / "documents.py")
+    assert spec is not None
+    assert spec.loader is not None
+    written = module_from_spec(spec)
+    spec.loader.exec_module(written)
+    page = (ROOT / "docs" / "documents.md").read_text(encoding="utf-8")
+    assert written.format_page() == page, "run `python docs/documents.py`"
+
+
+def test_an_edited_former_fit_is_refused() -> None:
+    document = json.loads(read_text("levels"))
+    document["mass"] *= 2
+    with pytest.raises(dp.ReadError, match="changed by hand"):
+        from_json(json.dumps(document))
+
+
+def test_a_key_of_the_present_version_is_unknown_to_a_former_one() -> None:
+    document = json.loads(read_text("plugin-fit"))
+    document["nonsense"] = 1
+    with pytest.raises(dp.ReadError, match='"nonsense", which this version'):
+        from_json(json.dumps(document))
+
+
+@pytest.mark.parametrize(
+    ("schema", "says"),
+    [
+        (
+            "dashpot/fit@3",
+            "of a newer version of dashpot; this version reads 'dashpot/fit' up to @2",
+        ),
+        ("dashpot/model@2", "up to @1. Update dashpot"),
+        ("dashpot/nothing@1", "this version of dashpot reads dashpot/"),
+        (None, "this version of dashpot reads dashpot/"),
+    ],
+)
+def test_an_unknown_schema_is_refused_with_what_to_do(schema: str | None, says: str) -> None:
+    with pytest.raises(dp.ReadError) as refusal:
+        from_json(json.dumps({"schema": schema}))
+    assert says in str(refusal.value)
+
+
+def test_a_digest_of_a_former_document_is_of_what_it_held() -> None:
+    document = json.loads(read_text("levels"))
+    assert compute_document_digest(document) == document["digest"]
+    assert "digest" not in convert_document(document)
