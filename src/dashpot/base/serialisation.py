@@ -151,8 +151,8 @@ def to_plain_value(value: Any) -> Any:
 @to_plain_value.register(tuple)
 def _(value: Any) -> Any:
     if hasattr(value, "_fields"):
-        keys = _keys(type(value))
-        return {name: item for key in keys for name, item in key.item(value).items()}
+        kind: Any = type(value)
+        return {name: item for key in _keys(kind) for name, item in key.item(value).items()}
     return [to_plain_value(item) for item in value]
 
 
