@@ -93,7 +93,7 @@ def page() -> str:
     parts = [HEAD, *map(_ended, reversed(Status))]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):
         parts.append(
-            f"\n## {TITLES[stage]}\n\n| check | passes if this is true | value | limit | "
+            f"\n## {TITLES.get(stage, stage)}\n\n| check | passes if this is true | value | limit | "
             "grade of a failure | source of the limit |\n"
         )
         parts.append("|---|---|---|---|---|---|\n")
