@@ -93,8 +93,8 @@ def page() -> str:
     parts = [HEAD, *map(_ended, reversed(Status))]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):
         parts.append(
-            f"\n## {TITLES.get(stage, stage)}\n\n| check | passes if this is true | value | limit | "
-            "grade of a failure | source of the limit |\n"
+            f"\n## {TITLES.get(stage, stage)}\n\n| check | passes if this is true | value | "
+            "limit | grade of a failure | source of the limit |\n"
         )
         parts.append("|---|---|---|---|---|---|\n")
         parts += [_row(asked) for asked in ours]
