@@ -33,8 +33,8 @@ after a `limit`, else *use*. The verdict is the first line of every result. With
 command ends with exit code 1 after a `limit` or a `stop`. Some checks grade a failure by its size,
 as the column *grade of a failure* says.
 
-The status of the optimiser is separate, and stands below the verdict. It is the worst status that a
-failed check sets, or that the optimum itself shows. The worst comes first:
+The status of the optimiser is separate, and printed below the verdict. It is the worst status that
+a failed check sets, or that the optimum itself shows. The worst comes first:
 
 | status | meaning | set by |
 |---|---|---|
