@@ -8,13 +8,12 @@ from dashpot.workflow.assumptions import ASSUMPTIONS, Assumption
 
 PAGE = Path(__file__).with_suffix(".md")
 HEAD = """\
-# What is assumed, and how to see when it is not
+# Assumptions, and the checks that test them
 
-Every number that dashpot gives supposes what follows. Most of it a record can contradict: then the
-{doc}`checks` named here fail, and say so. What no check is named for, or what a check could not
-judge, rests on your word. An option, where there is one, makes the assumption unnecessary. This
-page is written by `python docs/assumptions.py`; the report shows the same list with what the study
-at hand says of each.
+Every result of dashpot depends on these assumptions. A record can contradict most of them: then the
+{doc}`checks` named here fail. An assumption that no check could test is your responsibility. Some
+options make an assumption unnecessary. The report has the same list, with the checks of its study.
+`python docs/assumptions.py` writes this page.
 """
 
 
@@ -25,9 +24,9 @@ def page() -> str:
 
 def _section(one: Assumption) -> str:
     lines = [f"\n## {one.name.capitalize()}\n", f"{one.holds}\n", f"**If not.** {one.otherwise}\n"]
-    lines.append(f"**Watched by** {_listed(one.checks)}.\n")
+    lines.append(f"**Tested by** {_listed(one.checks)}.\n")
     if one.options:
-        lines.append(f"**Lifted by** {_listed(one.options)}.\n")
+        lines.append(f"**Not needed with** {_listed(one.options)}.\n")
     lines.append(f"**On the bench.** {one.advice}\n")
     return "\n".join(lines)
 

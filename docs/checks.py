@@ -1,4 +1,4 @@
-"""Writes the page of every check from the register: ``python docs/checks.py``."""
+"""Write the page of all checks from the register: ``python docs/checks.py``."""
 
 from __future__ import annotations
 
@@ -14,40 +14,69 @@ PAGE = Path(__file__).with_suffix(".md")
 HEAD = """\
 # Checks
 
-Every way in which a record, a fit or a comparison can deceive is a named check: a value, a limit,
-what was found, what it means, and what to do. This page is written from their register by
-`python docs/checks.py`. Some records set a limit of their own, as the last column says; *our
-choice* is a limit that no standard sets.
+A check compares one value of a record, a fit or a comparison with a limit. Its message says what
+was found, what it means, and what to do. This page lists every check with its limit and the source
+of the limit. *Our choice* marks a limit that no standard sets. Some limits depend on the record.
+`python docs/checks.py` writes this page from the checks in the source.
 
-A check has three states: it *passed*, it *failed*, or it was *not judged*, because the record does
-not answer its question; what was not judged has not passed (`"passed": true`, `false`, `null` in
-JSON). A failure has one of three grades:
+A check *passed*, *failed*, or is *not applicable*, because the record does not contain what it
+needs. In JSON this is `"passed": true`, `false` or `null`. A failure has one of three grades:
 
 | grade | what a failure means |
 |---|---|
-| `note` | it does not matter to the result; what it costs is in the intervals already |
-| `limit` | use the result with care: it is right within what the sentence says |
+| `note` | the result is not affected; its intervals include the effect |
+| `limit` | use the result with care, within what the message says |
 | `stop` | do not use the result |
 
-The verdict of a fit, a comparison or a study is that of the gravest failure: *do not use* after any
-stop, else *use with care* after any limit, else *use*. It leads every report in one line: what the
-check that decided found and what to do about it, or the number that the reader came for. `--strict`
-leaves with exit code 1 after a failure graded limit or stop; a note is no reason to stop a batch.
-Some checks grade a failure by its size, as the column says.
+The worst failure decides the verdict of a result: *do not use* after a `stop`, else *use with care*
+after a `limit`, else *use*. The verdict is the first line of every result. With `--strict` the
+command ends with exit code 1 after a `limit` or a `stop`. Some checks grade a failure by its size,
+as the column *grade of a failure* says.
 
-How the optimiser ended is another matter, and stands below the verdict: it is the gravest status
-that a failed check sets, whatever its grade, or that the optimum itself shows. The gravest first:
+The status of the optimiser is separate, and printed below the verdict. It is the worst status that
+a failed check sets, or that the optimum itself shows. The worst comes first:
 
-| status | what it says | set by |
+| status | meaning | set by |
 |---|---|---|
 """
-BESIDE = {
+TITLES = {
+    "datamodel": "Numbers as read",
+    "export": "Solver input",
+    "extensions/amplitude": "Several amplitudes",
+    "extensions/batch": "Batches and lots",
+    "extensions/curves": "Curves: DMA, modulus, creep",
+    "extensions/curves/creep": "Creep",
+    "extensions/curves/superposition": "Master curves",
+    "extensions/curves/temperatures": "Relaxation tests at several temperatures",
+    "extensions/systems/door": "Doors",
+    "extensions/materials/cld": "Compression load deflection",
+    "extensions/materials/csr": "Compression stress relaxation and aging",
+    "extensions/materials/hyperelastic": "Hyperelastic laws",
+    "extensions/materials/indentation": "Rebound indentation",
+    "extensions/materials/rod": "Rods",
+    "extensions/materials/slam": "Impact (drop) tests",
+    "extensions/modes": "Modes of several points and masses",
+    "extensions/projects": "Projects",
+    "fitting": "Fit of a relaxation test",
+    "fitting/fractional_model": "Fractional models",
+    "fitting/identification": "Fit of an FRF, alone or with a relaxation test",
+    "fitting/nonlinear_ramp": "Fit of the ramp",
+    "planning": "Plans",
+    "preprocessing": "Preparation of a relaxation record",
+    "reading/readers": "Plausible sizes",
+    "vibration": "Mass on seals",
+    "vibration/comparison": "Comparison of prediction and measurement",
+    "vibration/impact": "Hammer tests and FRFs",
+    "workflow": "Prediction and report",
+}
+"""Heading of each package of checks."""
+OTHER_CAUSES = {
     Status.NO_DATA: "a record that is not finite",
     Status.FEWER_ARMS: "fewer arms than were asked for",
-    Status.TAU_AT_BOUND: "a bound that holds the optimum",
-    Status.CONVERGED: "nothing of these",
+    Status.TAU_AT_BOUND: "an optimum at a bound",
+    Status.CONVERGED: "none of these",
 }
-"""What sets a status that no check asks for, or not alone."""
+"""What sets a status besides checks."""
 WORDS = {
     "<=": "at most", "<": "below", ">=": "at least", ">": "above", "==": "equal to",
     "|x| <=": "within ±", "x/": "within a factor",
@@ -55,7 +84,7 @@ WORDS = {
 
 
 def page() -> str:
-    """Return the page: a table of its criteria for each stage, as the code has them."""
+    """Return the page: a table of checks for each package."""
     sources = Path(dashpot.__file__).parent
     for file in sorted(sources.rglob("*.py")):
         module = file.relative_to(sources).with_suffix("").parts
@@ -64,8 +93,8 @@ def page() -> str:
     parts = [HEAD, *map(_ended, reversed(Status))]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):
         parts.append(
-            f"\n## {stage}\n\n| check | what holds | value | passes if | a failure is a | "
-            "source of the limit |\n"
+            f"\n## {TITLES.get(stage, stage)}\n\n| check | passes if this is true | value | "
+            "limit | grade of a failure | source of the limit |\n"
         )
         parts.append("|---|---|---|---|---|---|\n")
         parts += [_row(asked) for asked in ours]
@@ -88,12 +117,12 @@ def _ended(status: Status) -> str:
     names = dict.fromkeys(
         f"`{one.name}`" for _, one in sorted(REGISTER.items()) if one.ends is status
     )
-    ways = [*names, *([BESIDE[status]] if status in BESIDE else [])]
+    ways = [*names, *([OTHER_CAUSES[status]] if status in OTHER_CAUSES else [])]
     return f"| `{status.name.lower()}` | {status.value} | {', '.join(ways)} |\n"
 
 
 def _row(asked: Criterion[...]) -> str:
-    limit = "that of the record" if asked.limit is None else f"{asked.limit:g}"
+    limit = "set by the record" if asked.limit is None else f"{asked.limit:g}"
     passes = f"{WORDS[asked.rule]} {limit}" if asked.rule else ""
     cells = (f"`{asked.name}`", asked.question, asked.measure, passes, _grade(asked), asked.source)
     return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |\n"

@@ -17,10 +17,10 @@ _SHOWN = 3
     "notes that can change a number",
     "<=",
     0.0,
-    "our choice: one is enough for another number than was measured",
+    "our choice: one note can change a number",
 )
 def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
-    """Nothing that the files say casts doubt on what their numbers are."""
+    """Nothing in the files makes their numbers ambiguous."""
     shown = list(dict.fromkeys(cautions))
     more = len(shown) - _SHOWN
     sentences = [*shown[:_SHOWN], *([f"{more} more such notes"] if more > 0 else [])]
@@ -44,7 +44,7 @@ def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
 
 @criterion("K beyond the tested range", "<=", 0.0, "by definition")
 def temperature_tested(shifts: TemperatureShifts, temperature: float) -> Finding:
-    """The temperature asked for lies within those tested."""
+    """The requested temperature lies within the tested range."""
     low, high = shifts.tested
     return Finding(
         f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",

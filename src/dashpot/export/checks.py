@@ -5,9 +5,9 @@ from __future__ import annotations
 from dashpot.base.checks import Finding, Remedy, criterion
 
 
-@criterion("rows outside the band", "<=", 0, "the band of the fit")
+@criterion("rows outside the valid band", "<=", 0, "the valid band of the fit")
 def rows_in_valid_band(outside: int, rows: int, low: float, high: float) -> Finding:
-    """Every row of a deck's table lies where the test informs the solid."""
+    """Every row of the exported table lies inside the valid band."""
     return Finding(
         f"All {rows} rows of this deck lie in the valid band of the fit",
         outside,
@@ -17,9 +17,9 @@ def rows_in_valid_band(outside: int, rows: int, low: float, high: float) -> Find
     )
 
 
-@criterion("nominal frequencies outside the band", "<=", 0, "the band of the fit")
+@criterion("frequencies outside the valid band", "<=", 0, "the valid band of the fit")
 def nominal_in_valid_band(outside: int, frequency: float) -> Finding:
-    """The one frequency whose stiffness a deck holds lies where the test informs the solid."""
+    """The nominal frequency of the exported stiffness lies inside the valid band."""
     return Finding(
         f"The stiffness of this deck is that at {frequency:.6g} Hz, in the valid band of the fit",
         outside,

@@ -7,9 +7,9 @@ from dashpot.base.units import format_quantity
 from dashpot.planning.expected_errors import Pulse, RecordNeed
 
 
-@criterion("standard deviation / loss factor", "<=", source="what is wanted, 0.1 by default")
+@criterion("standard deviation / loss factor", "<=", source="the target, 0.1 by default")
 def loss_factor_determined(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
-    """The loss factor would be known well enough."""
+    """The planned test determines the loss factor well enough."""
     return Finding(
         f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)}; "
         f"{format_relative_sd(wanted)} is "
@@ -22,7 +22,7 @@ def loss_factor_determined(sd: float, at: float, wanted: float, *, remedy: str =
 
 @criterion("frequency, Hz", source="within 1/(2 pi hold) to 1/(pi ramp)")
 def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
-    """The frequency that matters lies in what the relaxation test informs."""
+    """The frequency of interest lies in the valid band of the relaxation test."""
     inside = band[0] <= at <= band[1]
     return Finding(
         f"The valid band of this relaxation test is {band[0]:.2g} to {band[1]:.2g} Hz; {at:g} Hz "
@@ -36,7 +36,7 @@ def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
 
 @criterion("record, s", ">=", source="6 time constants, and 5 lines in the half-power band")
 def record_long_enough(need: RecordNeed) -> Finding:
-    """The planned record holds the decay, and resolves the peak."""
+    """The planned record contains the decay and resolves the peak."""
     return Finding(
         f"A record of {need.record:g} s gives a peak wrong by up to "
         f"{100 * (need.peak_error or 0.0):+.0f} %. Six time constants last {need.for_decay:.3g} s; "
@@ -51,9 +51,9 @@ def record_long_enough(need: RecordNeed) -> Finding:
     )
 
 
-@criterion("level, dB", ">=", -10.0, "our choice: where a tip's useful band ends")
+@criterion("level, dB", ">=", -10.0, "our choice: the end of the useful band of a tip")
 def tip_excites(tip: Pulse, at: float) -> Finding:
-    """The hammer's tip excites the frequency that matters."""
+    """The hammer tip excites the frequency of interest."""
     return Finding(
         f"A pulse of {format_quantity(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at {at:g} "
         "Hz. It "

@@ -30,7 +30,7 @@ from dashpot.signals.recording_faults import (
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
-LAW = "by law; a tenth for noise and drift"
+LAW = "by physics; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
 LATE_START = 0.2
@@ -84,9 +84,9 @@ class ClockedTest(Protocol):
 # -- what the file says of the temperature --------------------------------------------------------
 
 
-@criterion("K apart", "|x| <=", MAX_MISREAD, "simulated pairs: an error of 1 K moves nothing else")
+@criterion("K apart", "|x| <=", MAX_MISREAD, "simulation: no other check shows an error of 1 K")
 def temperature_as_stated(specimen: Specimen) -> Finding:
-    """The temperature that was given is the one that the file itself says."""
+    """The given temperature agrees with the one in the file."""
     provided, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
     return Finding(
         f"The file says {celsius(stated)}, and {celsius(provided)} was given",
@@ -98,7 +98,7 @@ def temperature_as_stated(specimen: Specimen) -> Finding:
 
 @criterion("K over the record", "|x| <=", MAX_WARMED, "our choice: chambers hold 0.5 K")
 def temperature_held(specimen: Specimen) -> Finding:
-    """The recorded temperature stood still during the test."""
+    """The recorded temperature was constant during the test."""
     warmed = specimen.warmed or 0.0
     return Finding(
         f"The recorded temperature rose by {warmed:.2g} K over the record",
@@ -125,7 +125,7 @@ def check_temperature(specimen: Specimen) -> list[Check]:
     "samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter", grade="note"
 )
 def baseline_recorded(before: Baseline) -> Finding:
-    """There is a baseline before contact to take the tare from."""
+    """A baseline before contact gives the tare."""
     count = f"{before.samples} sample{'s' * (before.samples != 1)}"
     return Finding(
         f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
@@ -137,9 +137,9 @@ def baseline_recorded(before: Baseline) -> Finding:
     )
 
 
-@criterion("its error / depth", "<=", 0.01, "our choice: every stiffness shares it")
+@criterion("its error / depth", "<=", 0.01, "our choice: it enters every stiffness")
 def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
-    """First contact is known well enough."""
+    """The position of first contact is known well enough."""
     if provided:
         return Finding(
             f"Contact was given, {format_quantity(touch.gap, 'mm', '.3g')} after the start of the "
@@ -167,7 +167,7 @@ def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
     otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
 )
 def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
-    """The load cell reads zero, near enough, before the ramp."""
+    """The force before the ramp is close to zero."""
     share = abs(carried) / rise
     says = "There is no preload before the ramp"
     if carried:
@@ -191,7 +191,7 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
 
 @criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LAW, grade="stop")
 def ramp_recorded(rise: float, change: float) -> Finding:
-    """The record begins before its ramp: what the ramp raises is more than what relaxes."""
+    """The record begins before its ramp."""
     return Finding(
         "The ramp raises the force that relaxes",
         abs(change) / max(abs(rise), 1e-300),
@@ -220,7 +220,7 @@ def single_loading(
     requested: bool,
     before: Sequence[MotionSegment] = (),
 ) -> Finding:
-    """The record leaves no choice of loadings that the user has not made.
+    """The record has one loading, or the user chose one.
 
     Those `before` the one that is fitted are followed, with a hold or without.
     """
@@ -249,7 +249,7 @@ def single_loading(
     "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
 )
 def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = False) -> Finding:
-    """What came before the loading that is fitted is explained by the same solid."""
+    """The model also fits the loadings before the one that is fitted."""
     says = (
         f"The solid of the last loading gives the force of the earlier ones to "
         f"{100 * past.misfit:.2g} %"
@@ -269,9 +269,9 @@ def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = Fa
     )
 
 
-@criterion("face less its place / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays")
+@criterion("surface less expected position / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays")
 def face_recovered(seen: float, expected: float, *, error: float, depth: float) -> Finding:
-    """The plate meets the seal again where its memory says that its face is.
+    """The plate meets the seal again where the model expects its recovered surface.
 
     Compressions there, m, with the standard error of the one that is seen.
     """
@@ -287,10 +287,10 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
 
 
 @criterion(
-    "of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp shows"
+    "part of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp can show"
 )
 def earlier_loading_negligible(value: float) -> Finding:
-    """What a loading remembers of those before it is too little to matter.
+    """Earlier loadings have little effect on the one that is fitted.
 
     `value` is what the seal has not recovered when its ramp begins, of its depth or of its force.
     """
@@ -324,7 +324,7 @@ def history_checks(
 
 @criterion("overshoot / depth", "<=", MAX_OVERSHOOT, grade="note")
 def overshoot_small(test: RampHold, *, moves: int) -> Finding:
-    """The plate stops where it is held."""
+    """The plate stops without overshoot."""
     if moves > 1:
         return Finding("With several ramps an overshoot is not judged")
     highest = float(median_of_three(test.displacement).max()) - 3 * test.displacement_noise
@@ -363,7 +363,7 @@ def samples_unbroken(test: RampHold) -> Finding:
     "rest",
 )
 def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
-    """The clock runs on without a jump.
+    """The clock has no jump.
 
     That is from onset to the end of the hold; for an even clock over the whole of `time`, by
     default that of the record.
@@ -420,9 +420,9 @@ def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
     )
 
 
-@criterion("lone samples", "<=", 0.0, source="by definition")
+@criterion("outliers", "<=", 0.0, source="by definition")
 def spikes_absent(test: RampHold) -> Finding:
-    """No lone sample stands apart in either channel."""
+    """Neither channel has single outliers (spikes)."""
     force = np.flatnonzero(spikes(test.time, test.force))
     plate = np.flatnonzero(spikes(test.time, test.displacement))
     count = len(force) + len(plate)
@@ -445,7 +445,7 @@ def spikes_absent(test: RampHold) -> Finding:
     otherwise=f"stop if the force stands for more than {GROSSLY_FROZEN}",
 )
 def readings_not_repeated(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
-    """Both channels are read anew from sample to sample of the hold.
+    """Both channels have a new reading in each row of the hold.
 
     Parameters
     ----------
@@ -500,7 +500,7 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     otherwise=f"limit beyond {GROSSLY:g}",
 )
 def motion_resolved(test: RampHold) -> Finding:
-    r"""The samples follow the motion between them.
+    r"""The sampling rate resolves the motion of the plate.
 
     Taken as straight, a motion is missed by :math:`h^2 \ddot x/8`, and the force by the largest
     secant stiffness of the ramp times that. A few sharp corners may lie between samples. Limits
@@ -533,7 +533,7 @@ def motion_resolved(test: RampHold) -> Finding:
 
 @criterion("readings that moved in the later half", ">", 0.0, "by definition")
 def motion_measured(test: RampHold) -> Finding:
-    """The displacement of the hold is a reading that would show a creeping crosshead."""
+    """The displacement of the hold is measured, so that creep of the crosshead would show."""
     force, change = test.force[test.hold], test.readings_moved
     part, middle = max(len(force) // 20, 1), len(force) // 2
     if change:
@@ -552,10 +552,10 @@ def motion_measured(test: RampHold) -> Finding:
 
 
 @criterion(
-    "sinking / depth", "<=", 0.03, "our choice; or the force falls a tenth as much", grade="stop"
+    "motion in the hold / depth", "<=", 0.03, "our choice; or the force falls a tenth as much", grade="stop"
 )
 def columns_plausible(test: RampHold) -> Finding:
-    """It is the displacement that rests, and the force that decays."""
+    """In the hold the displacement rests and the force decays, not the reverse."""
     x, f = test.displacement[test.hold], test.force[test.hold]
     tenth = max(len(x) // 10, 1)
     sank = float(x[:tenth].mean() - x[-tenth:].mean()) / test.depth
@@ -572,7 +572,7 @@ def columns_plausible(test: RampHold) -> Finding:
 
 @criterion("peak / full scale", ">=", 0.05, grade="note")
 def load_cell_range_used(peak: float, full_scale: float) -> Finding:
-    """The test uses the range of the load cell."""
+    """The force uses enough of the range of the load cell."""
     share = peak / full_scale
     return Finding(
         f"The peak force is {100 * share:.2g} % of the load cell's {full_scale:g} N",
@@ -622,7 +622,7 @@ def _as_recorded(
     grade="stop",
 )
 def force_not_clipped(test: RampHold) -> Finding:
-    """The peak is no ceiling at which the force stayed while the seal still moved."""
+    """The force is not clipped at its peak."""
     top, count, first, last = _flat_top(test.reading)
     change = float(np.ptp(test.displacement[first : last + 1]))
     long = last - first >= FLAT_SAMPLES - 1
@@ -643,9 +643,9 @@ def force_not_clipped(test: RampHold) -> Finding:
     )
 
 
-@criterion("rise / step of the sensor", ">=", MIN_QUANTA, "our choice: a decay shows", grade="stop")
+@criterion("rise / step of the sensor", ">=", MIN_QUANTA, "our choice: a decay is then visible", grade="stop")
 def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
-    """The force is many times what the sensor can resolve."""
+    """The force is many times the resolution of the load cell."""
     step = quantum(force)
     if step == 0.0:
         return Finding("The force shows no quantisation")
@@ -702,10 +702,10 @@ def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
     "its error / depth",
     "<=",
     0.0025,
-    "simulation: behind counts of 60 um, of 5 to 9 mm, one misses in 5",
+    "simulation: with steps of 60 um in 5 to 9 mm, 1 result in 5 is wrong",
 )
 def depth_resolved(test: RampHold) -> Finding:
-    """The depth is known well enough to divide a force by it, and the ramp to tell a fast arm."""
+    """The displacement is resolved finely enough for stiffness and fast arms."""
     doubt = test.depth_doubt
     return Finding(
         f"The encoder gives the depth of {format_quantity(test.depth, 'mm')} to ±{100 * doubt:.2g} "
@@ -721,7 +721,7 @@ def depth_resolved(test: RampHold) -> Finding:
     "motion in the hold / depth", "<=", MAX_CREEP, "our choice; the fit of ramp and hold follows it"
 )
 def hold_is_still(test: RampHold, *, method: str) -> Finding:
-    """The plate stands still during the hold, or the fit follows it."""
+    """The plate rests during the hold, or the fit follows its motion."""
     creep = test.hold_creep
     full = method == "full"
     says = f"The displacement changes by {100 * creep:.2g} % of the depth during the hold"
@@ -738,7 +738,7 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
 
 @criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP, grade="note", otherwise="limit below 3.3")
 def hold_outlasts_ramp(test: RampHold) -> Finding:
-    """The hold is many times the ramp."""
+    """The hold lasts many times as long as the ramp."""
     ratio = test.hold_time / test.ramp_time
     return Finding(
         f"The hold lasts {ratio:.3g} ramp times; at least {MIN_HOLD_OVER_RAMP:.0f} are needed",
@@ -752,7 +752,7 @@ def hold_outlasts_ramp(test: RampHold) -> Finding:
 
 @criterion("samples in the ramp", ">=", MIN_RAMP_SAMPLES)
 def ramp_sampled(test: RampHold) -> Finding:
-    """There are samples enough in the ramp to see a fast arm."""
+    """The ramp has enough samples to show a fast arm."""
     inside = (test.time >= test.onset) & (test.time <= test.ramp_end)
     count = int(np.count_nonzero(inside))
     return Finding(
@@ -772,7 +772,7 @@ def ramp_sampled(test: RampHold) -> Finding:
     ends=Status.FORCE_RISES,
 )
 def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Finding:
-    """The force rises in the hold by no more than the solid explains.
+    """The force rises in the hold by no more than the model explains.
 
     Under a plate that stands still the force of a relaxing solid falls; after an unloading it
     recovers. `solid` is the one fitted, if there is one.
@@ -801,7 +801,7 @@ def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Fi
 
 @criterion("depth / height", "<=", 0.20, "our choice: beyond, secant is not tangent")
 def strain_small(test: RampHold) -> Finding:
-    """The compression is a small part of the height of the section."""
+    """The compression is small relative to the height of the section."""
     height = test.specimen.height
     if height is None:
         return Finding("The height of the section is not given, so its strain is not judged")

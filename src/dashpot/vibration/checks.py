@@ -12,7 +12,7 @@ MOST_BEYOND = 3.0
 
 @criterion("seals / block", "<=", 0.02, "2 % move the peak by 0.33 %")
 def seal_mass_negligible(part: float) -> Finding:
-    """The seals weigh next to nothing beside the block."""
+    """The mass of the seals is negligible relative to the block."""
     return Finding(
         f"The seals weigh {100 * part:.2g} % of the block",
         part,
@@ -24,7 +24,7 @@ def seal_mass_negligible(part: float) -> Finding:
 
 @criterion("mass, kg", ">=", 1e-3, "our choice: an accelerometer alone weighs more")
 def mass_of_a_block(mass: float) -> Finding:
-    """The mass is one that a hammer test has."""
+    """The mass is plausible for a hammer test."""
     return Finding(
         f"The mass is {format_quantity(mass, 'g')}",
         mass,
@@ -37,7 +37,7 @@ def mass_of_a_block(mass: float) -> Finding:
     "compression / tested depth", "<=", 1.0, "the depth of the test", otherwise="stop beyond 3"
 )
 def compression_tested(compression: float, depth: float | None) -> Finding:
-    """The seals are pressed no deeper than they were tested."""
+    """The seals are compressed no further than in their test."""
     says = f"The seals are pressed by {format_quantity(compression, 'mm')}"
     if depth is None:
         return Finding(f"{says}. The depth of their test is not known")
@@ -53,7 +53,7 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
 
 @criterion("loss factor by slope", source="within 50 % or 2 sd (rule: Booij, Thoone 1982)")
 def stiffness_causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
-    """Loss and slope of the stiffness belong together, as far as the errors can tell."""
+    """Stiffness and loss are causally related, as far as the errors can show."""
     near = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
     return Finding(
         f"At {peak:.4g} Hz the loss factor is {measured:.3g}. The slope of the stiffness gives "

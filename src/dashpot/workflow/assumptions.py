@@ -47,20 +47,20 @@ class Assumption:
 ASSUMPTIONS = (
     Assumption(
         "linear in time",
-        "The relaxation at every depth has one shape: the force is the sum of the answers to all "
-        "earlier motion (Boltzmann), or to an elastic law of it (Fung).",
-        "Arms follow the ramp instead of the material; the hold and the whole record then give "
-        "different solids. A seal that flows as a power of its force shows in no single ramp: a "
-        "vibration then peaked 1.2 to 17 times above the upper limit.",
+        "The relaxation has the same shape at every depth: the force is the superposition of the "
+        "responses to all earlier motion (Boltzmann), or to its elastic force (Fung).",
+        "The arms fit the ramp instead of the material; the hold and the whole record then give "
+        "different models. No single ramp shows a seal that flows with a power of its force: in "
+        "simulations the resonance peak was then 1.2 to 17 times above the upper limit.",
         ("hold_and_full_agree", "depth_and_time_separable", "residuals_white", "residuals_steady"),
         ("--elastic by-depth", "--method"),
         "Test several depths and ramp times, and strike the seal with a hammer.",
     ),
     Assumption(
         "elastic law",
-        "The relaxed force is proportional to the compression, or follows the law that was fitted.",
-        "The test gives the secant, vibration feels the tangent: for two quadratic laws 19 % too "
-        "much and 77 % too little stiffness at the depth of the test.",
+        "The relaxed force is proportional to the compression, or follows the fitted elastic law.",
+        "The test gives the secant, vibration depends on the tangent: for two quadratic laws the "
+        "stiffness at the depth of the test was 19 % too high and 77 % too low.",
         (
             "ramp_residual_small",
             "ramp_explained",
@@ -70,22 +70,22 @@ ASSUMPTIONS = (
             "operating_point",
         ),
         ("--elastic", "--elastic by-depth", "--compression"),
-        "Test at the compression of the installed seal, and at half and twice of it.",
+        "Test at the compression of the installed seal, and at half and twice that value.",
     ),
     Assumption(
         "small vibration",
-        "The part moves so little about one compression that stiffness and damping do not depend "
-        "on how much.",
-        "Filled rubber softens with amplitude (Payne), most in its loss: a hammer that hits twice "
-        "as hard finds another seal.",
+        "The vibration about one compression is so small that stiffness and damping do not depend "
+        "on its amplitude.",
+        "Filled rubber softens with amplitude (Payne), and its loss changes most: a hit twice as "
+        "hard gives another result.",
         ("operating_point", "amplitude_linear", "hits_agree", "tests_agree"),
         ("--compression",),
-        "Hit at several heights; vibrate as much as the car does.",
+        "Use hits of several forces; vibrate with the amplitude of the car.",
     ),
     Assumption(
         "isothermal",
-        "Every test stands at one temperature, and the use is at that; tests at several are of one "
-        "solid whose arms all shift alike.",
+        "Every test has one temperature, which is that of use; tests at several temperatures are "
+        "of one model whose arms all shift alike.",
         "Rubber near its glass transition shifts by a decade of frequency in some 10 K. Arms below "
         "0.1 s that shift 0.8 times as far put the loss factor of a seal tested at 23 and 0 degC "
         "14 % off.",
@@ -100,22 +100,22 @@ ASSUMPTIONS = (
             "thermorheologically_simple",
         ),
         ("--temperature",),
-        "Let the seal rest at the temperature of the test, and write that down; test it at three "
-        "temperatures, and fit them together.",
+        "Let the seal reach the temperature of the test, and note it; test at three temperatures, "
+        "and fit them together.",
     ),
     Assumption(
         "conditioned rubber",
         "The seal has been pressed deeper before, and is not softened by the test itself (Mullins, "
         "set).",
-        "A first loading is stiffer than all that follow, and its ramp than its hold.",
+        "A first loading is stiffer than all later ones, and its ramp is stiffer than its hold.",
         ("overshoot_small", "same_specimen"),
         (),
         "Press three to five times to the full depth, wait, then test.",
     ),
     Assumption(
         "known history",
-        "The seal starts from rest, or what was pressed before is on record and is followed.",
-        "What it still relaxes from an earlier loading is taken for drift or for the slowest arm.",
+        "The seal starts from rest, or earlier loadings are in the record and in the model.",
+        "Relaxation from an earlier loading is taken for drift or for the slowest arm.",
         (
             "preload_absent",
             "baseline_recorded",
@@ -126,13 +126,13 @@ ASSUMPTIONS = (
             "earlier_loading_negligible",
         ),
         ("--machine rest=",),
-        "Rest ten times the longest hold before, and record a second or more of that rest.",
+        "Rest ten times as long as the longest earlier hold, and record a second or more of it.",
     ),
     Assumption(
         "one seal",
         "Tests that are fitted together are of one seal, each given once.",
-        "Two lots give the mean of both, which neither is; a record given twice shrinks every "
-        "error by 1.4.",
+        "Two lots give their mean, which is right for neither; a record given twice makes every "
+        "error 1.4 times too small.",
         ("same_specimen", "mass_plausible"),
         (),
         "Name files by specimen.",
@@ -140,9 +140,8 @@ ASSUMPTIONS = (
     Assumption(
         "synchronous clocks",
         "Force and displacement are sampled at the same instants, with no filter in one alone.",
-        "A delay d looks like a loss of -omega d: 1 ms is 0.08 of loss factor at 12.7 Hz; a "
-        "first-order filter of 10 Hz in the force takes 24 % of the loss of the paper's seal "
-        "there.",
+        "A delay d changes the loss factor by -omega d: 1 ms is 0.08 at 12.7 Hz; a first-order "
+        "filter of 10 Hz in the force removes 24 % of the loss of the paper's seal there.",
         ("clocks_agree", "delay_plausible"),
         ("--machine sync=", "--machine force-filter="),
         "Record both channels on one converter, unfiltered.",
@@ -150,25 +149,26 @@ ASSUMPTIONS = (
     Assumption(
         "rigid machine",
         "The recorded displacement is the compression of the seal.",
-        "A machine that gives 50 um/N takes 1 % off k_inf; a crosshead that creeps on unseen by "
-        "0.3 % of the depth puts the slowest arm a tenth off.",
+        "A machine compliance of 50 um/N lowers k_inf by 1 %; an unrecorded creep of the crosshead "
+        "by 0.3 % of the depth makes the slowest arm 10 % wrong.",
         ("motion_measured", "hold_is_still", "depth_resolved"),
         ("--machine compliance=",),
-        "Press steel on steel for the compliance; put a gauge at the seal.",
+        "Press steel on steel to measure the compliance; measure the displacement at the seal.",
     ),
     Assumption(
-        "motion seen",
-        "The samples follow the motion between them.",
-        "An axis that steps between samples leaves fast arms that are not there: up to ten times "
-        "the loss at 12.7 Hz.",
+        "sampled motion",
+        "The sampling rate resolves the motion.",
+        "An axis that moves in steps between samples gives false fast arms: up to ten times the "
+        "loss at 12.7 Hz.",
         ("motion_resolved", "samples_unbroken", "ramp_sampled"),
         (),
         "Sample at ten times the rate of the set-points, or faster.",
     ),
     Assumption(
         "steady load cell",
-        "The zero of the force is that before contact, and drifts as little as is said.",
-        "Drift and the slowest arm look alike: 0.2 mN/s unheeded put k_2 7 % and tau_2 8 % off.",
+        "The zero of the force is that before contact, and its drift is as small as stated.",
+        "Drift and the slowest arm look alike: an ignored drift of 0.2 mN/s makes k_2 7 % and "
+        "tau_2 8 % wrong.",
         (
             "offset_plausible",
             "drift_plausible",
@@ -178,13 +178,14 @@ ASSUMPTIONS = (
             "drift_distinguished_from_arm",
         ),
         ("--machine drift=",),
-        "Record a baseline as long as can be; warm the amplifier up.",
+        "Record a long baseline; let the amplifier warm up.",
     ),
     Assumption(
         "calibrated sensors",
-        "Load cell, encoder and accelerometer read as much as there is.",
-        "A force that reads 5 % too much is 5 % of every stiffness, and no single test shows it: "
-        "of 11 such records called *use*, 10 missed the stiffness after the hold.",
+        "Load cell, encoder and accelerometer read the true values.",
+        "A force that reads 5 % too high makes every stiffness 5 % too high, and no single test "
+        "shows it: of 11 such records with the verdict *use*, 10 had a wrong stiffness after the "
+        "hold.",
         (
             "gain_plausible",
             "mass_plausible",
@@ -192,31 +193,31 @@ ASSUMPTIONS = (
             "hammer_agrees_with_relaxation_test",
         ),
         (),
-        "Hang a known mass on the load cell before the test; add a hammer test on a block that was "
-        "weighed.",
+        "Hang a known mass on the load cell before the test; add a hammer test with a weighed test "
+        "mass.",
     ),
     Assumption(
-        "rigid block",
-        "The mass under the hammer moves as one, along one axis, and is weighed with all it "
-        "carries.",
-        "1 % of mass is 0.5 % of the natural frequency; rocking adds a second peak.",
+        "rigid test mass",
+        "The test mass is rigid, moves along one axis, and is weighed with all that it carries.",
+        "An error of 1 % in the mass is 0.5 % of the natural frequency; rocking adds a second "
+        "peak.",
         ("high_frequency_mass_agrees", "mass_plausible", "rocking_cancelled", "hits_centred"),
         ("--combine", "--mass-sd", "--seal-mass"),
-        "Two accelerometers, and a hit through the middle.",
+        "Use two accelerometers, and hit above the centre.",
     ),
     Assumption(
         "positive arms",
-        "The solid only stores and dissipates: every arm has a positive stiffness.",
-        "Friction, adhesion or an active element is turned into arms, or is not followed at all.",
+        "The seal only stores and dissipates energy: every arm has a positive stiffness.",
+        "Friction, adhesion or an active element appears as arms, or leaves a residual.",
         ("k_inf_positive", "loss_positive", "kramers_kronig", "residuals_white"),
         ("--dashpot",),
-        "Unload as slowly as you loaded: what does not come back is friction.",
+        "Unload as slowly as you load: the energy that is not returned is friction.",
     ),
     Assumption(
-        "arms in the window",
-        "What matters relaxes neither much faster than the ramp nor much slower than the hold.",
-        "Stiffness and loss outside the informed band are an extrapolation; k_inf is the stiffness "
-        "at the end of the hold less what is still to come.",
+        "arms in the range of the test",
+        "Relevant relaxation is neither much faster than the ramp nor much slower than the hold.",
+        "Stiffness and loss outside the valid band are an extrapolation; k_inf is the stiffness "
+        "at the end of the hold minus the relaxation still to come.",
         ("valid_band_exists", "inside_valid_band", "fast_arm_visible", "hold_long_enough"),
         (),
         "Ask `dashpot plan` before the test; add a hammer test.",

@@ -12,7 +12,7 @@ from dashpot.datamodel.frf import Mode
 
 @criterion(source="the paper's eq. (5) needs one ideal ramp", grade="note")
 def hold_fit_possible(obstacle: str) -> Finding:
-    """The paper's eq. (5) can be fitted to the record."""
+    """Equation (5) of the paper can be fitted to the record."""
     return Finding(
         f"The fit of the hold alone (eq. 5) is not possible. {sentence(obstacle)}",
         remedy="Use the fit of ramp and hold.",
@@ -20,9 +20,9 @@ def hold_fit_possible(obstacle: str) -> Finding:
     )
 
 
-@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+@criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
 def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
-    """The predicted peak lies where a test informs the solid."""
+    """The predicted peak lies in the valid band of the test."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
     side = "higher" if peak > high else "lower"
@@ -43,7 +43,7 @@ def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
 
 @criterion("files that were fitted", "<=", 0, "by definition", grade="note")
 def measurement_independent_of_fit(fitted: int) -> Finding:
-    """The measurement is one that the fit was not made from."""
+    """The measurement was not part of the fit."""
     return Finding(
         "The fit was not made from this measurement",
         fitted,
@@ -64,11 +64,11 @@ def seals_counted(seals: float) -> Finding:
     )
 
 
-@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit", grade="note")
+@criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit", grade="note")
 def base_band_in_valid_band(
     requested: tuple[float, float], peak: float, band: tuple[float, float]
 ) -> Finding:
-    """All that is asked of a base that moves lies where a test informs the solid.
+    """All requested frequencies of a moving base lie in the valid band.
 
     Below a quarter of the `peak`, Hz, the mass follows its base whatever carries it.
     """
@@ -86,7 +86,7 @@ def base_band_in_valid_band(
 
 @criterion("ratio of damping ratios", "x/", 1.1, "10 % of damping; and 1 % of frequency")
 def families_predict_alike(mode: Mode | None, other: Mode | None) -> Finding:
-    """Another family of solids that explains the test predicts the same resonance.
+    """Another family of models that fits the test predicts the same resonance.
 
     `mode` and `other` are the first modes of the mass on either solid.
     """

@@ -20,13 +20,13 @@ LOST = 0.1
     "2 ln likelihood ratio",
     ">",
     MATTERS,
-    "linear truths: at most 12 over 40 seeds; slipping ones at least 199",
+    "simulation: linear seals at most 12 in 40; seals with friction at least 199",
     grade="note",
 )
 def amplitude_dependence_detected(
     gain: float, amplitudes: tuple[float, float], of: str, by: str, *, followed: bool = True
 ) -> Finding:
-    """Stiffness or loss moves with amplitude as friction or a cubic spring does."""
+    """Stiffness or loss changes with amplitude, as with friction or a cubic spring."""
     low, high = amplitudes
     linear = (
         f"The part is linear from {low:.3g} to {high:.3g} {of}: no change with amplitude is seen "
@@ -43,9 +43,9 @@ def amplitude_dependence_detected(
     )
 
 
-@criterion("range of amplitudes", ">=", 3.0, "sweeps of one amplitude: other levels 7 % wrong")
+@criterion("range of amplitudes", ">=", 3.0, "sweeps at one amplitude: others 7 % wrong")
 def amplitudes_spread(ratio: float, of: str) -> Finding:
-    """The tests cover amplitudes far enough apart to show what amplitude does."""
+    """The tested amplitudes span a range wide enough to show their effect."""
     return Finding(
         f"The amplitudes ({of}) span a factor of {ratio:.3g}; at least 3 is needed",
         ratio,
@@ -54,9 +54,9 @@ def amplitudes_spread(ratio: float, of: str) -> Finding:
     )
 
 
-@criterion("largest amplitude / X_c", ">=", FAR_ENOUGH, "below it the exponent and the share trade")
+@criterion("largest amplitude / X_c", ">=", FAR_ENOUGH, "below it, exponent and share are correlated")
 def softening_seen(reach: float) -> Finding:
-    """The sweep goes beyond the amplitude where half of the stiffness is lost."""
+    """The sweep goes beyond the amplitude X_c, where half of the softening is reached."""
     return Finding(
         f"The largest amplitude is {reach:.3g} times that at which half is lost",
         reach,
@@ -65,7 +65,7 @@ def softening_seen(reach: float) -> Finding:
     )
 
 
-@criterion("2 ln L of a term of X^4", "<=", MATTERS, "as of any dependence on amplitude")
+@criterion("2 ln L of a term of X^4", "<=", MATTERS, "as for any dependence on amplitude")
 def spring_cubic(gain: float) -> Finding:
     """The spring stiffens with the square of the amplitude."""
     return Finding(
@@ -80,10 +80,10 @@ def spring_cubic(gain: float) -> Finding:
 
 @criterion(
     "0.75 k3 X^2 / K', 95 %", "<=", UNSEEN,
-    "own sweeps: at a half of it 7 of 16 sound ones fail, without it 2 springs are missed",
+    "simulation: half of it fails 7 of 16 sound sweeps; without it 2 springs are missed",
 )  # fmt: skip
 def no_hidden_cubic_spring(part: float) -> Finding:
-    """No cubic spring of any size could stand beside the law unseen."""
+    """The data exclude a cubic spring that is large enough to matter."""
     return Finding(
         f"A cubic spring of up to {100 * part:.2g} % of the stiffness at the largest amplitude "
         "would stay unseen",
@@ -95,7 +95,7 @@ def no_hidden_cubic_spring(part: float) -> Finding:
 
 @criterion("residual / modulus", "<=", 0.03, "real sweeps of filled rubbers leave 0.3 to 3 %")
 def law_residual_small(residual: float) -> Finding:
-    """The law follows the sweep."""
+    """The model fits the sweep."""
     return Finding(
         f"The law misses the modulus by {100 * residual:.2g} %",
         residual,
@@ -104,9 +104,9 @@ def law_residual_small(residual: float) -> Finding:
     )
 
 
-@criterion("change of modulus, way down", "<=", 0.03, "as what a law may leave")
+@criterion("change of modulus, downward sweep", "<=", 0.03, "the residual that a model may leave")
 def up_and_down_sweeps_agree(change: float) -> Finding:
-    """The way down through the amplitudes tells what the way up told."""
+    """The downward sweep of the amplitude gives the same modulus as the upward sweep."""
     way = "softer" if change < 0 else "stiffer"
     return Finding(
         f"At the same amplitude the way down is {100 * abs(change):.2g} % {way} than the way up",
@@ -117,10 +117,10 @@ def up_and_down_sweeps_agree(change: float) -> Finding:
 
 
 @criterion(
-    "loss left / loss, worst third of ln X", "<=", 0.12, "own sweeps: 58 of 61 sound ones keep it"
+    "residual loss / loss, worst third of ln X", "<=", 0.12, "simulation: 58 of 61 sound sweeps pass"
 )
 def loss_residual_small(remainder: float) -> Finding:
-    """The law follows the loss at small, middle and large amplitudes, each by itself."""
+    """The model fits the loss at small, medium and large amplitudes separately."""
     return Finding(
         f"In one third of the amplitudes the law misses the loss by {100 * remainder:.2g} %",
         remainder,
@@ -129,9 +129,9 @@ def loss_residual_small(remainder: float) -> Finding:
     )
 
 
-@criterion("said / struck, a factor", "x/", 2.0, "hits of one intent differ by less")
+@criterion("stated / measured amplitude", "x/", 2.0, "hits of one intended force differ by less")
 def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Finding:
-    """Hits were as hard as is said of their files."""
+    """The stated amplitudes agree with the force of the recorded hits."""
     off = np.log(np.divide(stated, struck))
     forces, names = (", ".join(f"{value:.3g}" for value in values) for values in (struck, stated))
     within = np.log(2)
@@ -150,9 +150,9 @@ def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Findin
     )
 
 
-@criterion("FRFs of hits", "<=", 0.0, "their lines have no one amplitude")
+@criterion("FRFs of hits", "<=", 0.0, "the lines of hits have no single amplitude")
 def levels_controlled(struck: Sequence[str]) -> Finding:
-    """Every FRF is of a motion that was held at a level, not of hits."""
+    """Every FRF was measured at a constant amplitude, not with a hammer."""
     return Finding(
         "No FRF is of hits",
         len(struck),
@@ -170,7 +170,7 @@ def levels_controlled(struck: Sequence[str]) -> Finding:
     otherwise="stop where a tenth of F/X is left",
 )
 def levels_residual_small(residual: float, noise: float | None) -> Finding:
-    """One solid with friction follows the FRFs of every level."""
+    """One model with friction fits the FRFs of every amplitude."""
     says = f"The model misses F/X by {100 * residual:.2g} %"
     if noise is None:
         return Finding(f"{says}. Too few lines show how much of it is noise")
@@ -187,7 +187,7 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
 def amplitude_in_tested_range(
     amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
 ) -> Finding:
-    """At the level asked for the seal moves as far as it did in a test."""
+    """At the requested amplitude the seal moves within the tested range."""
     unit, (low, high) = get_display_unit(of), tested
     moves, least, most = (f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)

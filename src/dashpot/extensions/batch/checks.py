@@ -16,7 +16,7 @@ from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
     "files without a fit", "<=", 0, "by definition", otherwise="stop where no file was fitted"
 )
 def files_fitted(without: int, files: int) -> Finding:
-    """Every file of a batch is a test that was fitted."""
+    """Every file of the batch is a test, and was fitted."""
     return Finding(
         f"{files - without} of {files} files are tests that were fitted",
         without,
@@ -25,7 +25,7 @@ def files_fitted(without: int, files: int) -> Finding:
     )
 
 
-@criterion("fits not to be used", "<=", 0, "by definition")
+@criterion('fits with the verdict "do not use"', "<=", 0, "by definition")
 def fits_usable(unusable: int, fitted: int) -> Finding:
     """No fit of a batch has the verdict "do not use"."""
     return Finding(
@@ -35,9 +35,9 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
     )
 
 
-@criterion("hammers not compared", "<=", 0, "by definition")
+@criterion("hammer tests not compared", "<=", 0, "by definition")
 def hammers_compared(without: int, paired: int) -> Finding:
-    """Every hammer of a batch was held against the test that it is paired with."""
+    """Every hammer test of the batch was compared with its relaxation test."""
     return Finding(
         f"{paired - without} of {paired} hammer tests were compared with their relaxation tests",
         without,
@@ -45,9 +45,9 @@ def hammers_compared(without: int, paired: int) -> Finding:
     )
 
 
-@criterion("tests made otherwise", "<=", 0, "by definition")
+@criterion("tests that differ", "<=", 0, "by definition")
 def tests_alike(unlike: int, tests: int) -> Finding:
-    """Tests of a lot have one hold and depth, within 5 %, and one temperature, within 3 K."""
+    """Tests of a lot agree in hold and compression to 5 %, and in temperature to 3 K."""
     return Finding(
         f"{format_count(tests, 'seal')} tested alike",
         unlike,
@@ -57,9 +57,9 @@ def tests_alike(unlike: int, tests: int) -> Finding:
     )
 
 
-@criterion("records given again", "<=", 0, "by definition", grade="note")
+@criterion("repeated records", "<=", 0, "by definition", grade="note")
 def records_distinct(again: int, tests: int) -> Finding:
-    """Every test is a record of its own: a copy says nothing that it did not say."""
+    """Every test has its own record; none is a copy of another."""
     return Finding(
         f"{tests - again} of {tests} fits have records of their own",
         again,
@@ -76,7 +76,7 @@ def records_distinct(again: int, tests: int) -> Finding:
     otherwise="stop where all of its interval is above; note where a good gauge may do that",
 )
 def gauge_discriminates(study: Gauge) -> Finding:
-    """The gauge scatters less than 30 % of all: a test tells one seal from another."""
+    """The gauge contributes less than 30 % of the total standard deviation."""
     of = study["gauge"]
     low, high = of.share_interval
     says = (
@@ -95,9 +95,9 @@ def gauge_discriminates(study: Gauge) -> Finding:
     )
 
 
-@criterion("points that break a rule", "<=", None, "by chance three of 200 do, measured")
+@criterion("points that break a rule", "<=", None, "simulation: by chance 3 in 200")
 def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
-    """The control charts show no more than chance does where nothing changes.
+    """The control charts show no more alarms than chance gives.
 
     Of each kind of chart what its points are, and how many causes, points that break a rule, and
     points there are: lots among themselves are judged apart from the seals of a lot.
@@ -119,7 +119,7 @@ def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
 
 @criterion("seals that do not pass", "<=", 0, "ISO 14253-1:2017, simple acceptance is not enough")
 def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Finding:
-    """Every seal is inside the limits that are asked for by more than its guard band."""
+    """Every seal lies inside its limits by more than the guard band."""
     counts = {name: decisions.count(name) for name in ("fail", "not proven", "no result")}
     stated = {
         "fail": "outside", "not proven": "inside by less than the guard band",
@@ -140,7 +140,7 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
 def capability_as_asked(
     words: str, lowest: tuple[str, Capability] | None, unknown: int, target: float
 ) -> Finding:
-    """The Cpk of every lot is known, and the lowest is as high as is asked for."""
+    """The Cpk of every lot is known and reaches the required value."""
     if lowest is None or unknown:
         return Finding(
             "",
@@ -168,7 +168,7 @@ def capability_as_asked(
 @criterion("probability if normal", ">=", NOT_NORMAL, "S. S. Shapiro, M. B. Wilk (1965)",
            grade="note")  # fmt: skip
 def scatter_normal(source: str, normal: float | None) -> Finding:
-    """What differs between seals, lots and repeats scatters as normal values do."""
+    """The scatter between seals, lots and repeats is normally distributed."""
     if normal is None:
         return Finding("Too few values tell whether the scatter is normal")
     return Finding(
@@ -180,18 +180,18 @@ def scatter_normal(source: str, normal: float | None) -> Finding:
     )
 
 
-@criterion("seals and tests", "<=", 0, "Iglewicz and Hoaglin (1993), for few values wider",
+@criterion("outliers", "<=", 0, "Iglewicz and Hoaglin (1993), for few values wider",
            grade="note")  # fmt: skip
 def no_lot_outlier(out: int, seals: int) -> Finding:
-    """No seal of a lot, and no test of a seal, stands out of the others."""
+    """No seal of a lot, and no repeat of a seal, is an outlier."""
     return Finding(
         f"{out} of {seals} seals or their tests differ from the others", out, remedy="Look at them."
     )
 
 
-@criterion("tests beyond their band", "<=", 0, "by definition")
+@criterion("tests outside their valid band", "<=", 0, "by definition")
 def frequencies_in_band(frequencies: Sequence[float], tests: int) -> Finding:
-    """The frequencies at which stiffness and loss are asked for are those that the tests inform."""
+    """The requested frequencies lie inside the valid band of every test."""
     where = ", ".join(f"{frequency:g}" for frequency in frequencies)
     return Finding(
         "The frequencies asked for lie in the valid band of every test",
@@ -204,7 +204,7 @@ def frequencies_in_band(frequencies: Sequence[float], tests: int) -> Finding:
 
 @criterion("conditions that differ", "<=", 0, "by definition")
 def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
-    """Two lots were tested alike: hold, depth and ramp within 5 %, temperature within 3 K."""
+    """Both lots agree in hold, compression and ramp to 5 %, and in temperature to 3 K."""
     return Finding(
         "The lots were tested alike",
         len(otherwise),
@@ -214,9 +214,9 @@ def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
     )
 
 
-@criterion("tests without a seal", "<=", 0, "by definition")
+@criterion("tests without the name of a seal", "<=", 0, "by definition")
 def seals_named(unnamed: int, tests: int) -> Finding:
-    """Of every test it is known which seal it is of: repeats of one do not count as seals."""
+    """Every test states its seal, so that repeats of one seal do not count as several."""
     return Finding(
         f"{tests - unnamed} of {tests} tests name their seal",
         unnamed,

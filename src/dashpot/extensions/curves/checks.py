@@ -47,7 +47,7 @@ LEVEL_OF_CREEP = 0.65
 
 @criterion("smooth misfit", "<=", MAX_INCONSISTENT, "our choice; or 2.5 sd of what chance shows")
 def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
-    r"""Storage and loss belong to one passive solid.
+    r"""Storage and loss are those of one passive linear model (Kramers-Kronig).
 
     Every passive relaxing solid is a positive sum of arms, whose storage and loss obey the
     Kramers-Kronig relations one by one. `misfit` is what the nearest of them all misses
@@ -76,14 +76,14 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
 
 
 @criterion(
-    "give of the instrument / deformation",
+    "deformation of the instrument / all",
     "<=",
     UNSAID,
-    "our choice; frames and load cells give 0.1 to 1 um/N, thought 0.3",
+    "our choice; frames and load cells have 0.1 to 1 um/N, assumed 0.3",
     grade="note",
 )
 def instrument_stiff(data: DynamicTest) -> Finding:
-    r"""The instrument is stiff beside the part.
+    r"""The instrument is much stiffer than the part.
 
     What frame and load cell give, C, is in series: :math:`K^*/(1 + C K^*)` is measured, with a
     storage by CK too low and a loss by 2CK. Of a modulus nothing says how stiff its piece was.
@@ -112,7 +112,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     otherwise="stop where most losses are below zero",
 )  # fmt: skip
 def loss_positive(data: DynamicTest) -> Finding:
-    """No loss gives energy back, but for scatter, as of rubber at rest."""
+    """No loss is negative by more than its scatter."""
     part = data.loss / np.abs(data.value)
     bad = np.flatnonzero(part < -SCATTERED * _scatter_of_sweeps(data, part))
     if not bad.size:
@@ -128,7 +128,7 @@ def loss_positive(data: DynamicTest) -> Finding:
 
 @criterion("fall of the storage", "<=", 0.05, "our choice: scatter")
 def storage_rises(data: DynamicTest) -> Finding:
-    """The storage does not fall with frequency, as mass in the grips makes it."""
+    """The storage does not fall with frequency; mass in the grips would make it fall."""
     order = np.argsort(data.frequency, kind="stable")
     storage, frequency = data.storage[order], data.frequency[order]
     top = np.maximum.accumulate(storage)
@@ -145,7 +145,7 @@ def storage_rises(data: DynamicTest) -> Finding:
 
 @criterion("last third / first third", "<=", 1.25, "our choice: scatter", grade="stop")
 def modulus_falls(modulus: FloatArray) -> Finding:
-    """The modulus falls, as that of every relaxing solid does."""
+    """The relaxation modulus falls with time."""
     third = max(len(modulus) // 3, 1)
     first, last = float(modulus[:third].mean()), float(modulus[-third:].mean())
     ratio = last / first if first > 0 else None
@@ -163,7 +163,7 @@ def modulus_falls(modulus: FloatArray) -> Finding:
 
 @criterion("plateau, N/m or Pa", ">", source="3 standard errors")
 def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str) -> Finding:
-    """There is a stiffness that does not relax."""
+    """The stiffness that does not relax is above zero."""
     return Finding(
         f"The plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
         model.k_inf,
@@ -179,11 +179,11 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
     "lowest k(10 T) / highest k(T)",
     ">=",
     LEVEL,
-    "own truths: of those above it 1 plateau in 20 is off by more than 10 %",
+    "simulation: above it 1 plateau in 20 is off by more than 10 %",
     otherwise=f"{LEVEL_OF_CREEP:g} of creep",
 )
 def plateau_determined(end: EndOfHold, unit: str) -> Finding:
-    """The curve levels off: no solid that it does not reject relaxes much further."""
+    """The curve levels off: no model that fits the data relaxes much further."""
     return Finding(
         end.told(unit),
         end.levels,
@@ -197,11 +197,11 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     "fall per factor e of time",
     "<=",
     MAX_FALLING,
-    "that of a hold",
+    "as for a hold",
     otherwise=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
 def curve_level_at_end(end: EndOfHold, fallen: float) -> Finding:
-    """No solid that the curve does not reject still falls much at its end.
+    """At the end of the curve, no model that fits the data still falls much.
 
     `fallen` is what the data show: from the first value to the last, over the last.
     """
@@ -245,7 +245,7 @@ def plateau(
 def few_arms_sufficient(
     missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
 ) -> Finding:
-    """Few arms follow the curves.
+    """A model with few arms fits the curves.
 
     `dense` holds arms and rms of the dense spectrum; `limit` is of one that several temperatures
     share.
@@ -270,7 +270,7 @@ def few_arms_sufficient(
     ends=Status.TESTS_DISAGREE,
 )
 def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
-    r"""One solid explains every data set about as well as a solid of its own does.
+    r"""One model fits all data sets about as well as a model for each does.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
 
 @criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
 def bands_overlap(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
-    """No decade between the two tests is left unmeasured."""
+    """The bands of the two tests leave no gap of more than a decade."""
     return Finding(
         f"The sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz, and the valid band of the "
         f"relaxation test is {relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",

@@ -19,9 +19,9 @@ SURE = 0.99
 OVERLAP, CLOSE = 0.2, 0.05
 
 
-@criterion("orders", ">=", STABLE, "measured: what only follows noise is stable at fewer")
+@criterion("orders", ">=", STABLE, "measured: modes of noise are stable at fewer")
 def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
-    """Every mode stands in the stabilisation chart, which knows nothing of how it was found."""
+    """Every mode is stable in the stabilisation chart, which is computed separately."""
     counts = [(chart.orders_with(mode.mode), mode.mode.frequency) for mode in modes]
     fewest = min(counts)[0]
     doubtful = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
@@ -39,7 +39,7 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
     "squared misfit over its variance", "<=", MISSED, "our choice: twice the scatter; 1 is chance"
 )
 def modes_explain_lines(modes: Sequence[ModeShape], *, certain: bool) -> Finding:
-    """The modes follow the lines about them as closely as the lines are known."""
+    """The modes fit the lines around them to within the errors of the lines."""
     if not certain:
         return Finding(
             "The lines come without their scatter, so the fit of the modes is not judged"
@@ -57,7 +57,7 @@ def modes_explain_lines(modes: Sequence[ModeShape], *, certain: bool) -> Finding
 
 @criterion("least overlap of two close shapes", ">=", OVERLAP, "our choice; 1 is the same points")
 def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
-    """Modes close together move the same points, as those of one structure do."""
+    """Modes at close frequencies move the same points, as those of one structure do."""
     close = [
         (_overlap(first, second), first.mode.frequency, second.mode.frequency)
         for first, second in combinations(modes, 2)
@@ -87,7 +87,7 @@ def _overlap(first: ModeShape, second: ModeShape) -> float:
 def one_solid_explains_masses(
     distance: float, masses: Sequence[float], worst: tuple[float, str]
 ) -> Finding:
-    """One linear solid has the poles that were measured under all of the masses."""
+    """One linear model has the poles that were measured under all of the masses."""
     listed = ", ".join(f"{convert_to_unit(mass, 'g'):.4g}" for mass in masses)
     kilogram, by = worst
     return Finding(

@@ -14,7 +14,7 @@ LISTED = 20
 
 @criterion("lines of history", ">=", 1, "by definition", grade="stop")
 def history_present(lines: int) -> Finding:
-    """There is a history, without which nothing is proven."""
+    """The project has a history; without it nothing can be verified."""
     return Finding(
         f"The history has {lines} lines",
         lines,
@@ -25,7 +25,7 @@ def history_present(lines: int) -> Finding:
 
 @criterion(source="a note: what was cut short did not happen", grade="note")
 def history_complete(lines: int, *, torn: bool) -> Finding:
-    """The history ends with a whole line."""
+    """The last line of the history is complete."""
     return Finding(
         f"The history ends with line {lines}, whole",
         instead=f"A line after line {lines} of the history was cut short. That operation did not "
@@ -37,7 +37,7 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
 
 @criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
 def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) -> Finding:
-    """No line was cut off the end of the history, and its head says so."""
+    """No line is missing from the end of the history."""
     if not lines and not written:
         return Finding("The history has no line that its head could be of")
     lost = "is missing" if not written else f"is older: it is of line {written} of {lines}"
@@ -58,7 +58,7 @@ def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) ->
 
 @criterion(source="the hash that was noted when that line was the last", grade="stop")
 def history_expected(expected: str, place: int | None, lines: int) -> Finding:
-    """The history holds the line whose hash was noted."""
+    """The history contains the line whose hash was noted."""
     since = "" if place is None else f"; {lines - 1 - place} lines were added since"
     return Finding(
         f"The history has the line {expected[:16]}... that is expected{since}",
@@ -71,7 +71,7 @@ def history_expected(expected: str, place: int | None, lines: int) -> Finding:
 
 @criterion(source="SHA-256 of the line, and of the line before it", grade="stop")
 def history_unchanged(number: int, *, whole: bool) -> Finding:
-    """Every line of the history is as it was written."""
+    """No line of the history was changed."""
     line = f"Line {number} of history.jsonl is "
     return Finding(
         line + "as it was written",
@@ -83,7 +83,7 @@ def history_unchanged(number: int, *, whole: bool) -> Finding:
 
 @criterion(source="by definition", grade="stop")
 def file_present(file: str, number: int) -> Finding:
-    """Every recorded file is there."""
+    """Every recorded file exists."""
     return Finding(
         f"{file} (line {number}) is missing", remedy="Restore it from a copy.", faulted=True
     )
@@ -113,7 +113,7 @@ def files_listed(added: Sequence[str]) -> Finding:
 
 @criterion("files", "<=", 0, "a note: they hold nothing that was finished", grade="note")
 def nothing_half_written(remaining: Sequence[str]) -> Finding:
-    """Runs that were killed left no half-written file."""
+    """No incomplete file of an interrupted run is left."""
     more = "" if len(remaining) <= LISTED else f" and {len(remaining) - LISTED} more"
     return Finding(
         "Runs that were killed left no half-written file",
@@ -125,7 +125,7 @@ def nothing_half_written(remaining: Sequence[str]) -> Finding:
 
 @criterion(source="SHA-256 of its bytes", grade="stop")
 def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
-    """Every recorded file is as it was."""
+    """No recorded file was changed."""
     return Finding(
         f"{file} (line {number}) is as it was",
         instead=f"{file} (line {number}) has changed since it was recorded",
@@ -136,7 +136,7 @@ def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
 
 @criterion("relative difference", "<=", SAME, "our choice: below what is printed", grade="stop")
 def result_recomputed(worst: float, where: str, number: int) -> Finding:
-    """Every result follows again from its raw files."""
+    """Every result can be recomputed from its raw files."""
     result = f"The result of line {number}, computed again from its raw files, "
     return Finding(
         f"{result}is the same (largest relative difference {worst:.2g})",
@@ -148,7 +148,7 @@ def result_recomputed(worst: float, where: str, number: int) -> Finding:
 
 @criterion("relative difference", "<=", SAME, "as of `result_recomputed`", grade="limit")
 def former_result_recomputed(worst: float, where: str, number: int, by: str) -> Finding:
-    """The solid that a former version found follows again from the raw files of its result."""
+    """The model of an earlier version can be recomputed from the raw files of its result."""
     result = (
         f"The result of line {number}, made by dashpot {by} and computed again by this version,"
     )
@@ -163,7 +163,7 @@ def former_result_recomputed(worst: float, where: str, number: int, by: str) -> 
 
 @criterion("kinds of numbers", "<=", 0, "our choice: errors and limits alone", grade="note")
 def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> Finding:
-    """Errors, limits and band of a former result are what this version finds, too."""
+    """Errors, limits and band of an earlier result agree with those of this version."""
     changes = "; ".join(dict.fromkeys("; ".join(reasons.values()).split("; ")))
     return Finding(
         f"Errors and limits of line {number} are the same as by dashpot {by}",
@@ -176,7 +176,7 @@ def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> F
 
 @criterion("parts that differ", "<=", 0, "by definition", grade="stop")
 def page_redrawn(number: int, *, same: bool, alike: bool) -> Finding:
-    """Every report says and shows what its result does."""
+    """Every report shows what its result says."""
     page = f"The report of line {number}"
     if not alike:
         return Finding(f"{page} was made by other versions, so its words are not judged")

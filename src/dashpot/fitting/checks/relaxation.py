@@ -50,7 +50,7 @@ UNSURE = 0.5
     "difference / its error", "<=", MAX_APART, "3 standard errors, and 2 % of it", grade="stop"
 )
 def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
-    """Tests of one depth and temperature find one stiffness."""
+    """Tests at one compression and temperature have the same stiffness."""
     pairs = [
         (abs(a.value - b.value) / max(float(np.hypot(a.sd, b.sd)), 1e-300), i, j)
         for (i, a), (j, b) in combinations(enumerate(stiffnesses), 2)
@@ -85,7 +85,7 @@ def _is_same_condition(first: EndStiffness, second: EndStiffness) -> bool:
 
 @criterion("probability by chance", ">=", 0.01, "Wald's test at 1 %; or alike within 0.1 %")
 def depth_and_time_separable(chance: float | None, spread: float | None) -> Finding:
-    """The shape of relaxation is the same at every depth.
+    """The relative relaxation is the same at every compression.
 
     A `spread` of None is a spring's, a `chance` of None that of an arm that is not known.
     """
@@ -116,7 +116,7 @@ def depth_and_time_separable(chance: float | None, spread: float | None) -> Find
     grade="note",
 )
 def hold_long_enough(end: EndOfHold | None) -> Finding:
-    """The force had the time to level off: no spectrum that the record allows still falls much."""
+    """At the end of the hold, no spectrum that fits the record still falls much."""
     if end is None:
         return Finding("Each depth has its own stiffnesses, so the end of the hold is not judged")
     falling = end.falling / max(end.k_end[1], 1e-300)
@@ -138,7 +138,7 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
     ends=Status.NOT_IDENTIFIED,
 )
 def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None = None) -> Finding:
-    """There is an equilibrium stiffness left."""
+    """The equilibrium stiffness is above zero."""
     return Finding(
         f"k_inf is {format_quantity(model.k_inf, 'N/mm')}; noise alone would hide "
         f"{format_quantity(3.0 * se, 'N/mm', '.2g')}",
@@ -163,7 +163,7 @@ def k_end_determined(
     tests: Sequence[RampHold],
     end: EndOfHold | None = None,
 ) -> Finding:
-    """The stiffness at the end of the hold is known to a part of itself."""
+    """The interval of the stiffness at the end of the hold is less than half of it wide."""
     remainder = float(model.relaxation(max(test.hold_time for test in tests)))
     if end is not None:
         (low, high), most, what = end.k_end, max(remainder, 1e-300), "this stiffness"
@@ -208,7 +208,7 @@ def k_end_determined(
 
 @criterion("fall in the hold / peak", "<=", 0.02, "our choice; or 7 standard errors", grade="stop")
 def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Finding:
-    """A force that relaxes is given an arm to relax by."""
+    """If the force relaxes, the model has an arm."""
     force = test.force[test.hold]
     if len(force) < 20:
         return Finding("The hold is too short to judge how the force relaxes")
@@ -226,7 +226,7 @@ def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Findi
 
 @criterion("change of k", source="no limit", grade="note")
 def ramp_accounted_for(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
-    r"""The ramp is accounted for, and what a step would have made of it is told.
+    r"""The ramp is part of the fit; the message says what a step would have changed.
 
     :math:`(\tau/c)(1 - e^{-c/\tau}) - 1`, the worst arm.
     """
@@ -247,7 +247,7 @@ def ramp_accounted_for(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> 
 def fast_arm_visible(
     model: GeneralizedMaxwell, tests: Sequence[RampHold], *, error: float = np.inf
 ) -> Finding:
-    """The fastest arm is slow enough to be seen after the ramp, or its k is known all the same.
+    """The fastest arm still relaxes after the ramp, or its k is known otherwise.
 
     `error` is the relative standard error of its k.
     """
@@ -273,7 +273,7 @@ def fast_arm_visible(
 def drift_distinguished_from_arm(
     model: GeneralizedMaxwell, correlation: float | None, se_ln_tau: float
 ) -> Finding:
-    """The slowest arm can be told from a drifting sensor."""
+    """The data distinguish the slowest arm from drift of the load cell."""
     if not model.arms:
         return Finding("There is no slow arm that drift could imitate")
     if correlation is None:
@@ -302,7 +302,7 @@ def drift_distinguished_from_arm(
     otherwise=f"stop beyond {NOT_FOLLOWED:g}",
 )
 def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
-    """The solid follows the force to its noise.
+    """The model fits the force to within its noise.
 
     `residual` is of the last samples up to the end of the hold, N. What wanders slowly counts as
     noise, which the limits hold; a model that misses the noise of each sample by so much is none.
@@ -332,7 +332,7 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
 def residuals_steady(
     residuals: Sequence[FloatArray], *, rounding: float = 0.0, peak: float = 0.0
 ) -> Finding:
-    """The residuals do not wander slowly, as 1/f drift and a missed slow arm do.
+    """The residuals do not wander slowly, as drift or a missing slow arm would make them.
 
     Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT` of the `peak`, N, the
     limits of every stiffness count their power.
@@ -369,7 +369,7 @@ def hold_and_full_agree(
     *,
     end: EndOfHold | None = None,
 ) -> Finding:
-    """The hold alone says the same as the recorded motion.
+    """A fit of the hold alone gives the same parameters as the whole record.
 
     `error` holds the standard errors of the full fit: k_inf, every k, every ln tau. A
     difference within three of them is noise. Where the numbers of arms differ k_inf alone is
@@ -415,7 +415,7 @@ def filter_bias(
     changes: Mapping[str, Mapping[str, float]] | str = "",
     fastest: float = np.inf,
 ) -> Finding:
-    """A filter hardly changes the parameters.
+    """The filter changes the parameters by little.
 
     `changes` holds that of each parameter by method, or says why there is none; `fastest` is the
     shortest relaxation time, s.

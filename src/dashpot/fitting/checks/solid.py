@@ -35,7 +35,7 @@ ALIKE = 10.0
     ends=Status.NOT_CONVERGED,
 )
 def optimum_found(*, stationary: bool) -> Finding:
-    """The optimiser ended at an optimum."""
+    """The optimiser converged to an optimum."""
     return Finding(
         "The optimiser ended at an optimum",
         instead="The optimiser reached its limit of iterations before the gradient vanished",
@@ -46,7 +46,7 @@ def optimum_found(*, stationary: bool) -> Finding:
 
 @criterion(source="by definition")
 def uncertainty_estimated(*, made: bool) -> Finding:
-    """Intervals and checks were asked for."""
+    """Intervals and checks were computed."""
     return Finding(
         "Intervals and checks were made",
         instead="This fit has neither intervals nor checks",
@@ -57,7 +57,7 @@ def uncertainty_estimated(*, made: bool) -> Finding:
 
 @criterion("ratio of neighbouring tau", ">=", MIN_TAU_RATIO)
 def arms_distinct(model: GeneralizedMaxwell) -> Finding:
-    """Neighbouring relaxation times are far enough apart to be two."""
+    """Neighbouring relaxation times differ enough to be two."""
     ratios = [slow / fast for fast, slow in zip(model.tau, model.tau[1:], strict=False)]
     if not ratios:
         return Finding("There is at most one arm")
@@ -75,14 +75,14 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     "k / SE(k)",
     ">",
     MIN_K_OVER_SE,
-    "3 SE; and SE(ln tau) < 0.5, a factor 1.6",
+    "3 SE, and SE(ln tau) < 0.5",
     otherwise="note where fewer arms are rejected",
     ends=Status.NOT_IDENTIFIED,
 )
 def arms_supported(
     model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", needed: bool = False
 ) -> Finding:
-    """Every arm stands out of the noise.
+    """Every arm is significant.
 
     `error` as `Fit.parameters`: k_inf, k, ln tau; `needed` if the rules chose their number, for
     then BIC rejects fewer.
@@ -117,7 +117,7 @@ def arms_supported(
 @criterion(
     "tau outside, s",
     "<=",
-    source="the ends of what was sampled",
+    source="the ends of the sampled times",
     grade="note",
     ends=Status.TAU_AT_BOUND,
 )
@@ -130,7 +130,7 @@ def tau_inside_window(
     within: bool = False,
     remedy: Remedy | str = Remedy("Use fewer arms, or measure over a wider range.", "arms"),  # noqa: B008
 ) -> Finding:
-    """Every relaxation time is one that the data could show.
+    """Every relaxation time lies in the range that the data cover.
 
     `window` is in s; `within` it, an arm at an end of it is outside.
     """
@@ -152,10 +152,10 @@ def tau_inside_window(
 
 
 @criterion(
-    "residuals that say the same", "<=", 20.0, "our choice: white residuals give 1", grade="note"
+    "samples that count as one", "<=", 20.0, "our choice: white residuals give 1", grade="note"
 )
 def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Finding:
-    """The residuals are noise: no curve is left in them.
+    """The residuals are noise, without a systematic curve.
 
     `rms` is that of weighted residuals, or in N beside a `noise`.
     """
@@ -182,7 +182,7 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
     grade="note",
 )
 def order_agreed(choice: OrderChoice) -> Finding:
-    """The two rules for the number of arms agree, on less than the most that was tried."""
+    """BIC and significance agree on the number of arms, below the largest that was tried."""
     chosen = format_arm_count(choice.arms)
     says = f"Both rules choose {chosen}"
     if not choice.has_agreement:
@@ -204,10 +204,10 @@ def order_agreed(choice: OrderChoice) -> Finding:
 
 
 @criterion(
-    "arms that the data support", "<=", source="the arms asked for; by the rules of their number"
+    "arms that the data support", "<=", source="the requested number; BIC and significance"
 )
 def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
-    """So many arms as were asked for are enough: the data support no further one.
+    """The requested number of arms is enough: the data support no further one.
 
     `unit` is that of the residual.
     """
@@ -228,10 +228,10 @@ def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
 
 @criterion(
     "independent samples beyond the parameters", ">=", FREEDOM,
-    "our choice; of residuals of which at least ten say the same",
+    "our choice; only if at least ten samples count as one",
 )  # fmt: skip
 def samples_independent(effective: float, parameters: int, kappa: float) -> Finding:
-    """The residuals hold enough independent samples to say how large the noise is."""
+    """There are enough independent residuals to estimate the noise."""
     return Finding(
         f"The residuals are equal to {effective:.3g} independent samples, for {parameters} "
         "parameters",
@@ -251,7 +251,7 @@ def format_residual(rms: float, unit: str) -> str:
 
 @criterion("upper end, Hz", ">", source="the lower end of the band", grade="stop")
 def valid_band_exists(band: tuple[float, float]) -> Finding:
-    """The test informs a band of frequencies at all."""
+    """The test has a valid band."""
     low, high = band
     return Finding(
         f"The valid band of this test is {low:.2g} to {high:.2g} Hz; a prediction outside it is "
@@ -266,7 +266,7 @@ def valid_band_exists(band: tuple[float, float]) -> Finding:
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %, over all spectra")
 def loss_factor_determined(band_error: BandError | None) -> Finding:
-    """The loss factor is known in the valid band, whatever arms the data cannot show."""
+    """The loss factor is known in the valid band, for every spectrum that fits the data."""
     if band_error is None:
         return Finding("How well the loss factor is known was not computed")
     error = band_error.largest[1]

@@ -20,7 +20,7 @@ STIFFNESS_MATTERS, LOSS_MATTERS = 0.02, 0.1
     ends=Status.NOT_IDENTIFIED,
 )
 def fractional_slope_determined(error: float, *, edge: bool) -> Finding:
-    """The slope of the fractional solid and its relaxation time are known.
+    """The exponent and the relaxation time of the fractional model are known.
 
     `edge` where one of them stands at an end of what is sought.
     """
@@ -45,7 +45,7 @@ def fractional_slope_determined(error: float, *, edge: bool) -> Finding:
     otherwise="stop beyond 1.1",
 )
 def fractional_model_suffices(ratio: float, arms: int) -> Finding:
-    """The fractional solid leaves no more than arms do."""
+    """The fractional model fits as well as a model with arms."""
     return Finding(
         f"The fractional model leaves {ratio:.4g} times the residual of {arms} arms",
         ratio,
@@ -56,10 +56,10 @@ def fractional_model_suffices(ratio: float, arms: int) -> Finding:
 
 
 @criterion(
-    "frequency from which they part, Hz", ">", HEARD, "2 % of stiffness, 10 % of loss factor"
+    "frequency from which they differ, Hz", ">", HEARD, "2 % of stiffness, 10 % of loss factor"
 )
 def model_families_distinguished(other: Alternative | None) -> Finding:
-    """No other family of solids explains the data and predicts something else."""
+    """No other family of models fits the data and predicts another response."""
     if other is None or not other.explains:
         return Finding("No other family of models explains the data as well", excused=True)
     return Finding(

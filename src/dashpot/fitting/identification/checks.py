@@ -37,7 +37,7 @@ KNOWN = 0.025, 0.1
     ends=Status.TESTS_DISAGREE,
 )
 def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> Finding:
-    """The solid explains the lines of the FRF."""
+    """The model fits the FRF to within its scatter."""
     why = "A second mode, leakage or amplitude may cause this"
     advice = Remedy(
         "Check the mass and its unit. Then narrow the band, or allow more arms.", "band"
@@ -76,7 +76,7 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
 def hammer_agrees_with_relaxation_test(
     number: int, ratio: float, *, missed: float = np.inf
 ) -> Finding:
-    """The hammer does not contradict a relaxation test.
+    """The joint model still fits the relaxation test.
 
     `missed` is the rms force that the joint fit adds to the residual, over the peak force.
     """
@@ -93,7 +93,7 @@ def hammer_agrees_with_relaxation_test(
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %", grade="note")
 def cables_described(band_error: BandError, peak: float) -> Finding:
-    """What nobody described of a hammer's rig leaves the loss factor at the peak known."""
+    """The loss factor is known at the peak although cables and table were not described."""
     error = float(np.interp(peak, band_error.frequency, band_error.loss_factor))
     return Finding(
         f"Cables, table and added mass leave the loss factor at {peak:.3g} Hz known to "
@@ -106,7 +106,7 @@ def cables_described(band_error: BandError, peak: float) -> Finding:
 
 @criterion("distance in standard deviations", "<=", STRAINED, "root mean square of all parameters")
 def hammer_agrees_with_earlier_fit(off: float) -> Finding:
-    """The hammer does not contradict the earlier fit."""
+    """The hammer test agrees with the earlier fit."""
     return Finding(
         f"The joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
         "deviations",
@@ -123,7 +123,7 @@ def hammer_agrees_with_earlier_fit(off: float) -> Finding:
     ends=Status.TESTS_DISAGREE,
 )
 def tests_agree(lead: Explanation | None) -> Finding:
-    """One seal explains the relaxation test and the hammer, with what is known of the rig.
+    """One model fits the relaxation test and the hammer test.
 
     `lead` is what explains them best if not. A departure of 5 % that explains both is a limit.
     """
@@ -169,7 +169,7 @@ def _plausible(quantity: str, ends: Status | None = None) -> Believable:
         otherwise=f"stop beyond {4 * STRAINED:g}",
         ends=ends,
         name=f"{quantity}_plausible",
-        question=f"The {quantity} stays near what was known of it.",
+        question=f"The fitted {quantity} agrees with its prior.",
     )
     def judge(off: float, sd: float) -> Finding:
         return Finding(
@@ -192,7 +192,7 @@ gain_plausible, delay_plausible, stiffness_plausible = map(
 
 @criterion("fall of BIC", "<=", DECISIVE, "0 beside arms that are not known", grade="note")
 def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = True) -> Finding:
-    """No parallel dashpot explains the lines much better.
+    """A parallel dashpot would not improve the fit much.
 
     `text` is the solid beside it, in words; `sure` is one of which every part is known.
     """
@@ -224,7 +224,7 @@ def arms_identified(
     new: int = 0,
     in_band: tuple[float, float] = (np.inf, np.inf),
 ) -> Finding:
-    """Every arm is known.
+    """The data determine every arm.
 
     `unknown` are the relaxation times, s, of those that are not; `new` arms are known only with the
     help of the hammer; `in_band` are the relative standard errors of stiffness and loss factor in

@@ -34,7 +34,7 @@ BEYOND = 0.25
     f"our choice; or 1.5 times the noise, and that {_ANOTHER} times the hold's if no law bends",
 )
 def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: str) -> Finding:
-    """The solid follows the ramp.
+    """The model fits the ramp.
 
     `missed` and `noise` are parts of the largest force, `discrepancy` what one independent
     residual of the ramp is worth over one of the hold, `kind` that of the elastic law.
@@ -56,10 +56,10 @@ def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: s
     "ramp residual / noise",
     "<=",
     1.2,
-    "simulation: of 11 that no law explained better, 8 missed; more where few samples ramp",
+    "simulation: beyond it 8 of 11 results were wrong; more if the ramp has few samples",
 )
 def ramp_explained(quality: LinearFitQuality | None) -> Finding:
-    """A linear solid explains ramp and hold to their noise."""
+    """A linear model fits ramp and hold to within their noise."""
     if quality is None:
         return Finding("No one ramp before one hold is there, so it is not judged")
     return Finding(
@@ -74,7 +74,7 @@ def ramp_explained(quality: LinearFitQuality | None) -> Finding:
 
 @criterion("hold residual / hold alone", "<=", 1.25, "our choice; or 0.5 % of the peak")
 def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Finding:
-    """The solid follows each hold as well as the hold alone can be followed.
+    """The model fits each hold as well as a fit of that hold alone does.
 
     `missed` is the residual in each hold as a part of the largest force: below 0.5 % it matters
     to no use.
@@ -97,11 +97,11 @@ def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Findin
     "ramps of different rate or depth",
     ">=",
     2.0,
-    "simulation: see the question",
+    "simulation",
     otherwise="note of a law that bends little and evenly",
 )
 def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
-    """The tangent inside the ramp rests on more than one ramp.
+    """More than one ramp determines the tangent stiffness within the ramp.
 
     One ramp tells the tangent within 5 % if all arms share one elastic law. A law of its own for
     each arm, friction or a motion commanded and not measured puts it 11 to 46 % off though the
@@ -120,9 +120,9 @@ def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
     )
 
 
-@criterion("k_inf off, of F_end/x", "<=", 0.05, "our choice; or 3 SE")
+@criterion("difference of k_inf / (F_end/x)", "<=", 0.05, "our choice; or 3 SE")
 def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: float) -> Finding:
-    r"""The equilibrium stiffness fits the force that was left at the end.
+    r"""The equilibrium stiffness agrees with the force at the end of the hold.
 
     Of the force at the end over the depth, `end` in N/m, the arms still carry
     :math:`\sum_j k_j e^{-T/\tau_j}` after a `hold` T, s; the rest is k_inf.
@@ -148,7 +148,7 @@ def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: floa
     "offset less baseline, SE", "<=", 3.0, grade="note", otherwise="limit from 1 % of the force on"
 )
 def offset_plausible(results: Sequence[tuple[float, float, float, float]]) -> Finding:
-    """The offset of the load cell is what the record shows before contact.
+    """The fitted offset of the load cell agrees with the force before contact.
 
     `results` holds of each test the fitted offset, its mean and its standard deviation before the
     fit, and the departure that matters, N.
@@ -166,7 +166,7 @@ def offset_plausible(results: Sequence[tuple[float, float, float, float]]) -> Fi
 def drift_plausible(
     results: Sequence[tuple[float, float, float, float]], excess: float = np.inf
 ) -> Finding:
-    """The drift of the load cell is what its baseline or data sheet allows.
+    """The fitted drift of the load cell agrees with its baseline or data sheet.
 
     `results` as for the offset, N/s. Limits know of the drift what is known: while they hold the
     fit, but for a part `excess` of their width, a drift that went far does no harm.
@@ -179,10 +179,10 @@ def drift_plausible(
     "slope of the baseline / 3 SD",
     "<=",
     1.0,
-    "Box 1980: beyond, two that speak of one drift differ",
+    "Box 1980: beyond it the two contradict each other",
 )
 def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
-    """The baseline drifts by no more than the load cell may.
+    """The slope of the baseline is within the drift that the load cell may have.
 
     Of every record the slope of its baseline, N/s, over what it may be, and that over 3 standard
     deviations of what both leave.
@@ -206,7 +206,7 @@ def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
     otherwise="limit where the delay is far beyond what was thought possible",
 )
 def clocks_agree(results: Sequence[tuple[float, float, float]]) -> Finding:
-    """The force is read at the time of the displacement.
+    """There is no significant delay between force and displacement.
 
     `results` holds the fitted delay of the force, its standard error and its standard deviation
     before the fit of each test, s. The fit takes the delay into account, and so do the limits of

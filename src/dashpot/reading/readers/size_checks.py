@@ -71,7 +71,7 @@ def _make_size_criterion(
 
 travel_of_a_seal = _make_size_criterion(
     "travel_of_a_seal",
-    "The displacement goes no farther than a bench presses a seal.",
+    "The displacement is no larger than in bench tests of seals.",
     f"travel <= {SIZES['travel'].soft[1]!r} m", "few benches press a seal so far",
     says="The displacement goes over", role="displacement", grade="note",
 )  # fmt: skip
@@ -81,11 +81,11 @@ travel_of_a_seal = _make_size_criterion(
     "travel, m",
     ">=",
     LEAST_TRAVEL,
-    "our choice; less is a probe's, with its small force, in a small unit",
+    "our choice; less is an indenter's",
     grade="stop",
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
-    """The displacement goes as far as a force of that size presses rubber."""
+    """The displacement is as large as rubber needs for such a force."""
     says = f"The displacement goes over {format_quantity_short(travel, 'm')}"
     probe = force < 10 * LEAST_FORCE and unit not in _COARSE
     text = f"{says} under {format_quantity_short(force, 'N')}"
@@ -109,11 +109,11 @@ force_of_a_seal = _make_size_criterion(
     "rise of the force, N",
     ">=",
     LEAST_FORCE,
-    "our choice: over half a millimetre rubber pushes back more; a probe goes less far",
+    "our choice: rubber has more force at 0.5 mm; an indenter moves less",
     grade="stop",
 )
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
-    """The force is as great as rubber answers such a travel with."""
+    """The force is as large as rubber gives for such a displacement."""
     says = f"The force goes over {format_quantity_short(force, 'N')}"
     text = f"{says} while the displacement goes over {format_quantity_short(travel, 'm')}"
     return Finding(
@@ -128,11 +128,11 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     "rise of the force over travel, N/m",
     ">=",
     LEAST_STIFFNESS,
-    "our choice: a tenth of the softest foam strip; a probe meets less",
+    "our choice: a tenth of the softest foam strip; an indenter has less",
     grade="note",
 )
 def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -> Finding:
-    """The force is as great, for its travel, as a seal answers with."""
+    """The ratio of force to displacement is no lower than that of a soft seal."""
     says = (
         f"The force goes over {format_quantity_short(force, 'N')} while the displacement goes over "
     )
@@ -147,7 +147,7 @@ def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -
 
 time_of_a_test = _make_size_criterion(
     "time_of_a_test",
-    "The record is as long as a ramp and a hold take.",
+    "The record is long enough for a ramp and a hold.",
     f"length of the record >= {SIZES['record'].soft[0]!r} s", "a ramp alone takes longer",
     says="The record lasts", role="time",
 )  # fmt: skip
@@ -161,7 +161,7 @@ time_of_a_test = _make_size_criterion(
     grade="stop",
 )
 def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Finding:
-    """The steps of the clock are of one unit from first to last."""
+    """The time steps have one unit from first to last."""
     decades = abs(np.log10(after / before))
     off = abs(decades - 3 * max(round(decades / 3), 1))
     says = (
@@ -178,8 +178,8 @@ def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Fi
 
 ramp_not_slow = _make_size_criterion(
     "ramp_not_slow",
-    "The ramp is over before most of the relaxation is.",
-    f"length of the ramp <= {SIZES['ramp'].soft[1]!r} s", "the seal relaxes as it is pressed",
+    "The ramp ends before most of the relaxation is over.",
+    f"length of the ramp <= {SIZES['ramp'].soft[1]!r} s", "the seal relaxes during the ramp",
     says="The ramp takes", role="time", grade="note",
 )  # fmt: skip
 
@@ -188,7 +188,7 @@ ramp_not_slow = _make_size_criterion(
     "size / largest, or least / size", "<=", 1.0, "the table of plausible sizes", grade="stop"
 )
 def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
-    """The size is one that some test of rubber has."""
+    """The value is possible in a test of rubber."""
     row = SIZES[kind]
     low, high = row.hard
     says = f"{row.what} is {format_quantity_short(size, row.unit)}"
@@ -203,64 +203,65 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
 
 ramp_not_fast = _make_size_criterion(
     "ramp_not_fast",
-    "The ramp is no faster than a bench drives.",
+    "The ramp is no faster than a test machine.",
     "speed of the ramp <= 0.3 m/s", "no crosshead or screw is faster",
     says="The ramp goes at", role="time",
 )  # fmt: skip
 hammer_not_heavy = _make_size_criterion(
     "hammer_not_heavy",
-    "The hammer hits no harder than a block on seals bears.",
-    "greatest force <= 1e3 N", "a sledge hammer's",
+    "The hammer force is no larger than a block on seals can take.",
+    "greatest force <= 1e3 N", "a sledge hammer",
     says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
 impact_force_measurable = _make_size_criterion(
     "impact_force_measurable",
-    "The hammer hits hard enough for a load cell.",
-    "greatest force >= 5e-2 N", "a touch", says="The hammer's force reaches", role="hammer",
+    "The hammer force is large enough for a load cell.",
+    "greatest force >= 5e-2 N", "a touch of the hand",
+    says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
 acceleration_not_large = _make_size_criterion(
     "acceleration_not_large",
-    "The acceleration is one that a modal accelerometer measures.",
+    "The acceleration is within the range of a modal accelerometer.",
     "greatest acceleration <= 1e4 m/s^2", "a thousand g, twice a modal accelerometer's range",
     says="The acceleration reaches", role="acceleration",
 )  # fmt: skip
 hammer_sampled = _make_size_criterion(
     "hammer_sampled",
-    "The record is sampled as fast as a hammer needs.",
+    "The sampling rate is high enough for a hammer test.",
     "sampling rate >= 50.0 Hz", "a pulse lasts 20 ms at most",
     says="The record is sampled at", role="time",
 )  # fmt: skip
 hammer_not_oversampled = _make_size_criterion(
     "hammer_not_oversampled",
-    "The record is sampled no faster than recorders of vibration do.",
-    "sampling rate <= 2.5e5 Hz", "no recorder of vibration",
+    "The sampling rate is no higher than that of vibration recorders.",
+    "sampling rate <= 2.5e5 Hz", "no vibration recorder is faster",
     says="The record is sampled at", role="time",
 )  # fmt: skip
 shock_not_large = _make_size_criterion(
     "shock_not_large",
-    "The acceleration of the indenter is one that a shock accelerometer measures.",
+    "The acceleration of the indenter is within the range of a shock accelerometer.",
     "greatest acceleration <= 1e6 m/s^2", "a hundred thousand g, the range of shock accelerometers",
     says="The acceleration reaches", role="acceleration",
 )  # fmt: skip
 indenter_not_fast = _make_size_criterion(
     "indenter_not_fast",
-    "The indenter is no faster than a test of rubber drives it.",
+    "The indenter is no faster than in tests of rubber.",
     "greatest speed <= 100.0 m/s", "rubber is hit more slowly",
     says="The velocity reaches", role="velocity",
 )  # fmt: skip
 contact_rate = _make_size_criterion(
     "contact_rate",
-    "The record is sampled as fast as a contact needs.",
+    "The sampling rate is high enough for a contact.",
     "sampling rate >= 500.0 Hz", "a contact lasts 40 ms at most",
     says="The record is sampled at", role="time",
 )  # fmt: skip
 
 
 @criterion(
-    "greatest strain", ">=", LEAST_STRAIN, "our choice: a law is no line there", grade="stop"
+    "greatest strain", ">=", LEAST_STRAIN, "our choice: nonlinearity shows above it", grade="stop"
 )
 def strain_of_a_rubber(strain: float, unit: str) -> Finding:
-    """The strain is one that shows a law."""
+    """The strain is large enough to determine a hyperelastic law."""
     says = f"The strain reaches {strain:.3g} of the length"
     return Finding(says, strain, **_make_unit_advice(says, "strain", unit, {"%": "1"}))
 
@@ -273,7 +274,7 @@ def strain_of_a_rubber(strain: float, unit: str) -> Finding:
     grade="stop",
 )
 def stress_of_a_rubber(stress: float, unit: str) -> Finding:
-    """The stress is one that rubber or foam bears."""
+    """The stress is possible in rubber or foam."""
     says = f"The stress reaches {format_quantity_short(stress, 'Pa')}"
     likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
     return Finding(

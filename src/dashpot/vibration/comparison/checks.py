@@ -84,7 +84,7 @@ def _grade(limits: float) -> Grade | None:
     otherwise="stop beyond 0.2",
 )
 def stiffness_agrees(c: Comparison) -> Finding:
-    """The peaks are at one frequency."""
+    """The predicted and the measured peak have the same frequency."""
     error = c.frequency_error
     if _no_peak(c):
         f = c.predicted.frequency
@@ -113,7 +113,7 @@ def stiffness_agrees(c: Comparison) -> Finding:
     otherwise="stop beyond 12 dB",
 )
 def peak_agrees(c: Comparison) -> Finding:
-    """The peaks are as high as one another."""
+    """The predicted and the measured peak have the same height."""
     if _no_peak(c):
         return Finding(
             f"No predicted line is higher than {10 ** (c.ratio_db / 20):.3g} times the measured "
@@ -139,7 +139,7 @@ def peak_agrees(c: Comparison) -> Finding:
     otherwise="stop beyond a factor 2.4",
 )
 def damping_agrees(c: Comparison, measured: Peak) -> Finding:
-    """The damping ratios are the same."""
+    """The predicted and the measured damping ratio are the same."""
     if c.measured_damping is None or c.predicted_damping is None:
         which = "measured" if c.measured_damping is None else "predicted"
         return Finding(
@@ -163,7 +163,7 @@ def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     source="not near sqrt(1000) in frequency, 9.81 or 1000 in height",
 )
 def no_unit_error(c: Comparison) -> Finding:
-    """No unit slip left its mark: sqrt(1000) on a frequency, 9.81 or 1000 on a height."""
+    """No unit error shows: sqrt(1000) in frequency, 9.81 or 1000 in height."""
     frequency = c.measured_hz / c.predicted_hz
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
     for ratio, factor, words in (
@@ -190,7 +190,7 @@ def no_unit_error(c: Comparison) -> Finding:
     "measured: the height is read to 1 %, with a third of the lines to 17 %",
 )
 def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
-    """The lines resolve both peaks."""
+    """The frequency resolution is fine enough for both peaks."""
     lines = min(measured.half_power_lines, predicted.half_power_lines)
     which = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
     return Finding(
@@ -202,9 +202,9 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
     )
 
 
-@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+@criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
 def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
-    """The measured peak lies where the fit informs the solid, or bears out the prediction."""
+    """The measured peak lies in the valid band of the fit, or confirms the prediction."""
     low, high = fit.band
     if not high > 0:
         return Finding("The fit has no valid band, so this is not judged")
@@ -219,9 +219,9 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     return Finding(says, factor, remedy=TOGETHER, excused=borne_out)
 
 
-@criterion("1 / (2 pi peak), s", source="what the relaxation test informs")
+@criterion("1 / (2 pi peak), s", source="the valid band of the relaxation test")
 def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
-    """The relaxation test can see the arms behind the loss, or the hammer bears them out."""
+    """The relaxation test covers the arms behind the loss, or the hammer confirms them."""
     low, high = fit.band
     if not high > 0:
         return Finding("The fit has no valid band, so this is not judged")
@@ -254,7 +254,7 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
 
 @criterion("compression under the mass, m", source="our choice: within 25 % of the tested depth")
 def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Finding:
-    """The prediction is for the compression that the mass gives the seals."""
+    """The prediction is for the compression of the seals under the mass."""
     at, depth = point.compression, point.depth
     says = (
         f"The seals are compressed by {format_quantity(at, 'mm', '.2f')}, as given"

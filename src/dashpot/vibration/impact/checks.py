@@ -145,7 +145,7 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
 
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
 def coherence(frf: FRF, at: int) -> Finding:
-    """The hits agree at the resonance, the line `at`, and at the lines beside it."""
+    """The coherence is high at the resonance, the line `at`, and at the lines beside it."""
     if frf.coherence is None:
         return Finding(
             "A single hit has no coherence; it would be 1 whatever was measured. More hits would "
@@ -164,9 +164,9 @@ def coherence(frf: FRF, at: int) -> Finding:
     )
 
 
-@criterion("Im A / |A| at the peak", ">=", -0.3, "0 or more, but for noise", grade="stop")
+@criterion("Im A / |A| at the peak", ">=", -0.3, "0 or more, apart from noise", grade="stop")
 def frf_dissipates(value: complex, peak: float) -> Finding:
-    """The FRF is of a part that dissipates: its accelerance leads the force at the peak."""
+    """The part dissipates energy: the accelerance leads the force at the peak."""
     part = value.imag / abs(value)
     return Finding(
         f"At {peak:.4g} Hz the accelerance leads the force",
@@ -181,11 +181,11 @@ def frf_dissipates(value: complex, peak: float) -> Finding:
     "(1 - 1/T) (resonance / frequency)^2",
     "x/",
     3.0,
-    "1 for a mass on a spring; below 0 no part that dissipates",
+    "1 for a mass on a spring; no passive part is below 0",
     grade="stop",
 )
 def mass_over_base(frf: FRF) -> Finding:
-    """The transmissibility is of the mass over its base: 1 at rest, falling above the resonance."""
+    """The transmissibility is of mass over base: 1 at rest, falling above the resonance."""
     lines = frf.only(frf.usable)
     T, f = lines.to(Kind.TRANSMISSIBILITY).value, lines.frequency
     at = _turn(np.abs(lines.value))
@@ -257,7 +257,7 @@ def _turn(size: FloatArray) -> int | None:
 
 @criterion(source="by definition")
 def line_errors_stated() -> Finding:
-    """The FRF says how well each of its lines is known."""
+    """The FRF states the scatter of each of its lines."""
     return Finding(
         "The FRF has neither coherence nor scatter, so every line counts alike",
         remedy="Export the coherence with it.",
@@ -265,9 +265,9 @@ def line_errors_stated() -> Finding:
     )
 
 
-@criterion("natural frequency, Hz", source="no limit: a mode is found or not", grade="stop")
+@criterion("natural frequency, Hz", source="no limit: a mode is identified or not", grade="stop")
 def resonance(frf: FRF, main: Mode | None) -> Finding:
-    """A resonance stands out."""
+    """The FRF has a clear resonance."""
     if main is None:
         return Finding(
             f"No resonance was found between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} Hz",
@@ -282,9 +282,9 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     )
 
 
-@criterion("modes outside", "<=", 0.0, "a pole beyond the lines stands for what lies there")
+@criterion("modes outside", "<=", 0.0, "a pole outside the lines represents modes that lie there")
 def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Finding:
-    """The modes lie where there are lines."""
+    """The modes lie within the measured band."""
     outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
     listed = ", ".join(f"{frequency:.4g}" for frequency in outside)
     return Finding(
@@ -299,7 +299,7 @@ def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Findi
 
 @criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
 def record_long_enough(frf: FRF, main: Mode) -> Finding:
-    """The record holds the decay."""
+    """The record contains the whole decay."""
     have = frf.record or 0.0
     need = TIME_CONSTANTS / main.decay
     cut = 100 * np.exp(-(main.decay + frf.shift) * have)
@@ -321,7 +321,7 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
     "our choice; a damping ratio is then known to 10 %",
 )
 def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Finding:
-    """The decay of an exponential window that the record carries is known."""
+    """The time constant of an exponential window in the record is known."""
     if not (window.stated or window.evident):
         return Finding(
             "The noise before the pulse is not seen, so that an exponential window would not be"
@@ -365,7 +365,7 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
     "lines", ">=", LINES, "measured: damping and height to 1 %; a third of them reads 17 % high"
 )
 def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
-    """The lines resolve the peak."""
+    """The frequency resolution is fine enough for the peak."""
     spacing = float(np.median(np.diff(frf.frequency)))
     width = main.bandwidth + frf.shift / np.pi
     need = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
@@ -382,7 +382,7 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     "runs of 3 samples at an end of the range", "<=", 1.0, "by definition; chance", grade="stop"
 )
 def channels_not_clipped(test: ShakenTest) -> Finding:
-    """No channel of a shaken base stays at the end of its range."""
+    """No channel of a shaken base is clipped."""
     runs = {name: _stays(signal) for name, signal in (("base", test.base), ("mass", test.mass))}
     worst = max(runs, key=lambda name: runs[name])
     return Finding(
@@ -427,7 +427,7 @@ def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
 
 @criterion("level of the force at the peak, dB", ">=", -10.0)
 def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
-    """The pulse's spectrum has not fallen where the block resonates."""
+    """The force spectrum of the hammer has not fallen at the resonance."""
     power = (np.abs(spectra.force) ** 2).mean(axis=0)
     at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     level = 10 * float(np.log10(power[at] / power[:3].mean()))
@@ -442,7 +442,7 @@ def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
 
 @criterion("largest change without one hit", "<=", DISAGREES)
 def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Finding:
-    """No single hit decides the FRF about the resonance."""
+    """No single hit determines the FRF near the resonance."""
     reach = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
     near = np.abs(frf.frequency - main.frequency) <= reach
     without = leave_one_out(spectra, estimator)[:, near]
@@ -486,10 +486,10 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
 
 
 @criterion(
-    "change of stiffness per doubling that 4 of 5 such tests find", "<=", SOFTENING, "as it matters"
+    "change of stiffness per doubling that 4 of 5 such tests find", "<=", SOFTENING, "a change that matters"
 )
 def softening_detectable(trend: Trend | None) -> Finding:
-    """Hits differ enough in height to find a change of stiffness that matters."""
+    """The hits differ enough in force to detect a change of stiffness that matters."""
     if trend is None:
         return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
     return Finding(
@@ -503,7 +503,7 @@ def softening_detectable(trend: Trend | None) -> Finding:
 
 @criterion("rocking / bounce peak", "<=", 0.05)
 def rocking_cancelled(frf: FRF, combination: Combination) -> Finding:
-    """The accelerometers together hardly feel the block rock."""
+    """The mean of the accelerometers cancels the rocking of the block."""
     weighted = any(
         step.name == "combine" and len({value for _, value in step.parameters}) > 1
         for step in frf.steps
@@ -525,7 +525,7 @@ def rocking_cancelled(frf: FRF, combination: Combination) -> Finding:
 
 @criterion("largest rocking / bounce of a hit", "<=", 0.25)
 def hits_centred(frf: FRF, combination: Combination) -> Finding:
-    """The hits meet the block near its centre."""
+    """The hits strike the block near its centre."""
     names = [hit.name for hit in frf.hits if hit.accepted]
     worst = int(np.argmax(np.abs(combination.eccentricity)))
     value = float(abs(combination.eccentricity[worst]))
@@ -583,7 +583,7 @@ def apparent_mass(
     otherwise=f"stop beyond a factor {GROSS:g}",
 )
 def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float) -> Finding:
-    """Above resonance the block shows the mass that was weighed."""
+    """Above the resonance the FRF shows the stated mass."""
     if apparent is None:
         return Finding(
             f"No good lines lie above {ABOVE:g} times the natural frequency, so the mass cannot "

@@ -73,7 +73,7 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
 
 @criterion("part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch moves no stiffness")
 def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
-    """The displacement is read anew from sample to sample while the load is held.
+    """The displacement is a new reading in each row while the load is held.
 
     Of a load that is held nothing else is expected than that it stands. `displacement` is of the
     same samples as it stands in the file.
@@ -97,7 +97,7 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
 
 @criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
 def load_held(test: LoadHold) -> Finding:
-    """The load stays what it is held at, or the fit follows it."""
+    """The load is constant during the hold, or the fit follows it."""
     held = test.load[test.hold]
     settled = held[len(held) // 10 :]
     change = float(np.ptp(settled)) / test.level
@@ -112,7 +112,7 @@ def load_held(test: LoadHold) -> Finding:
 
 @criterion("last third / first third", ">=", 0.8, "our choice: scatter", grade="stop")
 def compliance_rises(compliance: FloatArray) -> Finding:
-    """The compliance rises, as that of every relaxing solid does."""
+    """The creep compliance rises with time."""
     third = max(len(compliance) // 3, 1)
     first, last = float(compliance[:third].mean()), float(compliance[-third:].mean())
     return Finding(
@@ -124,9 +124,9 @@ def compliance_rises(compliance: FloatArray) -> Finding:
     )
 
 
-@criterion("of the creep to come / compliance at rest", "<=", MAX_TO_COME, grade="limit")
+@criterion("creep still to come / final compliance", "<=", MAX_TO_COME, grade="limit")
 def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
-    """The displacement had the time to come to rest, or the part flows and never does.
+    """The displacement has come to rest, or the part flows.
 
     `hold` is in s.
     """
@@ -147,7 +147,7 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
 
 @criterion("difference of BIC", ">=", TOLD, "our choice: 1 to 150 in likelihood")
 def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
-    """The record tells a solid that comes to rest from one that flows."""
+    """The data distinguish a part that comes to rest from one that flows."""
     word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
     doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
     if np.isinf(difference):
@@ -166,7 +166,7 @@ def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None)
     "flow / displacement at the end", ">=", FLOWED, "our choice: a slow retardation shows less"
 )
 def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
-    """The flow that was found moved the part by more than a slow retardation would have.
+    """The fitted flow moved the part by more than slow retardation would have.
 
     `hold` is in s.
     """
@@ -179,9 +179,9 @@ def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
     )
 
 
-@criterion("drift / what a channel drifts", "<=", DRIFTS, "our choice; two standard deviations")
+@criterion("drift / usual drift of a channel", "<=", DRIFTS, "our choice; two standard deviations")
 def drift_distinguished_from_flow(drift: float, usual: float, *, reported: bool) -> Finding:
-    """What was taken for a drift of the displacement is no flow of the part.
+    """The fitted drift of the displacement is too small to be flow of the part.
 
     Both in m/s; `reported` if the samples before the load show the drift.
     """
@@ -199,7 +199,7 @@ def drift_distinguished_from_flow(drift: float, usual: float, *, reported: bool)
     "smooth misfit / noise", "<=", MISSED, "our choice", otherwise=f"stop beyond {NOT_FOLLOWED:g}"
 )
 def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding:
-    """The solid follows the displacement to its noise.
+    """The model fits the displacement to within its noise.
 
     `residual` is of the last samples of the record.
     """
@@ -220,7 +220,7 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
 
 @criterion("rms error of the fit", "<=", FOLLOWED)
 def compliance_residual_small(missed: float, arms: int) -> Finding:
-    """The fit follows the curve of compliance."""
+    """The model fits the creep compliance."""
     return Finding(
         f"{format_arm_count(arms)} leave {100 * missed:.2g} % rms of the compliance",
         missed,
@@ -230,10 +230,10 @@ def compliance_residual_small(missed: float, arms: int) -> Finding:
 
 
 @criterion(
-    "departure at the highest load", "<=", BENT, "our choice; or less than 3 standard errors"
+    "deviation at the highest load", "<=", BENT, "our choice; or less than 3 standard errors"
 )
 def levels_agree(departure: float | None, error: float | None) -> Finding:
-    """Loads of several levels move the part in proportion: it is linear."""
+    """The displacement is proportional to the load: the part is linear."""
     if departure is None or error is None:
         return Finding("The record has one level of load, so proportion is not judged")
     return Finding(

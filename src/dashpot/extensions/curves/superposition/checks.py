@@ -33,14 +33,14 @@ _SLIGHT = 0.1
     "decades shared",
     ">=",
     OVERLAP,
-    "our choice: less, and everything fits; of ramps and holds 1.5, as simulated pairs ask",
+    "our choice: with less, any shift fits; 1.5 for ramps and holds (simulation)",
 )
 def isotherms_overlap(
     shared: FloatArray | Sequence[float],
     temperature: FloatArray | Sequence[float],
     least: float = OVERLAP,
 ) -> Finding:
-    """Neighbouring temperatures inform a stretch of relaxation times in common, once shifted.
+    """Neighbouring temperatures share a range of relaxation times after the shift.
 
     `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,); `least` is what
     they must share.
@@ -58,7 +58,7 @@ def isotherms_overlap(
 
 @criterion("SE of a step, decades", "<=", MAX_STEP_SE, "our choice: a factor 2 in time")
 def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
-    """The data say how far each temperature lies from the next.
+    """The data determine the shift between neighbouring temperatures.
 
     `error` is of each step of log10 a_T, shape (n - 1,).
     """
@@ -75,7 +75,7 @@ def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
 
 @criterion("rise of log a_T, SE", "<=", MAX_RISE, "3 standard errors")
 def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray) -> Finding:
-    """Every relaxation is faster where it is warmer.
+    """Relaxation is faster at each higher temperature.
 
     `step` is log10 a_T of each temperature less that of the next colder one, with its `error`.
     """
@@ -95,10 +95,10 @@ def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray)
     "mean square jointly / alone",
     "<=",
     MAX_JOINT_OVER_OWN,
-    "simulated simple solids give 0.96 to 1.12",
+    "simulated simple models give 0.96 to 1.12",
 )
 def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float) -> Finding:
-    """One shift moves every relaxation time: each temperature fits as well as it does alone.
+    """One shift factor for all arms fits each temperature as well as a model of its own.
 
     `ratio` is None where the temperatures alone leave too few degrees of freedom, `by_chance` what
     it reaches by chance alone, `rms` what the joint fit leaves, relative.
@@ -136,7 +136,7 @@ def collect_law_checks(
 def law_follows_shifts(
     taken: LawScore, scores: Sequence[LawScore], *, requested: bool = False
 ) -> Finding:
-    """The law of temperature follows the shifts, as far as they are known.
+    """The shift law agrees with the shift factors within their errors.
 
     `scores` are of every law that was tried; `requested` if the user wants none.
     """
@@ -164,9 +164,9 @@ def law_follows_shifts(
     )
 
 
-@criterion("decades off the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
+@criterion("decades from the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
 def no_temperature_outlier(odd: ShiftOutlier | None) -> Finding:
-    """No one temperature lies off the law that all others follow."""
+    """No temperature deviates from the shift law of all others."""
     if odd is None:
         return Finding("No single temperature lies off a law that all others follow", 0.0)
     return Finding(
@@ -179,7 +179,7 @@ def no_temperature_outlier(odd: ShiftOutlier | None) -> Finding:
 
 @criterion("K from the coldest test to the law's end", "<=", 0.0, "10 K above the glass transition")
 def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Finding:
-    """The glass transition that the law implies lies well below the coldest test.
+    """The glass transition of the shift law lies well below the coldest test.
 
     `coldest` is in K, and so is the standard `error` of C_2.
     """
@@ -203,7 +203,7 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
     "Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773: very strong",
 )
 def vertical_shift_determined(vertical: str, margin: float, difference: float) -> Finding:
-    """The data, or the user, say how stiffness itself follows temperature.
+    """The data, or the user, determine how the stiffness depends on temperature.
 
     `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what
     they leave if that is less, and `difference` by how many decades its shifts differ.
@@ -231,7 +231,7 @@ def vertical_shift_determined(vertical: str, margin: float, difference: float) -
     "our choice; or what chance exceeds with probability 0.0027",
 )
 def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray) -> Finding:
-    """The stiffness follows temperature as the vertical rule says.
+    """The stiffness depends on temperature as the vertical shift says.
 
     `step` is by how much ln b_T of each temperature would move if it could, and `score` the fall of
     chi-square.

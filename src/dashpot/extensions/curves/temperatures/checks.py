@@ -40,7 +40,7 @@ MAX_BACK = 2.5
 def thermorheologically_simple(
     chance: float, excess: float, *, temperatures: int, slope: tuple[float, float] | None
 ) -> Finding:
-    """One solid whose arms all shift together explains every test as well as its own fit does.
+    """One model whose arms all shift alike fits every test as well as a model of its own.
 
     `excess` is what the joint fit leaves beyond the noise, as a part of the peak force; `slope` is
     how much further each decade of tau shifts, and its error, by the data alone: what is held of it
@@ -73,7 +73,7 @@ def thermorheologically_simple(
 
 @criterion("K over the record", "|x| <=", STEADY, "our choice: chambers hold 0.5 K")
 def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
-    """The temperature of each test stood still."""
+    """The temperature of each test was constant."""
     worst = max(warming, key=lambda nuisance: abs(nuisance.value))
     title = worst.name.partition(" of ")[2]
     return Finding(
@@ -86,7 +86,7 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
 
 @criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
 def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
-    """Stiffness itself follows temperature about as rubber's does, as T/T_r."""
+    """The stiffness is about proportional to absolute temperature, as rubber's is."""
     away = [
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
@@ -104,11 +104,11 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     "temperatures",
     ">=",
     CONTRADICT,
-    "our choice: two cannot contradict each other",
+    "our choice: two temperatures always fit a law",
     grade="note",
 )
 def shifts_distinguished(count: int) -> Finding:
-    """There are temperatures enough to see arms that shift apart, and to lay a law."""
+    """Enough temperatures were tested to detect arms that shift apart and to fit a law."""
     return Finding(
         f"{count} temperatures were tested; three are needed",
         count,

@@ -25,7 +25,7 @@ PULLS = 0.01
     "our choice: less may be the load cell's own zero",
 )
 def zero_recorded(preload: float, *, air: bool) -> Finding:
-    """The plate comes through air, or begins on a seal that carries nothing."""
+    """The record shows the force at zero compression."""
     if air:
         return Finding("The plate comes through air, so compression and force have their zero", 0.0)
     return Finding(
@@ -44,7 +44,7 @@ def zero_recorded(preload: float, *, air: bool) -> Finding:
     "our choice: what is left of softening is then within the scatter of seals",
 )
 def specimen_conditioned(change: float | None, *, cycle: int, softening: float) -> Finding:
-    """The seal has softened as far as it does in such cycles (Mullins)."""
+    """The seal is conditioned: its force no longer falls from cycle to cycle (Mullins)."""
     if change is None:
         return Finding(
             "The figures are of cycle 1 of a seal; later cycles are softer",
@@ -67,7 +67,7 @@ def specimen_conditioned(change: float | None, *, cycle: int, softening: float) 
     "our choice: Mullins' softening reaches as far as the seal was pressed before",
 )
 def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
-    """The seal was pressed as deep in the cycles before."""
+    """Earlier cycles compressed the seal as far as this one."""
     if ratio is None:
         return Finding("One cycle shows no depth of those before it")
     return Finding(
@@ -78,9 +78,9 @@ def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
     )
 
 
-@criterion("compression / depth", "<=", 1.0, "beyond the depth there is no reading")
+@criterion("compression / depth", "<=", 1.0, "by definition: no reading beyond it")
 def compressions_reached(most: float, depth: float) -> Finding:
-    """The cycle reaches every compression asked for."""
+    """The cycle reaches every requested compression."""
     return Finding(
         f"Compressions up to {format_quantity(most, 'mm')} are asked for; the cycle goes to "
         f"{format_quantity(depth, 'mm')}",
@@ -90,10 +90,10 @@ def compressions_reached(most: float, depth: float) -> Finding:
 
 
 @criterion(
-    "drift of the zero / force", "|x| <=", MOST_DRIFT, "our choice: then a line takes it off"
+    "drift of the zero / force", "|x| <=", MOST_DRIFT, "our choice: a linear drift is then subtracted"
 )
 def load_cell_steady(drift: float | None) -> Finding:
-    """The load cell reads in air at the end what it read at the beginning."""
+    """The load cell reads the same force in air at the end as at the beginning."""
     if drift is None:
         return Finding("Air at one time only shows no drift of the load cell")
     return Finding(
@@ -105,13 +105,13 @@ def load_cell_steady(drift: float | None) -> Finding:
 
 
 @criterion(
-    "largest departure / depth",
+    "largest deviation / compression",
     "<=",
     EVEN,
     "our choice: a stop of a twentieth of the stroke",
 )
 def plate_speed_constant(departure: float | None) -> Finding:
-    """The plate moves at one speed."""
+    """The plate moves at a constant speed."""
     if departure is None:
         return Finding("Without a clock there is no speed to judge")
     return Finding(
@@ -123,14 +123,14 @@ def plate_speed_constant(departure: float | None) -> Finding:
 
 
 @criterion(
-    "energy lost / put in",
+    "energy lost / received",
     ">=",
     -0.02,
-    "no seal gives back more than it is given; less is noise",
+    "by physics; less is noise",
     grade="stop",
 )
 def no_energy_gained(hysteresis: float | None) -> Finding:
-    """The seal gives back no more energy than was put in."""
+    """The seal returns no more energy than it received."""
     if hysteresis is None:
         return Finding("Without the unloading the energy returned is not known")
     return Finding(
@@ -141,9 +141,9 @@ def no_energy_gained(hysteresis: float | None) -> Finding:
     )
 
 
-@criterion("pull / greatest force", "<=", PULLS, "our choice: a load cell's zero is known to less")
+@criterion("tension / largest force", "<=", PULLS, "our choice: above the error of the load cell's zero")
 def no_adhesion_on_release(pull: float | None) -> Finding:
-    """The seal leaves the plate as it is released, and does not pull on it."""
+    """The seal does not stick to the plate during release."""
     if pull is None:
         return Finding("Without air beside the release a pull on the plate is not seen")
     return Finding(
@@ -156,7 +156,7 @@ def no_adhesion_on_release(pull: float | None) -> Finding:
 
 @criterion(grade="note")
 def unloading_recorded(*, recorded: bool) -> Finding:
-    """The way back was recorded, too."""
+    """The unloading was recorded."""
     return Finding(
         "Loading and unloading were recorded",
         instead="The unloading was not recorded, so hysteresis and returned energy are not known",
@@ -167,7 +167,7 @@ def unloading_recorded(*, recorded: bool) -> Finding:
 
 @criterion(grade="note")
 def length_given(*, provided: bool) -> Finding:
-    """The length of the seal is known, so that forces are of 100 mm."""
+    """The length of the seal is given, so that forces are per 100 mm."""
     return Finding(
         "The length of the seal is known",
         instead="The length of the seal is not given, so forces are N of this piece, not N per "
@@ -187,7 +187,7 @@ BETTER = 10.0
 
 @criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
 def relaxation_explains_hysteresis(raw: float | None, remainder: float | None) -> Finding:
-    """Without the memory, loading and unloading fall onto one curve."""
+    """With the relaxation removed, loading and unloading are one curve."""
     if raw is None or remainder is None:
         return Finding("Without the unloading the memory cannot be checked")
     return Finding(
@@ -199,9 +199,9 @@ def relaxation_explains_hysteresis(raw: float | None, remainder: float | None) -
     )
 
 
-@criterion("stroke / longest or shortest time of the test", "x/", 1.0, "the band of the fit")
+@criterion("stroke / longest or shortest tau of the test", "x/", 1.0, "the valid band of the fit")
 def stroke_within_relaxation_times(stroke: float | None, band: tuple[float, float]) -> Finding:
-    """The stroke takes as long as a time that the relaxation test informs."""
+    """The stroke lasts as long as a relaxation time that the relaxation test covers."""
     if stroke is None:
         return Finding("No speed is known")
     longest, shortest = (1 / (2 * pi * end) for end in band)
@@ -215,9 +215,9 @@ def stroke_within_relaxation_times(stroke: float | None, band: tuple[float, floa
     )
 
 
-@criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: pieces scatter so")
+@criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: scatter of specimens")
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
-    """The relaxed force is that of the relaxation test at the compression that it was held at."""
+    """The relaxed force agrees with the relaxation test at its compression."""
     held = (
         f"At {format_quantity(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
     )
@@ -231,9 +231,9 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
     )
 
 
-@criterion("largest difference of F(t) / F at rest", "<=", AGREES, "as pieces scatter")
+@criterion("largest difference of F(t) / F at rest", "<=", AGREES, "scatter of specimens")
 def relaxation_tests_agree(difference: float | None) -> Finding:
-    """The relaxation tests have one memory, whatever depth they were held at."""
+    """The relaxation tests at all compressions have the same relative relaxation."""
     if difference is None:
         return Finding("No speed is known, so the memories are not compared")
     return Finding(
@@ -248,7 +248,7 @@ def relaxation_tests_agree(difference: float | None) -> Finding:
 
 @criterion("BIC over that of a dashpot", "<=", BETTER, "Kass and Raftery 1995: very strong beyond")
 def one_relaxation_explains_speeds(over: float) -> Finding:
-    """One memory explains the speeds as well as a dashpot that depends on compression does."""
+    """Relaxation explains the speeds as well as a dashpot that depends on compression."""
     if over >= -BETTER:
         says = "The speeds do not separate one memory from a dashpot that depends on compression"
     else:
@@ -262,9 +262,9 @@ def one_relaxation_explains_speeds(over: float) -> Finding:
     )
 
 
-@criterion("fastest / slowest", ">=", 10.0, "our choice: one arm is told over a decade of speeds")
+@criterion("fastest / slowest", ">=", 10.0, "our choice: an arm shows over a decade of speeds")
 def speeds_spread(ratio: float) -> Finding:
-    """The speeds lie far enough apart to tell a memory."""
+    """The speeds differ enough to determine a relaxation time."""
     return Finding(
         f"The speeds span a factor of {ratio:.3g}; at least 10 is needed",
         ratio,
@@ -273,9 +273,9 @@ def speeds_spread(ratio: float) -> Finding:
     )
 
 
-@criterion("residual / noise", "<=", 2.0, "pieces 2 % apart: 3.4; one piece: 0.9 to 1.1")
+@criterion("residual / noise", "<=", 2.0, "specimens 2 % apart: 3.4; one specimen: 0.9 to 1.1")
 def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding:
-    """One law and one memory follow every speed, in and back, to the noise or 0.1 %."""
+    """One elastic law and one relaxation fit every speed to the noise or 0.1 %."""
     return Finding(
         f"The model misses {100 * residual / peak:.2g} % of the greatest force; the noise is "
         f"{100 * noise / peak:.2g} %",
@@ -286,9 +286,9 @@ def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding
     )
 
 
-@criterion("longest time / slowest stroke", "<=", 1.0, "what is slower is not at rest by then")
+@criterion("longest relaxation time / slowest stroke", "<=", 1.0, "slower arms have not relaxed by then")
 def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding:
-    """The slowest stroke is slow against the longest relaxation time."""
+    """The slowest stroke takes longer than the longest relaxation time."""
     if longest is None:
         return Finding("No memory was found")
     return Finding(
@@ -307,7 +307,7 @@ def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding
     ends=Status.NOT_IDENTIFIED,
 )
 def relaxation_times_determined(error: float | None) -> Finding:
-    """Every relaxation time is told."""
+    """The data determine every relaxation time."""
     if error is None:
         return Finding("No memory was found")
     return Finding(
@@ -319,7 +319,7 @@ def relaxation_times_determined(error: float | None) -> Finding:
 
 @criterion("conditions that differ", "<=", 0, "by definition")
 def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
-    """Pieces were pressed alike: speed, depth, cycle and temperature, so that they may scatter."""
+    """The specimens were tested alike: speed, compression, cycle and temperature."""
     return Finding(
         "The pieces were tested alike",
         len(otherwise),
@@ -329,9 +329,9 @@ def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
     )
 
 
-@criterion("Cpk", ">=", 1.33, "AIAG's usual demand of a process that is known")
+@criterion("Cpk", ">=", 1.33, "usual requirement (AIAG) for a known process")
 def pieces_capable(of: ProcessCapability, unit: str) -> Finding:
-    """The force at the nominal compression keeps to its limits by a margin."""
+    """The force at the nominal compression keeps a margin to its limits."""
     low, high = of.cpk_interval or (0.0, 0.0)
     return Finding(
         f"Cpk of the force at the nominal compression is "

@@ -52,7 +52,7 @@ def _estimate_drift(estimate: Estimate, drift: float) -> tuple[float | None, flo
 
 @criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
 def force_falls(risen: float) -> Finding:
-    """The force of the pieces falls, or stays."""
+    """The force of the specimens does not rise."""
     return Finding(
         f"The force rises by {max(risen, 0.0):.2g} standard errors of its trend",
         risen,
@@ -63,7 +63,7 @@ def force_falls(risen: float) -> Finding:
 
 @criterion("time / 30 min", "<=", 2.0, "ISO 3384-1: F0 is read at 30 min", grade="note")
 def f0_read(first: float) -> Finding:
-    """F0 was read of every piece."""
+    """F0 of every specimen was read close to 30 min."""
     return Finding(
         f"The last piece was first read {format_quantity(first, 'h', '.3g')} after its compression",
         first / FIRST,
@@ -74,7 +74,7 @@ def f0_read(first: float) -> Finding:
 
 @criterion("correlation of neighbours * sqrt(readings)", "<=", 3.0, "chance, once in 700")
 def readings_residuals_random(together: float) -> Finding:
-    """The readings scatter about the law, and neighbours do so apart."""
+    """The readings scatter independently about the aging law."""
     return Finding(
         f"Neighbours in time miss the law together by {together:.2g} standard deviations",
         together,
@@ -85,7 +85,7 @@ def readings_residuals_random(together: float) -> Finding:
 
 @criterion("part of F0", "<=", 0.04, "our choice: four times the 1 % of a usual reading")
 def readings_residual_small(scatter: float) -> Finding:
-    """The readings lie near the law."""
+    """The readings lie close to the aging law."""
     return Finding(
         f"A reading lies {100 * scatter:.2g} % of F0 from the law",
         scatter,
@@ -96,7 +96,7 @@ def readings_residual_small(scatter: float) -> Finding:
 
 @criterion("rate / standard error", ">=", SEEN, "our choice: chance, once in 30,000")
 def chemical_aging_resolved(significance: float, hottest: float) -> Finding:
-    """The hottest oven shows that the rubber ages."""
+    """Chemical aging is significant in the hottest oven."""
     return Finding(
         f"At {celsius(hottest)} chemical aging is {significance:.2g} standard errors from none",
         significance,
@@ -105,9 +105,9 @@ def chemical_aging_resolved(significance: float, hottest: float) -> Finding:
     )
 
 
-@criterion("ovens", ">=", 3.0, "ISO 11346: a line of 1/T wants three temperatures")
+@criterion("ovens", ">=", 3.0, "ISO 11346: a line over 1/T needs three temperatures")
 def ovens_enough(ovens: int) -> Finding:
-    """Ovens enough show an activation energy and its error."""
+    """There are enough ovens for an activation energy and its error."""
     return Finding(
         f"The pieces were in {format_count(ovens, 'oven')}",
         float(ovens),
@@ -122,7 +122,7 @@ def ovens_enough(ovens: int) -> Finding:
 
 @criterion("chi square / degrees of freedom", "<=", 9.0, "our choice: chance, once in 370")
 def one_activation_energy_explains_ovens(strain: float | None) -> Finding:
-    """One activation energy explains all ovens within the error of their temperatures."""
+    """One activation energy fits all ovens within the error of their temperatures."""
     if strain is None:
         return Finding("Two ovens always lie on one line of 1/T, so it is not judged")
     return Finding(
@@ -135,7 +135,7 @@ def one_activation_energy_explains_ovens(strain: float | None) -> Finding:
 
 @criterion("drift / standard error", "|x| <=", 3.0, "chance, once in 700", grade="note")
 def load_cell_zero_stable(drift: float | None, error: float) -> Finding:
-    """The zero of the load cell stays where it is; of F0 in 1000 h."""
+    """The zero of the load cell does not drift, as a part of F0 in 1000 h."""
     if drift is None:
         return Finding("The load cell is said not to drift")
     return Finding(
@@ -149,7 +149,7 @@ def load_cell_zero_stable(drift: float | None, error: float) -> Finding:
 
 @criterion("rate / drift", ">=", 1.0, "our choice: a rate at least as large", grade="note")
 def aging_exceeds_cell_drift(rate: float | None, drifted: float) -> Finding:
-    """The coldest oven ages faster than a load cell drifts, in parts of F0 in 1000 h."""
+    """The coldest oven ages faster than the load cell drifts, in parts of F0 in 1000 h."""
     if rate is None:
         return Finding("No chemistry was seen, so no drift of the cell is compared with it")
     lost = rate * LONG
@@ -162,9 +162,9 @@ def aging_exceeds_cell_drift(rate: float | None, drifted: float) -> Finding:
     )
 
 
-@criterion("K", "<=", 30.0, "our choice: the activation energy falls in the cold")
+@criterion("distance, K", "<=", 30.0, "our choice: the activation energy is lower in the cold")
 def temperature_near_ovens(colder: float, temperature: float) -> Finding:
-    """The temperature that is asked lies near those of the ovens."""
+    """The requested temperature lies close to those of the ovens."""
     return Finding(
         f"{celsius(temperature)} lies {max(colder, 0.0):.3g} K below the coolest oven",
         colder,
@@ -177,7 +177,7 @@ def temperature_near_ovens(colder: float, temperature: float) -> Finding:
 def robust_to_lower_activation_energy(
     change: float | None, lower: float, coldest: float
 ) -> Finding:
-    """The answer stays within its interval if the activation energy falls below the ovens."""
+    """The result is robust to a lower activation energy below the tested temperatures."""
     if change is None:
         return Finding("The temperature is that of an oven, or above, so it is not judged")
     return Finding(
@@ -190,9 +190,9 @@ def robust_to_lower_activation_energy(
     )
 
 
-@criterion("part of the force", "<=", 0.1, "our choice: chains that form anew carry no force")
+@criterion("part of the force", "<=", 0.1, "our choice: newly formed chains carry no force")
 def stiffness_follows_force(lost: float) -> Finding:
-    """The stiffness has fallen as the force has: chemistry took little of it."""
+    """Chemical aging is small, so that the stiffness falls as the force does."""
     return Finding(
         f"Chemical aging took {100 * lost:.3g} % of the force",
         lost,
@@ -201,9 +201,9 @@ def stiffness_follows_force(lost: float) -> Finding:
     )
 
 
-@criterion("decades", "<=", 2.0, "our choice: a hundred times as long as the readings")
+@criterion("distance, decades", "<=", 2.0, "our choice: a hundred times as long as the readings")
 def time_near_readings(decades: float, longest: float) -> Finding:
-    """The time that is asked or found lies near the last reading."""
+    """The requested or predicted time is not far beyond the last reading."""
     return Finding(
         f"The answer lies {max(decades, 0.0):.2g} decades of time beyond the last reading, at "
         f"{format_quantity(longest, 'h', '.4g')}",

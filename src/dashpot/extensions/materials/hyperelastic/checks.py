@@ -255,11 +255,14 @@ def _reading(
     "residual / stress, rms",
     "<=",
     FOLLOWED,
-    "our choice: pieces scatter so",
+    "our choice: scatter of specimens",
     otherwise="stop beyond 0.2",
 )
 def law_residual_small(residual: float, worst: str, swelling: float = math.inf) -> Finding:
-    """The law follows every curve; `swelling` is what a foam that does not swell would leave."""
+    """The law fits every curve.
+
+    `swelling` is the residual of a foam law without lateral strain.
+    """
     remedy = Remedy("Use a law of more constants, or name the test of each file.", "model")
     because = ""
     if swelling <= min(FOLLOWED, _MUCH_CLOSER * residual):
@@ -278,7 +281,7 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
 
 @criterion("residual / that of the closest stable law", "<=", 2.0, "our choice: twice as close")
 def no_better_law(residual: float, flexible: float) -> Finding:
-    """No other stable law follows the curves much closer."""
+    """No other stable law fits the curves much better."""
     ratio = residual / max(flexible, SMALL)
     return Finding(
         f"The law misses the stress by {100 * residual:.2g} %, the most flexible stable one by "
@@ -289,9 +292,9 @@ def no_better_law(residual: float, flexible: float) -> Finding:
     )
 
 
-@criterion("residual / that of a foam", "<=", 1.3, "our choice: of rubber 1.0, of foam 1.6 or more")
+@criterion("residual / that of a foam", "<=", 1.3, "our choice: rubber 1.0, foam 1.6 or more")
 def compressible_law_no_better(residual: float | None, swelling: float) -> Finding:
-    """A foam that does not swell sideways follows the curves no closer than rubber."""
+    """A foam law without lateral strain fits the curves no better than the rubber law."""
     if residual is None:
         return Finding("The law is that of a foam, so it is not compared with one")
     return Finding(
@@ -324,9 +327,9 @@ def stable_in_use(
     )
 
 
-@criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: a tape or camera errs so")
+@criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: error of a tape or camera")
 def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool) -> Finding:
-    """The law swells sideways as the piece did."""
+    """The lateral strain of the law agrees with the measured one."""
     if reported is None:
         return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
     return Finding(
@@ -341,9 +344,9 @@ def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool)
     )
 
 
-@criterion("modes tested", ">=", 2.0, "own truths: one tension test is off by up to 18 % elsewhere")
+@criterion("modes tested", ">=", 2.0, "simulation: one tension test is up to 18 % wrong elsewhere")
 def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
-    """Two modes tell a law: one is followed by many that differ in the others."""
+    """At least two loading modes were tested; many laws fit one mode."""
     return Finding(
         f"{modes} modes were tested" if modes != 1 else "One mode was tested",
         float(modes),
@@ -356,10 +359,10 @@ def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
 
 @criterion(
     "residual / that with one mode scaled", "<=", SCALED,
-    "own truths: 1.02 at most of sound ones, 1.1 to 7 where a mode is 5 or 10 % off",
+    "simulation: sound tests at most 1.02; 1.1 to 7 where a mode is 5 or 10 % off",
 )  # fmt: skip
 def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
-    """No factor on the stress of one mode makes the modes agree."""
+    """No scale factor on the stress of one mode improves the fit much."""
     if ratio is None:
         return Finding("One mode cannot show whether its stress is off by a factor")
     if not mode:
@@ -373,9 +376,9 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
     )
 
 
-@criterion("doubt of the stress / largest", "<=", TOLD, "our choice: a tenth")
+@criterion("error of the stress / largest stress", "<=", TOLD, "our choice: a tenth")
 def unmeasured_modes_determined(doubt: float | None, mode: str, why: str) -> Finding:
-    """The tests tell the stress in the modes that were not measured, too."""
+    """The data determine the stress in the modes that were not measured."""
     if doubt is None:
         return Finding("No second law follows the tests, so the other modes are not compared")
     if not mode:
@@ -390,7 +393,7 @@ def unmeasured_modes_determined(doubt: float | None, mode: str, why: str) -> Fin
 
 @criterion("largest strain of use / measured", "<=", 1.0, "beyond it nothing was measured")
 def use_range_measured(ratio: float) -> Finding:
-    """The stretches of use were measured."""
+    """The stretches of use lie within the measured range."""
     says = "not measured at all" if math.isinf(ratio) else f"{ratio:.3g} times those measured"
     return Finding(
         f"The largest strains of use are {says}",
@@ -402,7 +405,7 @@ def use_range_measured(ratio: float) -> Finding:
 
 @criterion("half interval / largest constant", "<=", 0.25, "our choice: a quarter")
 def constants_determined(name: str, part: float) -> Finding:
-    """Every constant is known."""
+    """The data determine every constant of the law."""
     return Finding(
         f"The least certain constant, {name}, is known to {100 * part:.2g} % of the largest",
         part,
@@ -411,9 +414,9 @@ def constants_determined(name: str, part: float) -> Finding:
     )
 
 
-@criterion("rows / constants", ">=", 4.0, "our choice: fewer follow anything")
+@criterion("rows / constants", ">=", 4.0, "our choice: fewer rows fit any law")
 def rows_enough(rows: int, constants: int) -> Finding:
-    """There are enough rows for the constants."""
+    """There are enough rows for the number of constants."""
     return Finding(
         f"{rows} points determine {constants} constants; at least four points each are needed",
         rows / constants,
@@ -422,9 +425,9 @@ def rows_enough(rows: int, constants: int) -> Finding:
     )
 
 
-@criterion("mean difference of two files", "<=", ALIKE, "our choice: pieces scatter so")
+@criterion("mean difference of two files", "<=", ALIKE, "our choice: scatter of specimens")
 def files_agree(difference: float | None) -> Finding:
-    """Files of one mode show one curve."""
+    """Files of one loading mode show the same curve."""
     if difference is None:
         return Finding("No mode has two files over the same stretches")
     return Finding(
@@ -437,7 +440,7 @@ def files_agree(difference: float | None) -> Finding:
 
 @criterion("part of the energy", "<=", 0.1, "our choice: beyond it loading is not the elastic law")
 def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
-    """Unloading gives back what loading took."""
+    """Unloading returns most of the energy of loading."""
     if lost is None:
         return Finding("No unloading shows how much of the stress is elastic")
     why = (
@@ -451,7 +454,7 @@ def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
 
 @criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")
 def specimen_conditioned(softer: float | None) -> Finding:
-    """The material no longer softens from loading to loading."""
+    """The material is conditioned: it no longer softens from loading to loading."""
     if softer is None:
         return Finding("One loading shows no softening (Mullins); it may have been the first")
     return Finding(
@@ -462,7 +465,7 @@ def specimen_conditioned(softer: float | None) -> Finding:
     )
 
 
-@criterion("shift / largest strain", "|x| <=", 0.005, "a shift below it is not sought")
+@criterion("zero shift / largest strain", "|x| <=", 0.005, "a shift below it is not sought")
 def zero_stress_at_zero_strain(part: float, name: str) -> Finding:
     """Stress and strain are zero together."""
     if not name:
@@ -477,7 +480,7 @@ def zero_stress_at_zero_strain(part: float, name: str) -> Finding:
 
 @criterion("residual as read / as read otherwise", "<=", 3.0, "our choice: a third of the residual")
 def labels_agree(ratio: float | None, says: str, as_read: float) -> Finding:
-    """No other reading of a file makes the modes agree."""
+    """No other label of a file makes the modes agree much better."""
     if ratio is None:
         return Finding("One mode cannot show whether it, or its stress, is labelled right")
     return Finding(
@@ -491,7 +494,7 @@ def labels_agree(ratio: float | None, says: str, as_read: float) -> Finding:
 
 @criterion("part of the stress", "<=", 0.1, "our choice: a tenth")
 def measures_stated(part: float) -> Finding:
-    """It was said whether stress and strain are nominal or true."""
+    """Stress and strain were stated as nominal or true, or it makes little difference."""
     return Finding(
         "The files say whether stress and strain are nominal or true" if not part else
         f"Stress and strain are taken as nominal, which the files do not say. A true stress would "

@@ -106,9 +106,9 @@ def _memory(fit: IndentationFit, step: float) -> float | None:
     return -step / np.log(near) / fit.duration if near > 0 else 0.0
 
 
-@criterion("samples in contact", ">=", SAMPLED, "below it the touch and the damping trade")
+@criterion("samples in contact", ">=", SAMPLED, "below it, first contact and damping are correlated")
 def contact_sampled(samples: float) -> Finding:
-    """The contact is sampled densely enough to show its shape."""
+    """The contact has enough samples to show its shape."""
     return Finding(
         f"The contact has {samples:.0f} samples; at least {SAMPLED} are needed",
         samples,
@@ -124,7 +124,7 @@ def contact_sampled(samples: float) -> Finding:
     otherwise="stop where a third of the contact is missing",
 )
 def flights_recorded(before: float, after: float) -> Finding:
-    """The record begins before the touch and ends after the release."""
+    """The record begins before the contact and ends after the release."""
     short = min(before, after)
     side = "begins" if before <= after else "ends"
     where = "before the touch" if before <= after else "after the release"
@@ -148,7 +148,7 @@ def flights_recorded(before: float, after: float) -> Finding:
 
 @criterion("samples at the limit", "<=", 0.0, "a sensor at its limit repeats one number")
 def sensor_in_range(clipped: int) -> Finding:
-    """The sensor was not at its limit."""
+    """The sensor did not saturate."""
     return Finding(
         f"{clipped} samples have the same largest value",
         float(clipped),
@@ -157,9 +157,9 @@ def sensor_in_range(clipped: int) -> Finding:
     )
 
 
-@criterion("contacts before the largest", "<=", 0.0, "later contacts are slower bounces")
+@criterion("earlier contacts", "<=", 0.0, "later contacts are slower bounces")
 def first_contact(before: int, after: int) -> Finding:
-    """The contact that is fitted is the first of the record."""
+    """The fitted contact is the first one of the record."""
     more = f"; {after} later contacts were left out" if after else ""
     return Finding(
         f"{before} contacts come before the one fitted{more}",
@@ -177,7 +177,7 @@ def first_contact(before: int, after: int) -> Finding:
     otherwise="stop where a fiftieth of the push is left",
 )
 def law_residual_small(ratio: float | None, residual: float) -> Finding:
-    """The law follows the contact down to the noise."""
+    """The contact law fits the contact to within the noise."""
     return Finding(
         f"The law misses the contact by {100 * residual:.2g} % of the push"
         + (f", {ratio:.2g} times the noise in flight" if ratio is not None else ""),
@@ -189,9 +189,9 @@ def law_residual_small(ratio: float | None, residual: float) -> Finding:
     )
 
 
-@criterion("pull after release / push", ">=", -0.02, "our choice: a fiftieth of the push")
+@criterion("tension after release / contact force", ">=", -0.02, "our choice: a fiftieth of the push")
 def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
-    """Nothing holds the body back as it leaves."""
+    """Nothing holds the indenter back as it leaves the surface."""
     if pull is None:
         return Finding("No acceleration or force shows the release", None)
     return Finding(
@@ -212,7 +212,7 @@ def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
 def parameters_determined(
     name: str, factor: float, bounded: str = "", *, leads: float = np.inf
 ) -> Finding:
-    """Each parameter of the law is known to a quarter, or a loss is bounded from above.
+    """Each parameter is known to 25 %, or the loss has an upper limit.
 
     `leads` is the worst of stiffness, depth, restitution and modulus; what shares a loss among
     other parameters is in their intervals.
@@ -239,7 +239,7 @@ def _leading(fit: IndentationFit) -> float:
 def laws_agree(
     fit: IndentationFit, others: Sequence[tuple[str, Sequence[ReportedValue]]]
 ) -> Finding:
-    """Laws that explain the contact as well say the same of restitution, modulus and depth."""
+    """Contact laws that fit equally well give the same restitution, modulus and depth."""
     if not others:
         return Finding(f"No other law explains the contact as well as {fit.law}", 0.0)
     separate = []
@@ -267,10 +267,10 @@ def laws_agree(
     "recorded speed / stated",
     "x/",
     1.04,
-    "sound records 0.993 to 1.012; depth, and k with its square, are then off by 4 to 5 %",
+    "sound records 0.993 to 1.012; depth and k are then 4 to 5 % wrong",
 )
 def velocity_agrees(speed: float, stated: float | None) -> Finding:
-    """The speed that the record shows is the one that was stated."""
+    """The recorded speed agrees with the stated one."""
     if stated is None:
         return Finding("No height of fall or speed was given to compare with", None)
     ratio = speed / stated
@@ -294,10 +294,10 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
     "gravity x contact / speed",
     "<=",
     0.01,
-    "a fall not stated: k, depth and e are about as much off",
+    "if not stated, k, depth and e have an error of this size",
 )
 def gravity_stated(part: float, stated: float | None) -> Finding:
-    """Whether gravity pulls the indenter on is stated, or does not matter."""
+    """The direction of gravity is stated, or it makes no difference."""
     says = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
     return Finding(
         says if stated is None else "Whether the indenter falls is known",
@@ -307,9 +307,9 @@ def gravity_stated(part: float, stated: float | None) -> Finding:
     )
 
 
-@criterion("impulse / change of momentum", "x/", 1.1, "our choice: two sensors' 5 %")
+@criterion("impulse / change of momentum", "x/", 1.1, "our choice: 5 % for two sensors")
 def force_agrees(ratio: float | None) -> Finding:
-    """A force that was recorded too changes the momentum as much as the motion says."""
+    """The recorded force and the recorded motion give the same change of momentum."""
     if ratio is None:
         return Finding("No force was recorded beside the motion", None)
     return Finding(
@@ -324,7 +324,7 @@ def force_agrees(ratio: float | None) -> Finding:
     "depth / radius", "<=", 0.3, "I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47: 3.5 % in the force"
 )
 def indentation_shallow(depth: float, radius: float | None) -> Finding:
-    """The indentation is shallow beside the radius, as Hertz has it."""
+    """The indentation is shallow relative to the radius, as Hertz assumes."""
     if radius is None:
         return Finding("No radius is given, so there is no modulus", None)
     return Finding(
@@ -335,9 +335,9 @@ def indentation_shallow(depth: float, radius: float | None) -> Finding:
     )
 
 
-@criterion("memory of the noise / contact", "<=", 0.03, "our choice: a filter bends such a pulse")
+@criterion("correlation time of the noise / contact", "<=", 0.03, "our choice: a filter distorts such a pulse")
 def sensor_fast_enough(memory: float | None) -> Finding:
-    """Sensor and filter are fast beside the contact."""
+    """Sensor and filter are fast relative to the contact."""
     if memory is None:
         return Finding("Too little flight is recorded to see a filter in its noise", None)
     return Finding(

@@ -15,7 +15,7 @@ NO_SOLID = 10.0
 
 @criterion("usable lines", ">=", ROD_LINES, "our choice", otherwise="stop where there is none")
 def modulus_determined_near_resonance(lines: int, band: tuple[float, float]) -> Finding:
-    """Lines enough about the resonance know storage and loss factor to 10 %."""
+    """Enough lines near the resonance give storage and loss factor to 10 %."""
     if not lines:
         return Finding(
             "Storage and loss factor are known to 10 % at no line. A degree of phase or a per cent "
@@ -35,7 +35,7 @@ def modulus_determined_near_resonance(lines: int, band: tuple[float, float]) -> 
 
 @criterion("mass / rod", "<=", 100.0, "our choice: tests of rods have .5 to 50 (Kulik et al. 2009)")
 def mass_ratio_suitable(ratio: float) -> Finding:
-    """The mass is one that such a rod carries; no line shows modulus and mass too large alike."""
+    """The mass is plausible for such a rod; the lines alone cannot show an error in it."""
     return Finding(
         f"The mass is {ratio:.3g} times that of the rod",
         ratio,
@@ -46,10 +46,10 @@ def mass_ratio_suitable(ratio: float) -> Finding:
 
 @criterion(
     "chi square / degrees of freedom", "<=", 1.5,
-    "own rods: 1.42 at most of 360 whose lines are of one solid", otherwise="stop beyond 10",
+    "simulation: at most 1.42 in 360 rods of one material", otherwise="stop beyond 10",
 )  # fmt: skip
 def one_solid_explains_lines(misfit: float | None) -> Finding:
-    """One passive solid explains the lines, within their scatter and the errors that they share."""
+    """One passive model fits the lines within their scatter and their common errors."""
     if misfit is None:
         return Finding("The lines are too few, or their scatter is not known, to ask for one solid")
     return Finding(
@@ -62,13 +62,13 @@ def one_solid_explains_lines(misfit: float | None) -> Finding:
 
 
 @criterion(
-    "departure of T at rest / standard deviation",
+    "deviation of T at rest / standard deviation",
     "<=",
     3.0,
-    "our choice: chance, once in 400; what was found is taken out",
+    "our choice: chance, once in 400; the deviation is corrected",
 )
 def sensors_agree(gain: float | None, phase: float, *, values: tuple[float, float]) -> Finding:
-    """Far below the resonance both sensors read one motion, within the errors that were said."""
+    """Far below the resonance both sensors read the same motion within their errors."""
     if gain is None:
         return Finding("No lines lie far below the resonance, so the sensors are not compared")
     return Finding(
@@ -82,10 +82,10 @@ def sensors_agree(gain: float | None, phase: float, *, values: tuple[float, floa
 
 @criterion(
     "(k r / 2)^2, r the polar radius of gyration", "<=", PLANE,
-    "A. E. H. Love, Treatise (1927) sec. 278: what the bulging's inertia takes off the modulus",
+    "A. E. H. Love, Treatise (1927) sec. 278: error by lateral inertia",
 )  # fmt: skip
 def waves_plane(bulging: float | None, frequency: float) -> Finding:
-    """The waves are long against the section, so that it moves as one."""
+    """The waves are long relative to the section, so that it moves as one."""
     if bulging is None:
         return Finding("No line is usable, so the waves are not judged")
     return Finding(

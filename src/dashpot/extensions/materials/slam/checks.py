@@ -10,9 +10,9 @@ from dashpot.base.units import format_quantity
 MAX_SHAPE = 2.5
 
 
-@criterion("compression / depth of the law", "<=", 1.0, "the law was measured to there")
+@criterion("compression / depth of the law", "<=", 1.0, "the law was measured so far")
 def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
-    """The mass presses the piece no deeper than its elastic law was measured."""
+    """The impact compresses the specimen no further than its elastic law was measured."""
     pressed = f"The mass presses the piece by {format_quantity(deepest, 'mm', '.3g')}"
     if depth is None:
         return Finding(
@@ -29,9 +29,9 @@ def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
     )
 
 
-@criterion("frequency / highest informed", "<=", 1.0, "the band of the fit")
+@criterion("frequency / upper end of the valid band", "<=", 1.0, "the valid band of the fit")
 def slam_in_valid_band(frequency: float, highest: float) -> Finding:
-    """The contact is no faster than the fit informs."""
+    """The contact is no faster than the valid band of the fit covers."""
     return Finding(
         f"The contact is half a cycle of {frequency:.3g} Hz, and the fit holds to {highest:.2g} Hz",
         frequency / highest,
@@ -40,9 +40,9 @@ def slam_in_valid_band(frequency: float, highest: float) -> Finding:
     )
 
 
-@criterion("m/s", "<=", 0.1, "our choice: air leaves a bulb slowly pressed", grade="note")
+@criterion("speed, m/s", "<=", 0.1, "our choice: air leaves slowly compressed seals", grade="note")
 def air_escapes(speed: float) -> Finding:
-    """The mass is slow enough for the air of a bulb to leave."""
+    """The mass is slow enough for the air of a hollow seal to escape."""
     return Finding(
         f"At {format_quantity(speed, 'm/s', '.3g')} the air in a bulb adds force unless it leaves "
         "at "
@@ -55,7 +55,7 @@ def air_escapes(speed: float) -> Finding:
 
 @criterion(grade="note")
 def piece_length_given(*, provided: bool) -> Finding:
-    """The length of the piece is known."""
+    """The length of the specimen is given."""
     return Finding(
         "The length of the piece is known",
         instead="The length of the piece is not given, so forces and energies are of this piece, "
@@ -76,7 +76,7 @@ def piece_length_given(*, provided: bool) -> Finding:
     grade="stop",
 )
 def loss_determined(relative: float, frequency: float) -> Finding:
-    """The slams determine the loss factor."""
+    """The impact tests determine the loss factor."""
     name = f"known to {100 * relative:.2g} %" if relative < 10 else "not known"
     return Finding(
         f"The loss factor at {frequency:.3g} Hz is {name}",
@@ -88,9 +88,9 @@ def loss_determined(relative: float, frequency: float) -> Finding:
     )  # fmt: skip
 
 
-@criterion("rms / scatter", "<=", 1.5, "our choice: what is left is the scatter of the sensor")
+@criterion("rms / scatter", "<=", 1.5, "our choice: the rest is scatter of the sensor")
 def slams_residual_small(misfit: float) -> Finding:
-    """The motion follows every slam."""
+    """The model fits every impact."""
     return Finding(
         f"What the motion leaves of the force is {misfit:.3g} times its scatter",
         misfit,
@@ -103,10 +103,10 @@ def slams_residual_small(misfit: float) -> Finding:
     "standard deviations",
     "<=",
     MAX_SHAPE,
-    "measured: of sound slams one in 13 has more",
+    "measured: one sound impact in 13 exceeds it",
 )
 def slam_residual_structureless(shapes: Mapping[str, float]) -> Finding:
-    """What is left of the force has no shape that a piece or a sensor may add."""
+    """The residual force shows no missing effect of specimen or sensor."""
     if not shapes:
         return Finding("The slams are too few to tell what else there is")
     words, most = max(shapes.items(), key=lambda pair: abs(pair[1]))
@@ -121,7 +121,7 @@ def slam_residual_structureless(shapes: Mapping[str, float]) -> Finding:
 
 @criterion()
 def slow_arms_determined(*, provided: bool) -> Finding:
-    """The arms that are slow beside a contact are known."""
+    """The arms that are slow relative to a contact are known."""
     return Finding(
         "The slow arms are known from another test",
         instead="No relaxation test was given, so the loss of slow arms is missing",
@@ -130,9 +130,9 @@ def slow_arms_determined(*, provided: bool) -> Finding:
     )
 
 
-@criterion("samples", ">=", 50.0, "our choice: the flanks tell the touch")
+@criterion("samples", ">=", 50.0, "our choice: the flanks show first contact")
 def slams_sampled(samples: float) -> Finding:
-    """A contact has samples enough."""
+    """A contact has enough samples."""
     return Finding(
         f"The shortest contact has {samples:.0f} samples",
         samples,
@@ -141,9 +141,9 @@ def slams_sampled(samples: float) -> Finding:
     )
 
 
-@criterion("fastest / slowest", ">=", 2.0, "our choice: a law that is free needs several depths")
+@criterion("fastest / slowest", ">=", 2.0, "our choice: a fitted law needs several depths")
 def slam_speeds_spread(spread: float | None) -> Finding:
-    """A law that is free was slammed at several speeds."""
+    """The impact speeds differ enough to fit the elastic law."""
     if spread is None:
         return Finding("The law is known, so one speed will do")
     return Finding(
@@ -158,7 +158,7 @@ def slam_speeds_spread(spread: float | None) -> Finding:
 
 @criterion("standard deviations", "<=", 3.0, "chance, once in 370")
 def slam_speeds_agree(off: float | None) -> Finding:
-    """The speeds are those that were given."""
+    """The measured impact speeds agree with the stated ones."""
     if off is None:
         return Finding("No speed was given")
     return Finding(
@@ -169,9 +169,9 @@ def slam_speeds_agree(off: float | None) -> Finding:
     )
 
 
-@criterion("rest / contact", ">=", 10.0, "our choice: arms rest between slams")
+@criterion("rest / contact", ">=", 10.0, "our choice: arms relax between impacts")
 def slams_separated(rest: float | None) -> Finding:
-    """The piece has rested between slams."""
+    """The specimen rested between impacts."""
     if rest is None:
         return Finding("Every record holds one slam")
     return Finding(
@@ -184,7 +184,7 @@ def slams_separated(rest: float | None) -> Finding:
 
 @criterion("|impulse ratio - 1|", "<=", 0.03, "our choice: both sensors are calibrated")
 def slam_mass_agrees(ratio: float | None) -> Finding:
-    """Force and acceleration are of the mass that was given."""
+    """Force and acceleration agree with the stated mass."""
     if ratio is None:
         return Finding("Force or acceleration alone was recorded, so the mass is not judged")
     return Finding(
@@ -197,7 +197,7 @@ def slam_mass_agrees(ratio: float | None) -> Finding:
 
 @criterion("standard deviations", "<=", 3.0, "chance, once in 370")
 def arms_agree_with_relaxation_test(change: float | None) -> Finding:
-    """The slams leave the arms where the relaxation test has them."""
+    """The impacts change the arms of the relaxation test by no more than their errors."""
     if change is None:
         return Finding("The arms of the other test are held")
     return Finding(
@@ -208,9 +208,9 @@ def arms_agree_with_relaxation_test(change: float | None) -> Finding:
     )
 
 
-@criterion("arms", "<=", 4.0, "measured: beside 14 arms, one every .34 of a decade, 7 % low")
+@criterion("arms", "<=", 4.0, "measured: with 14 arms, one every 0.34 decades, 7 % low")
 def spectrum_has_gaps(arms: int) -> Finding:
-    """The other test sees few arms, so that one more may stand for what is faster."""
+    """The relaxation test shows few arms, so that one more can stand for faster ones."""
     return Finding(
         f"The other test sees {arms} arms",
         float(arms),
@@ -221,7 +221,7 @@ def spectrum_has_gaps(arms: int) -> Finding:
 
 @criterion("|standard errors|", "<=", 3.0, "chance, once in 370")
 def loss_factors_agree(gap: float | None, value: float, before: float, *, within: bool) -> Finding:
-    """The loss factor by slams is what the relaxation test has, or more where that sees no more."""
+    """The loss factor of the impacts agrees with that of the relaxation test."""
     if gap is None:
         return Finding("The loss factor by the slams has no error, so it is not compared")
     least = "" if within else "at least "

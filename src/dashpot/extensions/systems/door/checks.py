@@ -19,11 +19,11 @@ HELD_BY_SEAL = 0.01
 """Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
 
 
-@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+@criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
 def door_modes_in_valid_band(
     modes: Sequence[tuple[float, float]], band: tuple[float, float] | None
 ) -> Finding:
-    """Modes of which the seal holds or loses a hundredth lie where its test informs it.
+    """Modes with 1 % of their energy or loss in the seal lie in its valid band.
 
     `modes` are their frequencies, Hz, and the seal's share of their energy or loss.
     """
@@ -52,11 +52,11 @@ def door_modes_in_valid_band(
 
 
 @criterion(
-    "part of the line", "<=", 0.0, "by definition: there it leaks",
+    "part of the line", "<=", 0.0, "by definition: it leaks there",
     otherwise="stop where nothing is pressed",
 )  # fmt: skip
 def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
-    """The seal reaches its counterpart all along the line."""
+    """The seal is in contact along its whole line."""
     if most <= 0:
         return Finding(
             "No station of the seal is pressed: the compression is "
@@ -78,9 +78,9 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
     )
 
 
-@criterion("motions", "<=", 0, "our choice: a tenth of a seal as stiff sideways as it is pressed")
+@criterion("unsupported directions", "<=", 0, "our choice: a tenth of a seal as stiff in shear as in compression")
 def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
-    """What holds the door sideways is there: hinges, latch, or the shear of its seal."""
+    """Hinges, latch or the shear of the seal support the door sideways."""
     several = motions > 1
     near = "" if slowest is None else f" from {slowest:.3g} Hz"
     return Finding(
@@ -93,11 +93,11 @@ def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
 
 
 @criterion(
-    "sideways / pressed", "<=", SIZES["shear"].soft[1],
+    "shear / compression stiffness", "<=", SIZES["shear"].soft[1],
     "our choice: G/E of a block is 1/3, bulbs have 0.1 to 0.5",
 )  # fmt: skip
 def shear_stiffness_plausible(ratio: float) -> Finding:
-    """The seal is no stiffer sideways than seals are."""
+    """The shear stiffness of the seal is in the usual range."""
     return Finding(
         f"The seal is {ratio:.3g} times as stiff sideways as where it is pressed",
         ratio,
@@ -108,7 +108,7 @@ def shear_stiffness_plausible(ratio: float) -> Finding:
 
 @criterion(source="our choice: most door seals are closed", grade="note")
 def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
-    """The seal line ends where it begins, and no long piece alone closes it."""
+    """The seal line is closed, and not by one long segment alone."""
     closing, longest = pieces[-1], max(pieces[:-1])
     jumps = closing > JUMP * longest
     return Finding(
@@ -124,9 +124,9 @@ def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0
     )
 
 
-@criterion("change of frequency", "<=", 1e-3, "our choice: below what a door is tuned to")
+@criterion("change of frequency", "<=", 1e-3, "our choice: less than doors are tuned to")
 def stations_suffice(change: float, pitch: float) -> Finding:
-    """Half the distance of the stations changes no mode."""
+    """The stations are close enough: half their distance changes no mode."""
     return Finding(
         f"With stations twice as dense as {format_quantity(pitch, 'mm')} no mode moves by more "
         "than "
@@ -138,7 +138,7 @@ def stations_suffice(change: float, pitch: float) -> Finding:
 
 @criterion("change of frequency", "<=", 5e-3, "our choice: half a percent")
 def modes_suffice(change: float | None, count: int, highest: float) -> Finding:
-    """The elastic modes of the door are enough: without the upper third of them little changes."""
+    """The elastic modes of the door are enough: a third fewer changes little."""
     if change is None:
         return Finding(f"{count} elastic modes are too few to judge whether they are enough")
     return Finding(
@@ -154,7 +154,7 @@ def modes_suffice(change: float | None, count: int, highest: float) -> Finding:
     otherwise="stop beyond 0.3",
 )  # fmt: skip
 def mode_shapes_cover_points(away: float, place: str) -> Finding:
-    """Shapes are known near the seal, the supports and the points."""
+    """Mode shapes are given close to the seal, the supports and the output points."""
     return Finding(
         f"The shapes are known within {format_quantity(away, 'mm', '.3g')} of all places that are "
         "used",
@@ -167,7 +167,7 @@ def mode_shapes_cover_points(away: float, place: str) -> Finding:
 
 @criterion("ratio of masses", "x/", 1.05, "5 %: trim is often left out", otherwise="stop beyond 2")
 def masses_agree(stated: float, implied: float) -> Finding:
-    """The rigid modes weigh what [door] says."""
+    """The rigid-body modes have the mass that [door] states."""
     return Finding(
         f"The rigid modes weigh {implied:.4g} kg; [door] gives {stated:.4g} kg",
         implied / stated,
@@ -177,9 +177,9 @@ def masses_agree(stated: float, implied: float) -> Finding:
     )
 
 
-@criterion("motions", "<=", 0, "by definition")
+@criterion("unsupported directions", "<=", 0, "by definition")
 def door_supported(loose: int) -> Finding:
-    """Something holds the door in every motion in which it is free."""
+    """Something supports the door in every direction in which it could move."""
     return Finding(
         "Every motion of the door is held",
         loose,
@@ -188,7 +188,7 @@ def door_supported(loose: int) -> Finding:
     )
 
 
-@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+@criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
 def closing_in_valid_band(
     seconds: float,
     band: tuple[float, float] | None,
@@ -196,7 +196,7 @@ def closing_in_valid_band(
     glassy: float,
     values: tuple[float, float] | None,
 ) -> Finding:
-    """A door that closes presses its seal as slowly as the test of it informs.
+    """The door compresses its seal no faster than the valid band of the seal covers.
 
     An even press over a time T is taken as a quarter of a period, 1/(4 T); `glassy` is
     k_0/k_inf of the fit, `values` the least speeds that its doubt leaves, m/s.
@@ -223,7 +223,7 @@ def closing_in_valid_band(
 
 @criterion(source="by definition", grade="note")
 def faster_closings_latch(closes: bool) -> Finding:
-    """Every door that is faster than the least speed closes."""
+    """Every closing speed above the minimum closes the door."""
     return Finding(
         "Every faster door that was tried closes too",
         instead="Some faster doors do not close. The air takes more, the faster the door",
