@@ -1770,6 +1770,20 @@ PROJECTS = [
         0,
     ),
     Case(
+        "former_result_recomputed",
+        lambda x: verification_checks.former_result_recomputed(x, "k", 1, "0.1"),
+        0.99e-7,
+        1.01e-7,
+    ),
+    Case(
+        "uncertainty_unrevised",
+        lambda x: verification_checks.uncertainty_unrevised(
+            {"dof": "a reason"} if x else {}, 1, "0"
+        ),
+        0,
+        1,
+    ),
+    Case(
         "result_recomputed",
         lambda x: verification_checks.result_recomputed(x, "k", 1),
         0.99e-7,
@@ -2065,7 +2079,8 @@ LIMITS = {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
     },
     "extensions/projects": {
-        "result_recomputed": 1e-7, "history_present": 1,
+        "result_recomputed": 1e-7, "former_result_recomputed": 1e-7, "uncertainty_unrevised": 0,
+        "history_present": 1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0, "nothing_half_written": 0,
     },
     "workflow": {
@@ -2102,7 +2117,9 @@ GRADES = {
             "travel_of_a_seal", "force_of_a_seal", "ramp_not_slow", "stiffness_of_a_seal",
         },
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_plausible", "drift_plausible"},
-        "extensions/projects": {"history_complete", "files_listed", "nothing_half_written"},
+        "extensions/projects": {
+            "history_complete", "files_listed", "nothing_half_written", "uncertainty_unrevised",
+        },
         "workflow": {"hold_fit_possible", "base_band_in_valid_band",
         "measurement_independent_of_fit", "seals_counted"},
     },

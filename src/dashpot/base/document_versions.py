@@ -29,7 +29,8 @@ RENAMED_KEYS: dict[str, dict[str, str]] = {
         ".lights": "summary",
         "lights.says": "message",
         "flags.says": "message",
-        "copies.says": "copy_of",
+        "copies.says": "reason",
+        "unlike.says": "reason",
         "statistics.judged": "decisions",
     },
     "dashpot/cld@1": {

@@ -149,7 +149,7 @@ def test_what_the_page_says_is_what_the_document_says():
     page, document = unescape(html(large, found=found)), found.document
     for light in document["summary"]:
         assert light["message"] in page.replace("\xa0", " ")
-    assert f">{document['verdict']['use'].capitalize()}<" in page
+    assert f">{document['verdict']['verdict_grade'].capitalize()}<" in page
     (of,) = document["statistics"]
     for one in of["capability"]:
         assert f"<b>{one['cpk']:.2f}</b>" in page or f">{one['cpk']:.2f}<" in page

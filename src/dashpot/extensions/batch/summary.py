@@ -81,7 +81,7 @@ class Flag(NamedTuple):
 class ExcludedFile(NamedTuple):
     """File that was excluded from a lot, with the reason."""
 
-    keys = ("*", "copy_of=says")
+    keys = ("*", "reason=says")
 
     file: str
     says: str
