@@ -28,7 +28,7 @@ def test_the_page_holds_what_the_command_prints(tmp_path, monkeypatch):
         r'download="levels.json" href="data:application/json;base64,([^"]+)"', page
     )
     assert json.loads(base64.b64decode(link)) == printed
-    assert f">{printed['verdict']['use'].capitalize()}<" in page
+    assert f">{printed['verdict']['verdict_grade'].capitalize()}<" in page
     # storage, loss, and the loops of four amplitudes beside each other
     assert page.count('<svg class="wide') == 6
     assert len(re.findall(r"<td>levels</td>", page)) == len(printed["checks"])

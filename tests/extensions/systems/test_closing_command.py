@@ -101,7 +101,7 @@ def test_a_page_of_a_door_tells_of_modes_and_closing(tmp_path):
         assert f"<b>{round_to_error(mode['frequency_hz'], digits=4)}</b>" in text
     for name in ("figure-line", "figure-shapes", "figure-waterfall", "figure-doors", "figure-frf"):
         assert text.count(f'id="{name}"') == 1
-    assert f">{found['verdict']['use'].capitalize()}<" in text
+    assert f">{found['verdict']['verdict_grade'].capitalize()}<" in text
     marks = re.findall(r'<dd class="state (\w+)"', text.partition("</dl>")[0])
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
     assert max(marks, key=ORDER.index) in worst[found["verdict"]["verdict_grade"]]

@@ -124,7 +124,7 @@ def test_a_page_holds_what_the_command_prints(
         rf'download="{name}.json" href="data:application/json;base64,([^"]+)"', text
     )
     assert json.loads(base64.b64decode(link)) == printed
-    assert f">{printed['verdict']['use'].capitalize()}<" in text
+    assert f">{printed['verdict']['verdict_grade'].capitalize()}<" in text
     assert 'id="figure-lead"' in text
     assert len(re.findall(rf"<td>{name}</td>", text)) == len(printed["checks"])
     assert ">ovens.csv<" in text
