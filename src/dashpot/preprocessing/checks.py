@@ -269,7 +269,9 @@ def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = Fa
     )
 
 
-@criterion("surface less expected position / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays")
+@criterion(
+    "surface less expected position / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays"
+)
 def face_recovered(seen: float, expected: float, *, error: float, depth: float) -> Finding:
     """The plate meets the seal again where the model expects its recovered surface.
 
@@ -287,7 +289,10 @@ def face_recovered(seen: float, expected: float, *, error: float, depth: float) 
 
 
 @criterion(
-    "part of the depth, or of the force", "|x| <=", 0.005, "our choice: half of what a ramp can show"
+    "part of the depth, or of the force",
+    "|x| <=",
+    0.005,
+    "our choice: half of what a ramp can show",
 )
 def earlier_loading_negligible(value: float) -> Finding:
     """Earlier loadings have little effect on the one that is fitted.
@@ -552,7 +557,11 @@ def motion_measured(test: RampHold) -> Finding:
 
 
 @criterion(
-    "motion in the hold / depth", "<=", 0.03, "our choice; or the force falls a tenth as much", grade="stop"
+    "motion in the hold / depth",
+    "<=",
+    0.03,
+    "our choice; or the force falls a tenth as much",
+    grade="stop",
 )
 def columns_plausible(test: RampHold) -> Finding:
     """In the hold the displacement rests and the force decays, not the reverse."""
@@ -643,7 +652,13 @@ def force_not_clipped(test: RampHold) -> Finding:
     )
 
 
-@criterion("rise / step of the sensor", ">=", MIN_QUANTA, "our choice: a decay is then visible", grade="stop")
+@criterion(
+    "rise / step of the sensor",
+    ">=",
+    MIN_QUANTA,
+    "our choice: a decay is then visible",
+    grade="stop",
+)
 def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
     """The force is many times the resolution of the load cell."""
     step = quantum(force)

@@ -64,7 +64,9 @@ def seals_counted(seals: float) -> Finding:
     )
 
 
-@criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit", grade="note")
+@criterion(
+    "distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit", grade="note"
+)
 def base_band_in_valid_band(
     requested: tuple[float, float], peak: float, band: tuple[float, float]
 ) -> Finding:

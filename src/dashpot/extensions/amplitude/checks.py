@@ -54,7 +54,9 @@ def amplitudes_spread(ratio: float, of: str) -> Finding:
     )
 
 
-@criterion("largest amplitude / X_c", ">=", FAR_ENOUGH, "below it, exponent and share are correlated")
+@criterion(
+    "largest amplitude / X_c", ">=", FAR_ENOUGH, "below it, exponent and share are correlated"
+)
 def softening_seen(reach: float) -> Finding:
     """The sweep goes beyond the amplitude X_c, where half of the softening is reached."""
     return Finding(
@@ -117,7 +119,10 @@ def up_and_down_sweeps_agree(change: float) -> Finding:
 
 
 @criterion(
-    "residual loss / loss, worst third of ln X", "<=", 0.12, "simulation: 58 of 61 sound sweeps pass"
+    "residual loss / loss, worst third of ln X",
+    "<=",
+    0.12,
+    "simulation: 58 of 61 sound sweeps pass",
 )
 def loss_residual_small(remainder: float) -> Finding:
     """The model fits the loss at small, medium and large amplitudes separately."""

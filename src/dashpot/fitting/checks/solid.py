@@ -203,9 +203,7 @@ def order_agreed(choice: OrderChoice) -> Finding:
     )
 
 
-@criterion(
-    "arms that the data support", "<=", source="the requested number; BIC and significance"
-)
+@criterion("arms that the data support", "<=", source="the requested number; BIC and significance")
 def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
     """The requested number of arms is enough: the data support no further one.
 

@@ -486,7 +486,10 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
 
 
 @criterion(
-    "change of stiffness per doubling that 4 of 5 such tests find", "<=", SOFTENING, "a change that matters"
+    "change of stiffness per doubling that 4 of 5 such tests find",
+    "<=",
+    SOFTENING,
+    "a change that matters",
 )
 def softening_detectable(trend: Trend | None) -> Finding:
     """The hits differ enough in force to detect a change of stiffness that matters."""

@@ -90,7 +90,10 @@ def compressions_reached(most: float, depth: float) -> Finding:
 
 
 @criterion(
-    "drift of the zero / force", "|x| <=", MOST_DRIFT, "our choice: a linear drift is then subtracted"
+    "drift of the zero / force",
+    "|x| <=",
+    MOST_DRIFT,
+    "our choice: a linear drift is then subtracted",
 )
 def load_cell_steady(drift: float | None) -> Finding:
     """The load cell reads the same force in air at the end as at the beginning."""
@@ -141,7 +144,9 @@ def no_energy_gained(hysteresis: float | None) -> Finding:
     )
 
 
-@criterion("tension / largest force", "<=", PULLS, "our choice: above the error of the load cell's zero")
+@criterion(
+    "tension / largest force", "<=", PULLS, "our choice: above the error of the load cell's zero"
+)
 def no_adhesion_on_release(pull: float | None) -> Finding:
     """The seal does not stick to the plate during release."""
     if pull is None:
@@ -286,7 +291,9 @@ def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding
     )
 
 
-@criterion("longest relaxation time / slowest stroke", "<=", 1.0, "slower arms have not relaxed by then")
+@criterion(
+    "longest relaxation time / slowest stroke", "<=", 1.0, "slower arms have not relaxed by then"
+)
 def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding:
     """The slowest stroke takes longer than the longest relaxation time."""
     if longest is None:

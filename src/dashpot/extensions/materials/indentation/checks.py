@@ -106,7 +106,9 @@ def _memory(fit: IndentationFit, step: float) -> float | None:
     return -step / np.log(near) / fit.duration if near > 0 else 0.0
 
 
-@criterion("samples in contact", ">=", SAMPLED, "below it, first contact and damping are correlated")
+@criterion(
+    "samples in contact", ">=", SAMPLED, "below it, first contact and damping are correlated"
+)
 def contact_sampled(samples: float) -> Finding:
     """The contact has enough samples to show its shape."""
     return Finding(
@@ -189,7 +191,9 @@ def law_residual_small(ratio: float | None, residual: float) -> Finding:
     )
 
 
-@criterion("tension after release / contact force", ">=", -0.02, "our choice: a fiftieth of the push")
+@criterion(
+    "tension after release / contact force", ">=", -0.02, "our choice: a fiftieth of the push"
+)
 def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
     """Nothing holds the indenter back as it leaves the surface."""
     if pull is None:
@@ -335,7 +339,12 @@ def indentation_shallow(depth: float, radius: float | None) -> Finding:
     )
 
 
-@criterion("correlation time of the noise / contact", "<=", 0.03, "our choice: a filter distorts such a pulse")
+@criterion(
+    "correlation time of the noise / contact",
+    "<=",
+    0.03,
+    "our choice: a filter distorts such a pulse",
+)
 def sensor_fast_enough(memory: float | None) -> Finding:
     """Sensor and filter are fast relative to the contact."""
     if memory is None:

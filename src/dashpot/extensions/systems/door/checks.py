@@ -78,7 +78,12 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
     )
 
 
-@criterion("unsupported directions", "<=", 0, "our choice: a tenth of a seal as stiff in shear as in compression")
+@criterion(
+    "unsupported directions",
+    "<=",
+    0,
+    "our choice: a tenth of a seal as stiff in shear as in compression",
+)
 def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
     """Hinges, latch or the shear of the seal support the door sideways."""
     several = motions > 1
