@@ -219,7 +219,7 @@ def test_pipes(folder):
         (("predict", "{fit}", "--mass", "104mm"), "is a unit of length"),
         (("predict", "{fit}", "--mass", "-104g"), "mass"),
         (("predict", "{fit}", "--mass", "104g", "--band", "50:1Hz"), "50 is not below 1"),
-        (("fit", "{seal}", "--as", "impact"), "acceleration"),
+        (("fit", "{seal}", "--kind", "impact"), "acceleration"),
         (("report", "{fit}", "-o", "x.html"), "is a fit"),
         (("export", "{fit}", "--to", "nastran"), "unit"),
         (("export", "{fit}", "--to", "nastran", "--unit-system", "mm-t-s"), "--temperature"),

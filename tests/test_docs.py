@@ -46,8 +46,8 @@ AT_NIGHT = {
     "docs/howto/indentation.md": ("fit",),
     "docs/howto/level.md": (
         (
-            "fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g "
-            "--seals 2 --resonance-at"
+            "fit shaker_20mN.csv shaker_500mN.csv --amplitude 0.02N --amplitude 0.5N --mass 114.8g "
+            "--seals 2 --resonance-amplitude"
         ),
         "fit depth_4mm.csv",
         "predict depths.json",

@@ -129,13 +129,13 @@ def test_a_list_imports_nothing() -> None:
         ("formats", "labkit"), ("kinds", "peel"), ("solver_inputs", "labsolver"),
     ]  # fmt: skip
     assert not [name for name in sys.modules if name.startswith("labkit")]
-    assert "--part format=labkit" in ran("inspect", "--plugins").stdout
+    assert "--file-part format=labkit" in ran("inspect", "--plugins").stdout
 
 
 @pytest.mark.usefixtures("labkit")
 def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
     file, kept = sample(tmp_path / "seal.lab"), tmp_path / "fit.json"
-    said = ("--part", "format=labkit")
+    said = ("--file-part", "format=labkit")
     assert "labkit (labkit 0.1.0)" in ran("inspect", file, *said).stdout
     found = told("fit", file, *said, "--arms", 1, "-o", kept)
     (source,) = found["provenance"]["source"] if "provenance" in found else found["source"]
@@ -156,7 +156,7 @@ def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
 def test_a_kind_gives_its_numbers_under_its_own_name(tmp_path: Path) -> None:
     file = sample(tmp_path / "seal.lab")
     kept = tmp_path / "peel.json"
-    words = ("fit", file, "--part", "format=labkit", "--as", "peel")
+    words = ("fit", file, "--file-part", "format=labkit", "--kind", "peel")
     found = told(*words, "-o", kept)
     (force,) = found["values"]
     assert (force["name"], force["unit"]) == ("peel_force", "N")
@@ -200,7 +200,7 @@ def test_what_a_format_does_wrong_is_one_sentence(
     installed("bad", {"badly": module}, {"formats": "odd = badly"})
     file = tmp_path / "seal.odd"
     file.write_bytes(b"anything")
-    done = ran("inspect", file, "--part", "format=odd")
+    done = ran("inspect", file, "--file-part", "format=odd")
     assert done.exit_code == 2, done.output
     (line,) = done.stderr.strip().splitlines()
     assert says in line
@@ -218,7 +218,7 @@ def test_units_and_blanks_are_judged_as_in_any_file(
     )
     file = tmp_path / "seal.odd"
     file.write_bytes(b"anything")
-    done = ran("fit", file, "--part", "format=odd", "--as", "relaxation")
+    done = ran("fit", file, "--file-part", "format=odd", "--kind", "relaxation")
     assert done.exit_code == 2
     assert "Traceback" not in done.output
 
@@ -258,7 +258,7 @@ def test_what_a_kind_does_wrong_is_one_sentence(
     })  # fmt: skip
     file = tmp_path / "seal.csv"
     file.write_text("time [s],force [N]\n" + "\n".join(f"{i},{i + 1}" for i in range(20)))
-    done = ran("fit", file, "--as", "odd")
+    done = ran("fit", file, "--kind", "odd")
     assert done.exit_code == 2, done.output
     assert says in done.stderr
     assert "odd 0.1.0" in done.stderr
@@ -281,7 +281,7 @@ def test_names_of_dashpots_own_cannot_be_taken(
     assert "PBUSHT" in deck
     path = tmp_path / "seal.csv"
     dp.save(test, path)
-    assert ran("fit", path, "--as", "relaxation", "--arms", 1).exit_code == 0
+    assert ran("fit", path, "--kind", "relaxation", "--arms", 1).exit_code == 0
 
 
 def test_one_name_by_two_packages_is_refused(
@@ -291,7 +291,7 @@ def test_one_name_by_two_packages_is_refused(
         installed(name, {f"of_{name}": GOOD}, {"formats": f"odd = of_{name}"})
     file = tmp_path / "seal.odd"
     file.write_bytes(b"anything")
-    done = ran("inspect", file, "--part", "format=odd")
+    done = ran("inspect", file, "--file-part", "format=odd")
     assert done.exit_code == 2
     assert "by one 0.1.0 and by two 0.1.0" in done.stderr
 
@@ -325,8 +325,8 @@ def test_a_row_that_is_wrong_is_one_sentence(
     # what stands in another package is used all the same
     file = tmp_path / "seal.good"
     file.write_bytes(b"anything")
-    assert ran("inspect", file, "--part", "format=good").exit_code == 0
-    done = ran("inspect", file, "--part", "format=a")
+    assert ran("inspect", file, "--file-part", "format=good").exit_code == 0
+    done = ran("inspect", file, "--file-part", "format=a")
     assert done.exit_code == 2
     assert "By plug-ins: good. bad 0.1.0 is not used" in done.stderr
 
@@ -346,10 +346,10 @@ def test_none_is_used_where_they_are_off(
     installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
     file = tmp_path / "seal.good"
     file.write_bytes(b"anything")
-    assert ran("inspect", file, "--part", "format=good").exit_code == 0
+    assert ran("inspect", file, "--file-part", "format=good").exit_code == 0
     monkeypatch.setenv(plugins.SWITCH, plugins.OFF)
     plugins.read_plugins.cache_clear()
-    done = ran("inspect", file, "--part", "format=good")
+    done = ran("inspect", file, "--file-part", "format=good")
     assert (done.exit_code, "Plug-ins are off" in done.stderr) == (2, True)
     assert told("inspect", "--plugins")["plugins"] == []
 
@@ -357,7 +357,7 @@ def test_none_is_used_where_they_are_off(
 def test_a_plug_in_that_is_gone_is_named(tmp_path: Path) -> None:
     file = tmp_path / "seal.odd"
     file.write_bytes(b"anything")
-    done = ran("inspect", file, "--part", "format=gone")
+    done = ran("inspect", file, "--file-part", "format=gone")
     assert done.exit_code == 2
     assert "no plug-in brings the format 'gone'" in done.stderr
 

@@ -165,7 +165,9 @@ def test_the_help_of_an_option_is_a_short_noun_phrase() -> None:
     assert not [f"{name}: {says}" for name, says in each.items() if BANNED.search(says)]
 
 
-LEVELS = "shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --seals 2"
+LEVELS = (
+    "shaker_20mN.csv shaker_500mN.csv --amplitude 0.02N --amplitude 0.5N --mass 114.8g --seals 2"
+)
 DECK = "export --to abaqus --unit-system mm-t-s --temperature 23degC --length 50mm"
 EXAMPLES = (
     "fit seal_8mm.csv", "fit short_hold.csv", "fit hammer.csv", "fit sweep.csv", "fit curve.csv",
@@ -180,7 +182,7 @@ EXAMPLES = (
     "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm",
     "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g",
     "fit ovens.csv --machine oven=1K -o csr.json", "predict csr.json --temperature 70degC",
-    "predict csr.json --temperature 20degC --until 10000h",
+    "predict csr.json --temperature 20degC --end 10000h",
     "fit tension.csv biaxial.csv --test uniaxial --test biaxial -o law.json",
     "fit seal_8mm.csv -o fit.json", "predict fit.json --mass 114.8g --seals 2",
     "predict joint.json --mass 114.8g --seals 2", "compare fit.json hammer.csv --mass 114.8g",
@@ -191,9 +193,9 @@ EXAMPLES = (
     "report loops.csv -o report.html", "report seal_8mm.csv -o report.html --overwrite",
     "fit sweeps.csv --reference 25degC -o master.json", "fit seal_8mm.csv --model fractional",
     "fit shaker_20mN.csv --mass 114.8g --seals 2",
-    "fit cld_1.csv --compression 6mm --memory fit.json",
+    "fit cld_1.csv --compression 6mm --relaxation fit.json",
     "predict fit.json --mass 114.8g --seals 2 --base-psd 0.01g^2/Hz",
-    "predict joint.json --mass 114.8g --seals 2 --level 1N --sweep loops.csv",
+    "predict joint.json --mass 114.8g --seals 2 --amplitude 1N --sweep loops.csv",
     "predict master.json --shape disc:20mm,20mm --mass 400g --seals 2 --base",
     "predict door.toml --close 1.2m/s",
     "export joint.json --to csv --unit-system SI --temperature 23degC --length 50mm -o deck.csv",

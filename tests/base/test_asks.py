@@ -9,9 +9,9 @@ from dashpot.base.option_fields import FormData, FormField
 
 MASS = FormField("mass", "Moving mass", "g", "--mass")
 DENSITY = FormField("density", "Density", "kg/m^3", "--density", form="bare")
-BETWEEN = FormField("between", "Asked between", "mm", "--between", form="range")
+BETWEEN = FormField("between", "Asked between", "mm", "--compression-limits", form="range")
 DISC = FormField("disc", "Diameter, length", "mm", "--shape", form="sizes", before="disc:")
-SPEED = FormField("slam", "Speed or fall", "", "--slam", form="words")
+SPEED = FormField("slam", "Speed or fall", "", "--drop", form="words")
 MODE = FormField("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), each=True)
 
 

@@ -49,8 +49,8 @@ DOORS = {
 }
 DECK = "--allow all --unit-system mm-t-s --length 100mm --temperature 23degC --line"
 RIG = "--mass 114.8g --seals 2"
-SLAM = "predict bent.json --mass 200g --slam"
-AGED = "predict csr.json --temperature 70degC --until"
+SLAM = "predict bent.json --mass 200g --drop"
+AGED = "predict csr.json --temperature 70degC --end"
 
 ROWS = (
     # 1, the paper
@@ -68,11 +68,11 @@ ROWS = (
     (f"{AGED} -5h", "expected more than 30 min"),
     (f"{AGED} 50mm", "a part of the force with its sign"),
     (f"{AGED} 50% --mass 104g", "--mass is for a fit"),
-    (f"{AGED} 50% --new fit.json", "aged for one time at one temperature"),
+    (f"{AGED} 50% --unaged-fit fit.json", "aged for one time at one temperature"),
     ("fit once.csv", "at least 3 readings"),
     ("fit before.csv", "Count the time from the compression"),
     ("fit ovens.csv --machine oven=-1K", "expected a number >= 0"),
-    ("predict fit.json --until 50%", "--until is for a record of compression stress relaxation"),
+    ("predict fit.json --end 50%", "--end is for a record of compression stress relaxation"),
     # 3, the line
     ("predict number.toml", "[seal.shear] is 0.35; expected a table of keys, such as across"),
     ("predict less.toml", "across = -0.2; expected 0 to 3 of the stiffness normal"),
@@ -89,28 +89,28 @@ ROWS = (
     (f"export fit.json --to calculix {DECK} door.toml --nominal -3Hz", "nominal = -3"),
     (f"export fit.json --to nastran {DECK} door.toml --nominal 0Hz --band 5:50Hz", "nominal = 0"),
     # 4, a level
-    (f"predict fit.json {RIG} --level 0.1N", "the elastic law of this fit is straight"),
-    (f"predict bent.json {RIG} --level -0.1N", "expected an amplitude > 0"),
-    (f"predict bent.json {RIG} --level nanN", "is not a quantity"),
-    (f"predict bent.json {RIG} --level 0.1mm", "expected a unit of force"),
-    (f"predict bent.json {RIG} --level 2N", "lifts the mass off the seal"),
-    (f"predict bent.json {RIG} --level 0.1N --base", "expected a unit of acceleration"),
-    ("predict bent.json --level 0.1N", "Give the mass of the block"),
-    ("predict bent.json --mass 0g --level 0.1N", "expected a number > 0"),
-    ("predict bent.json --mass 10mg --level 0.1N", "so slight a contact was not tested"),
+    (f"predict fit.json {RIG} --amplitude 0.1N", "the elastic law of this fit is straight"),
+    (f"predict bent.json {RIG} --amplitude -0.1N", "expected an amplitude > 0"),
+    (f"predict bent.json {RIG} --amplitude nanN", "is not a quantity"),
+    (f"predict bent.json {RIG} --amplitude 0.1mm", "expected a unit of force"),
+    (f"predict bent.json {RIG} --amplitude 2N", "lifts the mass off the seal"),
+    (f"predict bent.json {RIG} --amplitude 0.1N --base", "expected a unit of acceleration"),
+    ("predict bent.json --amplitude 0.1N", "Give the mass of the block"),
+    ("predict bent.json --mass 0g --amplitude 0.1N", "expected a number > 0"),
+    ("predict bent.json --mass 10mg --amplitude 0.1N", "so slight a contact was not tested"),
     # 5, a slam
-    ("predict bent.json --slam 0.6m/s", "a slam needs the mass of what moves"),
-    ("predict bent.json --slam 0.6m/s --mass 0g", "mass = 0.0"),
+    ("predict bent.json --drop 0.6m/s", "a slam needs the mass of what moves"),
+    ("predict bent.json --drop 0.6m/s --mass 0g", "mass = 0.0"),
     (f"{SLAM} -0.6m/s", "expected a number > 0"),
     (f"{SLAM} 0.6", "expected the speed at the touch with its unit"),
     (f"{SLAM} nanm/s", "expected the speed at the touch with its unit"),
-    (f"{SLAM} 0.6m/s --base", "--slam is one hit"),
-    (f"{SLAM} 0.6m/s --level 0.1N", "--slam is one hit"),
+    (f"{SLAM} 0.6m/s --base", "--drop is one hit"),
+    (f"{SLAM} 0.6m/s --amplitude 0.1N", "--drop is one hit"),
     (f"{SLAM} 0.6m/s --radius 5mm", "No such option '--radius'"),
     ("fit slam.csv", "slams need the mass"),
     ("fit slam.csv --mass 200g --radius 5mm", "--radius is for a contact of an indenter"),
-    ("fit slam.csv --mass 200g --slam 0m/s", "expected a number > 0"),
-    ("fit slam.csv --mass 200g --memory csr.json", "expected a fit"),
+    ("fit slam.csv --mass 200g --drop 0m/s", "expected a number > 0"),
+    ("fit slam.csv --mass 200g --relaxation csr.json", "expected a fit"),
     # 6, parts
     (f"predict fit.json {RIG} --shape disc:20mm,20mm", "a shape is given to a material's modulus"),
     ("predict fit.json --mass 104g --shape disc:20kg,20mm", "'kg' is a unit of mass"),

@@ -27,7 +27,7 @@ JOBS: dict[str, tuple[str, ...]] = {
     "hits": ("fit", "hammer.csv"),
     "modes": ("fit", "frf.csv"),
     "masses": ("fit", "frf.csv", "frf2.csv", "--mass", "114.8g", "--mass", "115g"),
-    "levels": ("fit", "frf.csv", "frf2.csv", "--level", "0.02N", "--level", "0.5N", *RIG),
+    "levels": ("fit", "frf.csv", "frf2.csv", "--amplitude", "0.02N", "--amplitude", "0.5N", *RIG),
     "sweep": ("fit", "sweep.csv"),
     "modulus": ("fit", "curve.csv"),
     "sweep and test": ("fit", "sweep.csv", "seal_8mm.csv"),
@@ -43,26 +43,33 @@ JOBS: dict[str, tuple[str, ...]] = {
 BY_DAY = {"hits", "modes", "masses", "levels", "sweep", "modulus", "load deflection"}
 CHOICES: dict[str, tuple[str, ...]] = {
     "--model": ("fractional",), "--arms": ("4",), "--elastic": ("linear", "nonlinear", "by-depth"),
-    "--band": ("9:16Hz",), "--level": ("0.2N",), "--seals": ("3",), "--seal-mass": ("10g",),
-    "--compression": ("2mm",), "--resonance-at": ("0.1N",), "--mass": ("100g",),
-    "--mass-sd": ("3g",), "--relative": ("",), "--known": ("stiffness=0.2N/mm",),
-    "--dashpot": ("",), "--method": ("hold",), "--cuts": ("hold-end=20s",),
+    "--band": ("9:16Hz",), "--amplitude": ("0.2N",), "--seals": ("3",), "--seal-mass": ("10g",),
+    "--compression": ("2mm",), "--resonance-amplitude": ("0.1N",), "--mass": ("100g",),
+    "--mass-sd": ("3g",), "--relative": ("",), "--prior": ("stiffness=0.2N/mm",),
+    "--dashpot": ("",), "--method": ("hold",), "--time-limits": ("hold-end=20s",),
     "--machine": ("sync=0.5ms",), "--filter": ("lowpass:10Hz",), "--thorough": ("",),
-    "--only": ("5degC",), "--reference": ("5degC",), "--shift": ("arrhenius",),
+    "--at-temperature": ("5degC",), "--reference": ("5degC",), "--shift": ("arrhenius",),
     "--vertical": ("1",), "--hammer-temperature": ("10degC",), "--estimator": ("H2",),
     "--window": ("exponential:0.5",), "--combine": ("weighted",), "--accept": ("1",),
     "--reject": ("1",), "--hit-length": ("4s",), "--pretrigger": ("20ms",), "--polarity": ("-1",),
     "--poisson": ("0.1",), "--terms": ("2",), "--test": ("planar",), "--stretches": ("0.7:1.5",),
     "--stress-is": ("true",), "--strain-is": ("true",), "--radius": ("6mm",),
-    "--drop-height": ("50mm",), "--impact-velocity": ("1m/s",), "--slam": ("1m/s",),
+    "--drop-height": ("50mm",), "--impact-velocity": ("1m/s",), "--drop": ("1m/s",),
     "--shape": ("disc:25mm,25mm",), "--lubricated": ("",), "--gain-error": ("2%",),
     "--phase-error": ("2deg",), "--glue-error": ("3%",),
-    "--radius-error": ("1%",), "--density": ("1000",), "--between": ("4:8mm",),
+    "--radius-error": ("1%",), "--density": ("1000",), "--compression-limits": ("4:8mm",),
     "--force-limits": ("1:2N",), "--temperature": ("30degC",), "--length": ("50mm",),
     "--height": ("20mm",), "--label": ("name=door",), "--no-joint": ("",), "--title": ("X",),
 }  # fmt: skip
 """Of every option that states a choice, values other than its default."""
-NO_CHOICE = {"--stiffness-table", "--save-shifts", "--shifts", "--memory", "--project", "--logo"}
+NO_CHOICE = {
+    "--stiffness-table",
+    "--save-shifts",
+    "--shifts",
+    "--relaxation",
+    "--project",
+    "--logo",
+}
 """Options that name a file to write or to read."""
 TELLING = {"Result", "Reading the files"}
 
@@ -120,7 +127,7 @@ def test_an_option_acts_or_is_refused(
 
 @pytest.mark.parametrize(
     "choice",
-    [("--cuts", "hold-end=8s"), ("--method", "hold"), ("--elastic", "nonlinear")],
+    [("--time-limits", "hold-end=8s"), ("--method", "hold"), ("--elastic", "nonlinear")],
     ids=lambda one: one[0],
 )
 def test_a_choice_of_the_test_moves_the_joint_fit(
@@ -136,7 +143,7 @@ def test_a_choice_of_the_test_moves_the_joint_fit(
 @pytest.mark.parametrize(
     "choice",
     [
-        (), ("--cuts", "hold-end=8s"), ("--arms", "2"), ("--arms", "5"), ("--model", "auto"),
+        (), ("--time-limits", "hold-end=8s"), ("--arms", "2"), ("--arms", "5"), ("--model", "auto"),
         ("--no-joint", "--arms", "2"), ("--band", "9:18Hz", "--reject", "2"),
         ("--seal-mass", "5g", "--elastic", "nonlinear"),
     ],
@@ -157,7 +164,7 @@ def test_the_next_line_of_a_report_gives_its_solid(
 
 
 @pytest.mark.parametrize(
-    "choice", [("--cuts", "hold-end=8s"), ("--arms", "2"), ("--elastic", "nonlinear")],
+    "choice", [("--time-limits", "hold-end=8s"), ("--arms", "2"), ("--elastic", "nonlinear")],
     ids=shlex.join,
 )  # fmt: skip
 @pytest.mark.parametrize("job", ["relaxation", "joint"])
@@ -201,7 +208,7 @@ def test_the_law_of_load_deflection_is_kept_as_it_is_told(
         soft[i] = ",".join((*others, f"{0.8 * float(force):.6f}"))
     (place / "soft.csv").write_text("\n".join(soft), encoding="utf-8")
     assert ran("fit", "soft.csv", "-o", "soft.json").exit_code == 0
-    said = json.loads(ran("fit", "cld_1.csv", "--memory", "soft.json", "--json").stdout)
+    said = json.loads(ran("fit", "cld_1.csv", "--relaxation", "soft.json", "--json").stdout)
     (check,) = [one for one in said["checks"] if one["name"] == "relaxed_agrees"]
     assert not check["passed"]
     law, kept = said["relaxed"]["elastic_law"], said["fit"]["elastic_law"]

@@ -95,7 +95,7 @@ def test_every_example_is_told_of() -> None:
 
 def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, monkeypatch):
     monkeypatch.chdir(folder)
-    done = ran("fit", "sweeps.csv", "--only", "25degC", "-o", "rubber.json")
+    done = ran("fit", "sweeps.csv", "--at-temperature", "25degC", "-o", "rubber.json")
     follow = shlex.split(done.stderr.splitlines()[-1].removeprefix("next: dashpot "))
     assert follow[:2] == ["export", "rubber.json"]
     deck = ran(*follow)

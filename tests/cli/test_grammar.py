@@ -31,12 +31,12 @@ OTHER_THINGS = {"-o", "--output", "--port"}
 READING = (
     "--column",
     "--units",
-    "--text",
-    "--part",
+    "--text-format",
+    "--file-part",
     "--rate",
     "--calibration",
     "--profile",
-    "--as",
+    "--kind",
 )
 
 
@@ -167,18 +167,19 @@ def test_the_help_of_a_file_shows_the_options_of_its_kind(tmp_path: Path, name: 
         ("--column", "h.csv:acceleration=a,acceleration=b",
          ("h.csv", {"acceleration": ("a", "b")})),
         ("--column", "Loss factor=tan d", ("", {"loss_factor": "tan d"})),
-        ("--text", "delimiter=;,decimal=comma", ("", {"delimiter": ";", "decimal": "comma"})),
-        ("--text", "delimiter=,,decimal=.", ("", {"delimiter": ",", "decimal": "."})),
-        ("--text", "raw.txt:skip=3", ("raw.txt", {"skip_rows": 3})),
-        ("--part", "segment=2,sheet=Run 1", ("", {"segment": 2, "sheet": "Run 1"})),
-        ("--part", "cycle=1", ("", {"cycle": 1})),
+        ("--text-format", "delimiter=;,decimal=comma", ("", {"delimiter": ";",
+         "decimal": "comma"})),
+        ("--text-format", "delimiter=,,decimal=.", ("", {"delimiter": ",", "decimal": "."})),
+        ("--text-format", "raw.txt:skip=3", ("raw.txt", {"skip_rows": 3})),
+        ("--file-part", "segment=2,sheet=Run 1", ("", {"segment": 2, "sheet": "Run 1"})),
+        ("--file-part", "cycle=1", ("", {"cycle": 1})),
         ("--calibration", "FT1.cal", ("", {"calibration": "FT1.cal"})),
         ("--calibration", "FT1.cal,axis=Tx", ("", {"calibration": "FT1.cal", "axis": "Tx"})),
         ("--calibration", "axis=Tx", ("", {"axis": "Tx"})),
         ("--calibration", r"C:\ati\FT1.cal", ("", {"calibration": r"C:\ati\FT1.cal"})),
         ("--calibration", r"a.csv:C:\FT1.cal", ("a.csv", {"calibration": r"C:\FT1.cal"})),
         ("--machine", "sync=1s,drift=2N/s", ("", {"sync": 1.0, "drift": 2.0})),
-        ("--cuts", "onset=1s,ramp-end=2s", ("", {"onset": 1.0, "ramp_end": 2.0})),
+        ("--time-limits", "onset=1s,ramp-end=2s", ("", {"onset": 1.0, "ramp_end": 2.0})),
         ("--label", "name=left, upper,lot=7", ("", {"name": "left, upper", "lot": "7"})),
     ],
 )  # fmt: skip
@@ -230,7 +231,7 @@ def test_a_column_whose_name_has_a_colon_keeps_its_unit(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("at_lab")
 def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
-    asked = ("--as", "c*.csv:relaxation", "--column", "s*.csv:force=2,displacement=3")
+    asked = ("--kind", "c*.csv:relaxation", "--column", "s*.csv:force=2,displacement=3")
     found = told("inspect", "creep.csv", "triangle.csv", "seal.csv", *asked)["files"]
     assert [one["kind"] for one in found[:2]] == ["relaxation", "cld"]
     roles = [[column["role"] for column in one["columns"]] for one in found]
@@ -239,9 +240,9 @@ def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
 
 
 @pytest.mark.usefixtures("at_lab")
-@pytest.mark.parametrize("flag", ["--column", "--as", "--units"])
+@pytest.mark.parametrize("flag", ["--column", "--kind", "--units"])
 def test_a_pattern_that_matches_no_file_is_refused(flag: str) -> None:
-    value = {"--column": "force=3", "--as": "cld", "--units": "force=N"}[flag]
+    value = {"--column": "force=3", "--kind": "cld", "--units": "force=N"}[flag]
     said = refused("fit", "seal.csv", flag, f"seel*.csv:{value}")
     assert "'seel*.csv:' matches none of the files seal.csv" in said
 
@@ -259,7 +260,7 @@ def test_a_job_of_several_files_reads_each_by_its_own() -> None:
 def test_what_a_file_is_taken_for_is_said_and_may_be_overruled() -> None:
     assert ran("fit", "triangle.csv").stderr.startswith("recognised triangle.csv: a compression")
     for said in ("relaxation", "triangle.csv:relaxation", "*.csv:relaxation"):
-        done = ran("fit", "triangle.csv", "--as", said)
+        done = ran("fit", "triangle.csv", "--kind", said)
         assert done.stderr.startswith("recognised triangle.csv: a relaxation test")
 
 
@@ -267,13 +268,21 @@ SUITS = (
     ("--radius 5mm", "hammer.csv", "--radius is for a contact of an indenter. hammer.csv is a"),
     ("--drop-height 5cm", "seal.csv", "--drop-height is for a contact of an indenter. seal.csv"),
     ("--terms 2", "seal.csv", "--terms is for stress over strain of a material. seal.csv is a"),
-    ("--between 4:8mm", "seal.csv", "--between is for a compression load deflection"),
-    ("--memory fit.json", "seal.csv", "--memory is for"),
-    ("--cuts onset=1s", "hammer.csv", "--cuts is for a relaxation test. hammer.csv is a hammer"),
+    (
+        "--compression-limits 4:8mm",
+        "seal.csv",
+        "--compression-limits is for a compression load deflection",
+    ),
+    ("--relaxation fit.json", "seal.csv", "--relaxation is for"),
+    (
+        "--time-limits onset=1s",
+        "hammer.csv",
+        "--time-limits is for a relaxation test. hammer.csv is a hammer",
+    ),
     ("--machine sync=1ms", "dma.csv", "or a transmissibility. dma.csv is a dynamic"),
     ("--reference 23degC", "hammer.csv", "--reference is for"),
     ("--window none", "frf.csv", "--window is for"),
-    ("--level 1N", "strain.csv", "--level is for"),
+    ("--amplitude 1N", "strain.csv", "--amplitude is for"),
     ("--density 1000", "tension.csv", "--density is for"),
     ("--test planar", "dma.csv", "--test is for stress over strain"),
     ("--arms 2", "tension.csv", "--arms is for"),
@@ -298,11 +307,12 @@ def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, say
         ("fit seal.csv --arm 2", "--arms"),
         ("fit seal.csv --colunm force=3", "--column"),
         ("fit seal.csv --column forc=3", "'forc' is unknown. Did you mean 'force'?"),
-        ("fit seal.csv --text delimeter=;", "'delimeter' is unknown. Did you mean 'delimiter'?"),
+        ("fit seal.csv --text-format delimeter=;",
+         "'delimeter' is unknown. Did you mean 'delimiter'?"),
         ("fit seal.csv --machine synch=1ms", "'synch' is unknown. Did you mean 'sync'?"),
-        ("fit seal.csv --cuts hold_ende=9s", "Did you mean 'hold-end'?"),
-        ("fit seal.csv --as relaxtion", "relaxation"),
-        ("fit seal.csv --as seal.csv:relaxtion", "relaxation"),
+        ("fit seal.csv --time-limits hold_ende=9s", "Did you mean 'hold-end'?"),
+        ("fit seal.csv --kind relaxtion", "relaxation"),
+        ("fit seal.csv --kind seal.csv:relaxtion", "relaxation"),
         ("fit seal.csv --model fractionl", "'fractionl' is unknown. Did you mean 'fractional'?"),
         ("fit ball.csv --mass 5g --model herz", "hertz"),
         ("fit tension.csv --model ogdn", "ogden"),

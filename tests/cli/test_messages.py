@@ -324,7 +324,7 @@ def test_every_reading_command_has_every_role() -> None:
         "time displacement force acceleration hammer frequency storage loss loss-factor modulus "
         "creep-compliance stress strain temperature real imaginary magnitude phase coherence"
     )
-    words = "--column --units --text --part --rate --calibration --profile --as"
+    words = "--column --units --text-format --file-part --rate --calibration --profile --kind"
     assert set(roles.split()) < keys()
     for command in (*READING, "batch"):
         assert set(words.split()) <= options(command)

@@ -142,3 +142,52 @@ def test_the_next_command_says_each_of_several_temperatures() -> None:
     said = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]
     done = CliRunner().invoke(asked, said)
     assert done.output.split() == said
+
+
+FORMER = {
+    "fit": {
+        "--text": "--text-format", "--part": "--file-part", "--as": "--kind",
+        "--known": "--prior", "--only": "--at-temperature", "--cuts": "--time-limits",
+        "--level": "--amplitude", "--resonance-at": "--resonance-amplitude",
+        "--memory": "--relaxation", "--slam": "--drop", "--between": "--compression-limits",
+    },
+    "predict": {
+        "--text": "--text-format", "--part": "--file-part", "--as": "--kind",
+        "--until": "--end", "--new": "--unaged-fit", "--level": "--amplitude",
+        "--fitted-at": "--reference-strain", "--resonance-level": "--resonance-amplitude",
+        "--slam": "--drop",
+    },
+    "batch": {
+        "--text": "--text-format", "--part": "--file-part", "--as": "--kind",
+        "--by": "--label-pattern",
+    },
+    "plan": {"--wanted": "--target-sd"},
+}  # fmt: skip
+"""Names of options in the edition before, with those of now."""
+
+
+@pytest.mark.parametrize("name", FORMER)
+def test_a_former_name_of_an_option_is_taken_and_not_shown(name):
+    command = main.get_command(click.Context(main), name)
+    help_text = ran(name, "--help-all").output
+    parser = command.make_parser(click.Context(command))
+    declared = {
+        f"--{option.former}": option.flag
+        for option in command.options
+        if option.former and option.former not in {"text", "part", "as"}
+    }
+    assert declared.items() <= FORMER[name].items()
+    for former, flag in FORMER[name].items():
+        assert f" {former} " not in help_text
+        assert f" {flag} " in help_text
+        taken, _, _ = parser.parse_args(["file", former, "5"])
+        assert taken == parser.parse_args(["file", flag, "5"])[0] != {}
+
+
+def test_the_type_of_frf_has_its_former_name(tmp_path):
+    fit = tmp_path / "fit.json"
+    fit.write_text('{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": []}}')
+    words = ("predict", fit, "--mass", "104g", "--json")
+    told = [ran(*words, flag, "mobility").output for flag in ("--kind", "--frf-type")]
+    assert told[0] == told[1]
+    assert "mobility" in told[0]

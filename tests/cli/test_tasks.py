@@ -16,14 +16,14 @@ from dashpot.cli import main
 pytestmark = pytest.mark.once
 
 RIG = "--mass 114.8g --seals 2"
-LEVELS = f"shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N {RIG}"
+LEVELS = f"shaker_20mN.csv shaker_500mN.csv --amplitude 0.02N --amplitude 0.5N {RIG}"
 TASKS = (
     "inspect seal_8mm.csv",
     ("inspect raw.txt --column force=Kraft --column displacement=Weg "
      "--units force=N,displacement=mm --save lab.toml --overwrite"),
     "fit raw.txt --profile lab.toml",
     ("fit raw.txt --column force=3 --column displacement=2 --units force=N,displacement=mm "
-     "--text 'delimiter=;,decimal=comma'"),
+     "--text-format 'delimiter=;,decimal=comma'"),
     "fit seal_8mm.csv -o fit.json",
     "fit seal_8mm.csv --arms 2 --method hold",
     "fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --elastic by-depth",
@@ -31,7 +31,7 @@ TASKS = (
     "fit seal_8mm.csv --model auto",
     "fit sweep.csv -o dma.json",
     "fit sweeps.csv --reference 25degC -o master.json --save-shifts shifts.csv",
-    "fit sweeps.csv --only 25degC",
+    "fit sweeps.csv --at-temperature 25degC",
     "fit curve.csv",
     "fit hammer.csv -o frf.csv --overwrite",
     "fit hammer.csv --reject 3 --window exponential",
@@ -41,9 +41,9 @@ TASKS = (
     f"fit seal_8mm.csv hammer.csv {RIG} -o joint.json --overwrite",
     f"fit frf.csv {RIG} --stiffness-table k.csv --overwrite",
     "fit loops.csv",
-    f"fit {LEVELS} --resonance-at 0.1N",
-    "fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8mm",
-    "fit cld_1.csv --compression 6mm --memory fit.json",
+    f"fit {LEVELS} --resonance-amplitude 0.1N",
+    "fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --compression-limits 4:8mm",
+    "fit cld_1.csv --compression 6mm --relaxation fit.json",
     "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm",
     "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g",
     "fit tension.csv biaxial.csv --test uniaxial --test biaxial -o law.json --overwrite",

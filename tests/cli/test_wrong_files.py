@@ -52,8 +52,8 @@ def run(*words: str, code: int = 0) -> str:
         ("fit creep.csv seal.csv", "a creep test is fitted alone"),
         ("report creep.csv", "creep.csv is a creep test. .* Type: dashpot fit creep.csv"),
         ("report compliance.csv", "compliance.csv is a creep .* Type: dashpot fit comp"),
-        ("fit triangle.csv --as relaxation", "no hold, but a triangle, a ramp up and down"),
-        ("fit fatigue.csv --as relaxation", r"but a cyclic \(fatigue\) run .*and \d+ more"),
+        ("fit triangle.csv --kind relaxation", "no hold, but a triangle, a ramp up and down"),
+        ("fit fatigue.csv --kind relaxation", r"but a cyclic \(fatigue\) run .*and \d+ more"),
         ("fit warming.csv", "warming.csv is a temperature sweep at one frequency: it tells no"),
         ("fit waiting.csv", "waiting.csv is .*: it tells no relaxation times; sweep the freq"),
         ("fit late.csv", "the record begins within its ramp, or after it"),
@@ -83,7 +83,7 @@ def test_a_wrong_file_is_named_with_the_command_that_wants_it(
 
 def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab: Path) -> None:
     assert '--column time="t" --column' in run("fit", "channels.csv", code=2)
-    asked = run("fit", "channels.csv", "--as", "impact", code=2)
+    asked = run("fit", "channels.csv", "--kind", "impact", code=2)
     assert '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"' in asked
     asked = run("fit", "channels.csv", *NAMED, code=2)
     assert "'t' (time) has no unit, nor has 'ch1' (hammer)" in asked
@@ -196,12 +196,12 @@ def test_a_cycle_is_chosen_by_its_number(lab: Path) -> None:
     (lab / "twice.csv").write_text(bench(twice, time=time))
     ends = []
     for number in (1, 2):
-        found = told("inspect", "twice.csv", "--part", f"cycle={number}")
+        found = told("inspect", "twice.csv", "--file-part", f"cycle={number}")
         ends.append(found["files"][0]["preparation"]["hold_end"])
     assert ends == pytest.approx([16, 36], abs=0.1)
-    assert "cycle 3 was asked for" in run("fit", "twice.csv", "--part", "cycle=3", code=2)
+    assert "cycle 3 was asked for" in run("fit", "twice.csv", "--file-part", "cycle=3", code=2)
     noted = " ".join(run("inspect", "twice.csv", "-v").split())
-    assert "Choose another. (--part cycle=N)" in noted
+    assert "Choose another. (--file-part cycle=N)" in noted
 
 
 def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
@@ -209,11 +209,15 @@ def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
     head, *rows = text.splitlines()
     both = [f"{row},{degrees}" for degrees in (20, 60) for row in rows]
     (lab / "both.csv").write_text("\n".join([f"{head},temperature [degC]", *both]))
-    found = told("fit", "both.csv", "--only", "60degC")
+    found = told("fit", "both.csv", "--at-temperature", "60degC")
     assert found["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
     assert found["temperature"] is None
-    assert "--only takes one of them" in run("fit", "both.csv", "--temperature", "60degC", code=2)
-    both = " ".join(run("fit", "both.csv", "--only", "60degC", "--shift", "wlf", code=2).split())
+    assert "--at-temperature takes one of them" in run(
+        "fit", "both.csv", "--temperature", "60degC", code=2
+    )
+    both = " ".join(
+        run("fit", "both.csv", "--at-temperature", "60degC", "--shift", "wlf", code=2).split()
+    )
     assert "leave out --reference, --shift, --vertical and --shifts" in both
 
 
@@ -256,7 +260,7 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
     [
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),
         ("report seal.csv hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),
-        ("fit seal.csv --part sheet=Foo", "sheet.Foo: this file has no sheets or groups"),
+        ("fit seal.csv --file-part sheet=Foo", "sheet.Foo: this file has no sheets or groups"),
         ("fit seal.csv --temperature -300degC", "-300 degC, below absolute zero"),
         ("fit seal.csv --temperature 296.15degC", "at, 100 to 550 K"),
         (
@@ -268,7 +272,7 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
             "height = 12 m; expected 100 um to 1 m. Check its unit: mm or m",
         ),
         ("predict fit.json --mass 104g --seal-mass 5kg", "seals would weigh 5000 g on a block"),
-        ("fit hammer.csv --mass 104g --known damping=2.85", "in per cent, give 0.0285"),
+        ("fit hammer.csv --mass 104g --prior damping=2.85", "in per cent, give 0.0285"),
         ("fit hammer.csv --mass 104g --mass-sd 1kg", "mass_sd = 1 kg of a mass of 0.104 kg"),
         ("verify fit.json", "fit.json is not a project: it is a file; .* --project FOLDER"),
         ("fit hammer.csv --band 900:950Hz", "the FRF has lines from .* to"),

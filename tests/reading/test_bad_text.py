@@ -50,7 +50,7 @@ def lines(**changed: str) -> str:
 # row 1: decimal marks
 def test_thousand_or_decimal_is_asked(tmp_path: Path) -> None:
     rows = "".join(f"{i};1,{i:03d};2,{i:03d}\n" for i in range(100, 130))
-    refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--text decimal=","')
+    refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--text-format decimal=","')
     as_decimal = read(tmp_path, HEAD + rows, decimal=",")
     assert as_decimal.displacement[0] == pytest.approx(1.1e-3)
     as_thousand = read(tmp_path, HEAD + rows, decimal=".")
@@ -103,10 +103,10 @@ def test_clock_reset_names_the_line(tmp_path: Path) -> None:
 
 def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
     text = HEAD + table(";") + "\nSegment: two\n" + HEAD + table(";")
-    refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--part segment=1")
+    refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--file-part segment=1")
     test = read(tmp_path, text, segment=2)
     assert len(test.time) == ROWS
-    refused(tmp_path, text, "--part segment=3, but the file has 2 segments", segment=3)
+    refused(tmp_path, text, "--file-part segment=3, but the file has 2 segments", segment=3)
 
 
 def test_one_remark_does_not_part_a_record(tmp_path: Path) -> None:
@@ -199,13 +199,13 @@ def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
 
 def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:
     content = ("Zeit (s);Weg (mm);Kräfte (N)\n" + table(";")).encode("cp1252")
-    refused(tmp_path, content, "--text encoding=cp1252", encoding="utf-8")
+    refused(tmp_path, content, "--text-format encoding=cp1252", encoding="utf-8")
 
 
 @pytest.mark.parametrize("word", ["klingon", "zlib", "rot13", "undefined", "idna", "punycode"])
 def test_what_is_no_encoding_of_text_is_refused(word: str) -> None:
     with pytest.raises(
-        DataError, match=f"encoding '{word}' is unknown; give --text encoding=utf-8"
+        DataError, match=f"encoding '{word}' is unknown; give --text-format encoding=utf-8"
     ):
         ReadOptions(encoding=word)
 

@@ -152,7 +152,7 @@ def test_what_is_linked_twice_is_read_once(tmp_path: Path) -> None:
         assert len(found.columns) == 3
     np.testing.assert_allclose(read_relaxation(path).force, truth()[2])
     for group in ("soft", "nowhere", "none/run", "run/time_s/more"):
-        with pytest.raises(ReadError, match=f"--part sheet={group}: there is no such group"):
+        with pytest.raises(ReadError, match=f"--file-part sheet={group}: there is no such group"):
             inspect_file(path, options=ReadOptions(sheet=group))
 
 

@@ -198,7 +198,9 @@ def test_hdf5_attributes(tmp_path: Path) -> None:
             file.create_dataset(f"run/{name}", data=values).attrs["unit"] = unit
     same(read_relaxation(tmp_path / "a.h5"))
     same(read_relaxation(tmp_path / "a.h5", options=ReadOptions(sheet="run")))
-    with pytest.raises(ReadError, match="--part sheet=walk: there is no such group; there are run"):
+    with pytest.raises(
+        ReadError, match="--file-part sheet=walk: there is no such group; there are run"
+    ):
         read_relaxation(tmp_path / "a.h5", options=ReadOptions(sheet="walk"))
 
 

@@ -386,7 +386,7 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
     assert plain["limits"]["kind"] == "accelerance"
     text = ran(*words).output
     assert "the mass moves less than its base above 17.975 Hz" in text
-    refused = ran(*words, "--kind", "mobility")
+    refused = ran(*words, "--frf-type", "mobility")
     assert refused.exit_code == 2
     assert "--base" in refused.output
 

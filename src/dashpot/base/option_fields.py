@@ -74,7 +74,8 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     dimension of a quantity, and ``ends`` where two of them make a range; ``choices``, a type of
     this module; ``least``, of a whole number; ``above``, of any; ``word``, what stands for no
     number; ``parse``, from what click passes on to what the field takes, and ``typed`` back to
-    texts; ``flag``, the option's name where it is not the field's; ``under``, the option that
+    texts; ``flag``, the option's name where it is not the field's; ``former``, its
+    name in the edition before; ``under``, the option that
     takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and ``sign`` in
     place of "="; ``argument``, the place of what is typed without an option; ``decides``, what a
     job needs it for first.
@@ -123,7 +124,7 @@ def flags_of(cls: type) -> str:
 
     >>> from dashpot.workflow.job import Cuts
     >>> flags_of(Cuts)
-    '--cuts'
+    '--time-limits'
     """
     *others, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))
     return f"{', '.join(others)} and {last}" if others else last

@@ -29,12 +29,12 @@ TYPED = "dashpot.typed"
 
 KEYED = {
     "--column": ("ROLE=NAME", "Column of a role, by name or number: force=Kraft."),
-    "--text": ("KEY=VALUE", "delimiter, decimal, encoding or skip (lines)."),
-    "--part": ("KEY=VALUE", "segment, cycle or sheet to read."),
+    "--text-format": ("KEY=VALUE", "delimiter, decimal, encoding or skip (lines)."),
+    "--file-part": ("KEY=VALUE", "segment, cycle or sheet to read."),
     "--calibration": ("FILE[,axis=Fz]", "ATI .cal file: gauge voltages to force."),
     "--machine": ("KEY=VALUE", "sync, drift, compliance, force-filter or oven."),
-    "--cuts": ("KEY=TIME", "onset, ramp-end or hold-end, set by hand."),
-    "--known": ("KEY=VALUE", "stiffness, frequency or damping that is known."),
+    "--time-limits": ("KEY=TIME", "onset, ramp-end or hold-end, set by hand."),
+    "--prior": ("KEY=VALUE", "stiffness, frequency or damping known beforehand."),
     "--label": ("KEY=VALUE", "name, lot, operator, date or notes."),
     "--shape": ("SHAPE", "disc:20mm,20mm or block:30mm,20mm,10mm."),
 }
@@ -50,7 +50,10 @@ class TargetFields(NamedTuple):
 
 
 class CommandOption(click.Option):
-    """Option with its group in the help, and the kinds of records to which it applies."""
+    """Option with its group in the help, and the kinds of records to which it applies.
+
+    `former` is its name in the edition before: still taken, and shown nowhere.
+    """
 
     def __init__(
         self,
@@ -58,6 +61,7 @@ class CommandOption(click.Option):
         kinds: Iterable[str] = (),
         more: bool = False,
         fills: TargetFields | None = None,
+        former: str = "",
         **how: Any,
     ) -> None:
         super().__init__(flags, **how)
@@ -67,6 +71,13 @@ class CommandOption(click.Option):
         """Kinds that do not take it, of an option that is of no kind alone."""
         self.more = more
         self.fills = fills
+        self.former = former
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        super().add_to_parser(parser, ctx)
+        if self.former:
+            takes = parser._long_opt[self.flag]
+            parser._long_opt[f"--{self.former}"] = takes
 
     @property
     def flag(self) -> str:
@@ -166,6 +177,7 @@ def _make_option(
             how.setdefault("metavar", _metavar(kind))
     how |= other
     how["help"] = _with_default(how.get("help") or "", how.get("default"))
+    how.setdefault("former", field.metadata.get("former", ""))
     return CommandOption(flag, name, kinds=kinds.split(), more=more, fills=fills, **how)
 
 

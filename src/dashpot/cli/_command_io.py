@@ -283,7 +283,7 @@ def format_override_hint(kinds: Collection[str]) -> str:
     from dashpot.reading.columns.kind_detection import RECOGNISED
 
     (word, *more) = kinds
-    return f" If it is one after all: --as {word}." if word in RECOGNISED and not more else ""
+    return f" If it is one after all: --kind {word}." if word in RECOGNISED and not more else ""
 
 
 def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:

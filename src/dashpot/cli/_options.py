@@ -60,8 +60,14 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
     columns = [
         attribute.name for attribute in attributes if attribute.metadata.get("under") == "column"
     ]
-    text = [attribute.name for attribute in attributes if attribute.metadata.get("under") == "text"]
-    part = [attribute.name for attribute in attributes if attribute.metadata.get("under") == "part"]
+    text = [
+        attribute.name
+        for attribute in attributes
+        if attribute.metadata.get("under") == "text-format"
+    ]
+    part = [
+        attribute.name for attribute in attributes if attribute.metadata.get("under") == "file-part"
+    ]
     options = [
         *build_options(ReadOptions, *columns, into="options"),
         *build_options(

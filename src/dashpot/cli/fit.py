@@ -177,7 +177,7 @@ GENERIC = "dashpot.cli.fit_handlers:run_generic_kind"
 """What fits the files of a kind whose row says all that its fit takes."""
 
 _OF_SOLID = (
-    "--model", "--arms", "--seals", "--seal-mass", "--compression", "--mass-sd", "--known",
+    "--model", "--arms", "--seals", "--seal-mass", "--compression", "--mass-sd", "--prior",
     "--dashpot", "--stiffness-table", "--hammer-temperature",
 )  # fmt: skip
 """What is asked of the solid under a mass, and not of modes."""

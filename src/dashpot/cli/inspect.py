@@ -22,7 +22,16 @@ if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 
-_SHORT = ("--column", "--units", "--profile", "--text", "--part", "--rate", "--calibration", "--as")
+_SHORT = (
+    "--column",
+    "--units",
+    "--profile",
+    "--text-format",
+    "--file-part",
+    "--rate",
+    "--calibration",
+    "--kind",
+)
 
 
 @verb(
@@ -73,7 +82,7 @@ def command(
 
 
 _ASKED = {
-    "formats": "fit FILE --part format={}", "kinds": "fit FILE --as {}",
+    "formats": "fit FILE --file-part format={}", "kinds": "fit FILE --kind {}",
     "solver_inputs": "export FIT --to {}",
 }  # fmt: skip
 """How a plug-in of each group is asked for."""

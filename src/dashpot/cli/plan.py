@@ -63,7 +63,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         opt("--seal", "guess", metavar="NAME|FIT",
             help="A guess at the seal: paper, broad, hidden, or a fit."),
         build_options(HammerPlan, "mass", "seals", into="hammer"),
-        opt("--wanted", type=float, default=10.0, metavar="PERCENT",
+        opt("--target-sd", "wanted", former="wanted", type=float, default=10.0, metavar="PERCENT",
             help="Largest standard deviation accepted (10)."),
         mark_advanced(
             build_options(Machine, into="machine", leave=("force_filter",),

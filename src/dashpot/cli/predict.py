@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ def _fits(kind: KindOfTest) -> list[str]:
     """Predict how a fitted solid vibrates, under a mass or in a door.
 
   dashpot predict fit.json --mass 114.8g --seals 2
-  dashpot predict law.json --slam 0.6m/s --mass 200g
+  dashpot predict law.json --drop 0.6m/s --mass 200g
   dashpot predict door.toml --close 1.2m/s""",
     options.files("FIT|DOOR.toml", "path", several=False),
     group(
@@ -101,7 +102,8 @@ def _fits(kind: KindOfTest) -> list[str]:
             ),
             *find_handler("options", "predict")(_SOLID),
             opt(
-                "--kind",
+                "--frf-type",
+                "kind",
                 type=ChoiceWithSuggestion(get_choice_values(FrfKind)),
                 metavar="NAME",
                 kinds=_SOLID,
@@ -161,6 +163,9 @@ def _fits(kind: KindOfTest) -> list[str]:
 def command(*, path: str, **said: Any) -> CommandResult:
     """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
     detection = detect_file_kinds([path], ReadOptions())[path]
+    if said["options"].kind in get_choice_values(FrfKind):  # --kind in the edition before
+        kind = said["options"].kind
+        said |= {"kind": kind, "options": replace(said["options"], kind=None)}
     row = KINDS.get(detection.kind) if detection.stored else None
     single = row is not None and bool(row.predict)
     kind = detection.kind if detection.kind in _FILES or single else _SOLID
@@ -227,6 +232,7 @@ def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> Comman
     predict = find_handler("predict with option", name)
     _, *names = signature(predict).parameters
     context = click.get_current_context()
+    flag = next(option.flag for option in command.options if name in option.names)
     for option in command.options:
         if (
             option.get_typed_words(context)
@@ -234,7 +240,7 @@ def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> Comman
             and option.names.isdisjoint(names)
         ):
             raise click.UsageError(
-                f"{option.flag} is for a vibration, and --{name} is one hit. Leave out one of them."
+                f"{option.flag} is for a vibration, and {flag} is one hit. Leave out one of them."
             )
     return _write_prediction(
         predict(workflow.read_fit(path), **{name: stated[name] for name in names}),
@@ -258,7 +264,7 @@ def _under_mass(
     several = len(choices["at_level"].levels) > 1
     if output and several and not output.lower().endswith((".json", *PAGE_SUFFIXES)):
         raise click.UsageError(
-            "-o FRF.csv holds one level: ask one --level, or write .json or .html"
+            "-o FRF.csv holds one level: ask one --amplitude, or write .json or .html"
         )
     prediction = workflow.predict_files(
         fitted, block=block, relative=hammer.motion == "relative", **choices

@@ -211,7 +211,11 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
 
 
 @criterion(
-    "loadings in the record", "<=", 1.0, "by definition; or `--part cycle=N` chooses", grade="note"
+    "loadings in the record",
+    "<=",
+    1.0,
+    "by definition; or `--file-part cycle=N` chooses",
+    grade="note",
 )
 def single_loading(
     index: int,
@@ -225,7 +229,7 @@ def single_loading(
     Those `before` the one that is fitted are followed, with a hold or without.
     """
     cycle = cycles[index]
-    says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "part", "cycle=N")
+    says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")
     if len(cycles) > 1:
         says = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
         if not requested:
@@ -393,7 +397,9 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
         f"The longest pause for its place is {longest:.3g} s, {since[worst]:.3g} s after onset",
         float(longest / since[worst]),
         JUMPED,
-        Remedy("Cut the record before the pause, or correct its clock.", "cuts", "hold-end=..."),
+        Remedy(
+            "Cut the record before the pause, or correct its clock.", "time-limits", "hold-end=..."
+        ),
         # two leaps side by side do not excuse each other
         excused=longest <= 3 * float(np.sort(near)[-CLOCK_NEIGHBOURS // 2])
         or longest <= 0.05 * rest,
@@ -419,7 +425,7 @@ def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
         "The clock jumped, or the record was interrupted" if before else JUMPED,
         Remedy("Leave out the rows before it, or correct its clock.")
         if before
-        else Remedy("Cut the record there, or correct its clock.", "cuts", "hold-end=..."),
+        else Remedy("Cut the record there, or correct its clock.", "time-limits", "hold-end=..."),
         limit=MAX_LEAP,
         grade="stop" if not before and 2 * leap.step > time[-1] - onset else None,
     )
@@ -491,7 +497,7 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
         share,
         f"Its other samples rule that out: the channel was not read for "
         f"{100 * share:.2g} % of the hold",
-        Remedy("Cut the record before that, or repeat the test.", "cuts", "hold-end=..."),
+        Remedy("Cut the record before that, or repeat the test.", "time-limits", "hold-end=..."),
         grade="stop" if of_force > GROSSLY_FROZEN else None,
     )
 

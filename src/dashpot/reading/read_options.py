@@ -149,28 +149,57 @@ class ReadOptions:
         None, "Time constant of an exponential window; 0s: none.", section="", unit="time"
     )
     delimiter: str | None = option(
-        None, "tab, space, comma, semicolon or fixed.", section="text", under="text",
-        typed=_mark_words,
+        None, "tab, space, comma, semicolon or fixed.", section="text", under="text-format",
+        former="text", typed=_mark_words,
     )  # fmt: skip
-    decimal: str | None = option(None, "point or comma.", section="text", under="text")
+    decimal: str | None = option(
+        None, "point or comma.", section="text", under="text-format", former="text"
+    )
     encoding: str | None = option(
-        None, "E.g. utf-8, cp1250, gb18030.", section="text", under="text"
+        None, "E.g. utf-8, cp1250, gb18030.", section="text", under="text-format", former="text"
     )
     skip_rows: int = option(
-        0, "Lines to pass over.", section="text", least=0, under="text", key="skip"
+        0,
+        "Lines to pass over.",
+        section="text",
+        least=0,
+        under="text-format",
+        former="text",
+        key="skip",
     )
     segment: int | None = option(
-        None, "Which segment of the file.", section="part", least=1, under="part"
+        None,
+        "Which segment of the file.",
+        section="part",
+        least=1,
+        under="file-part",
+        former="part",
     )
     cycle: int | None = option(
-        None, "Which loading of several.", section="part", least=1, under="part"
+        None,
+        "Which loading of several.",
+        section="part",
+        least=1,
+        under="file-part",
+        former="part",
     )
     sheet: str | None = option(
-        None, "Sheet of a workbook, group of TDMS or HDF5.", section="part", under="part"
+        None,
+        "Sheet of a workbook, group of TDMS or HDF5.",
+        section="part",
+        under="file-part",
+        former="part",
     )
-    format: str | None = option(None, "A plug-in's, by name.", section="part", under="part")
+    format: str | None = option(
+        None, "A plug-in's, by name.", section="part", under="file-part", former="part"
+    )
     kind: str | None = option(
-        None, "What the file is, if not what it seems.", section="part", flag="as", metavar="KIND"
+        None,
+        "What the file is, if not what it seems.",
+        section="part",
+        flag="kind",
+        former="as",
+        metavar="KIND",
     )
     calibration: str | None = option(
         None, "ATI .cal file: gauge volts to force.", section="transducer", metavar="FILE"
@@ -300,7 +329,7 @@ def flag(name: str) -> str:
     """Return what is typed before ``=`` and the value of a field.
 
     >>> flag("temperature"), flag("skip_rows")
-    ('--column temperature', '--text skip')
+    ('--column temperature', '--text-format skip')
     """
     return _FLAGS[name]
 
@@ -313,7 +342,7 @@ def _validate_encoding(word: str) -> None:
         reads = False
     if not reads or codecs.lookup(word).name in _NO_TEXT:
         raise DataError(
-            f"encoding '{word}' is unknown; give --text encoding=utf-8, utf-16, cp1252, "
+            f"encoding '{word}' is unknown; give --text-format encoding=utf-8, utf-16, cp1252, "
             "cp1250 or gb18030"
         )
 

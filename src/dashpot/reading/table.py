@@ -11,7 +11,7 @@ if TYPE_CHECKING:  # a child that reads workbooks needs no numbers, and is there
     from dashpot.base.arrays import FloatArray
 
 Content: TypeAlias = Literal["number", "clock", "text", "blank"]
-SEGMENT = "--part segment=NUMBER"
+SEGMENT = "--file-part segment=NUMBER"
 """What answers which of several FRFs in a file is meant."""
 
 

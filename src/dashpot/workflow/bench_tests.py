@@ -185,7 +185,8 @@ class BenchFitOptions(SolidOptions):
         shifting = self.shifting
         if shifting.at is not None or shifting.shifts is not None:
             raise FitError(
-                "--only and --shifts are for sweeps, moduli and creep; ramps and holds find their "
+                "--at-temperature and --shifts are for sweeps, moduli and creep; ramps and "
+                "holds find their "
                 "own shifts: leave them out"
             )
         return FitOptions(
@@ -300,7 +301,7 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
             "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
-            "--shift, --vertical, --only and --shifts"
+            "--shift, --vertical, --at-temperature and --shifts"
         )
     fit: Fit = find_handler("fit at several depths", tests[0])(tests, arms=options.arms).fit
     return fit

@@ -112,7 +112,7 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
     raise ReadError(
         f"{_format_file_kinds(shaken)}, and one FRF is fitted under one mass. Give one of them, or "
         "the level or "
-        "the mass of each, such as --level 0.02N --level 0.5N."
+        "the mass of each, such as --amplitude 0.02N --amplitude 0.5N."
     )
 
 

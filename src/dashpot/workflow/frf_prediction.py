@@ -527,7 +527,7 @@ def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredic
 def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
     """Return what the FRF of a mass relates: to a force on it, or to the motion of its base."""
     if base and kind is not None:
-        raise DataError("--kind is of a force on the mass, --base of none: leave one out")
+        raise DataError("--frf-type is of a force on the mass, --base of none: leave one out")
     if relative and not base:
         raise DataError(
             "--relative is of a mass over a base that moves: add --base (Python: base=True)"

@@ -107,13 +107,17 @@ class Cuts:
     """
 
     onset: float | None = option(
-        None, "First contact on the record's clock.", unit="time", under="cuts"
+        None,
+        "First contact on the record's clock.",
+        unit="time",
+        under="time-limits",
+        former="cuts",
     )
     ramp_end: float | None = option(
-        None, "End of the ramp on that clock.", unit="time", under="cuts"
+        None, "End of the ramp on that clock.", unit="time", under="time-limits", former="cuts"
     )
     hold_end: float | None = option(
-        None, "End of the hold on that clock.", unit="time", under="cuts"
+        None, "End of the hold on that clock.", unit="time", under="time-limits", former="cuts"
     )
 
     def refuse_several(self, tests: int) -> None:
@@ -274,16 +278,17 @@ class LevelJob:
 
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)
     levels: tuple[str, ...] = option(
-        (), "Level of each FRF, in order: 0.02N or 1m/s^2.",
-        metavar="LEVEL", multiple=True, flag="level",
+        (), "Amplitude of each FRF, in order: 0.02N or 1m/s^2.",
+        metavar="AMPLITUDE", multiple=True, flag="amplitude", former="level",
     )  # fmt: skip
     mass: float | None = copy_option(Job, "mass")
     seals: float = copy_option(Job, "seals")
     band: tuple[float, float] | None = copy_option(Job, "band")
     at: tuple[float, ...] = option(
         (),
-        "Also find the resonance at this level, e.g. 0.1N.",
-        unit="force", multiple=True, flag="resonance-at",
+        "Also find the resonance at this amplitude, e.g. 0.1N.",
+        unit="force", multiple=True, metavar="AMPLITUDE", flag="resonance-amplitude",
+        former="resonance-at",
     )  # fmt: skip
     motion: OverBase = copy_option(HammerChoices, "motion")
     law: AmplitudeLawAsked = option(
@@ -301,10 +306,11 @@ class LevelChoices:
 
     levels: tuple[str, ...] = option(
         (),
-        "Resonance there, e.g. 0.5N or 5m/s^2, by --sweep or a bent law.",
+        "Amplitude of the resonance, e.g. 0.5N or 5m/s^2.",
         multiple=True,
-        metavar="LEVEL",
-        flag="level",
+        metavar="AMPLITUDE",
+        flag="amplitude",
+        former="level",
     )
     sweep: str | None = option(
         None,
@@ -319,10 +325,18 @@ class LevelChoices:
         metavar="NUMBER",
     )
     fitted_at: str | None = option(
-        None, "Strain of the test behind the fit, e.g. 0.1%.", metavar="STRAIN"
+        None,
+        "Strain of the test behind the fit, e.g. 0.1%.",
+        metavar="STRAIN",
+        flag="reference-strain",
+        former="fitted-at",
     )
     resonance_level: str | None = option(
-        None, "Level at which --resonance was measured.", metavar="LEVEL"
+        None,
+        "Amplitude at which --resonance was measured.",
+        metavar="AMPLITUDE",
+        flag="resonance-amplitude",
+        former="resonance-level",
     )
 
 
@@ -422,7 +436,11 @@ class ShiftChoices:
     """
 
     at: float | None = option(
-        None, "Use the sweep of this temperature alone.", unit="temperature", flag="only"
+        None,
+        "Use the sweep of this temperature alone.",
+        unit="temperature",
+        flag="at-temperature",
+        former="only",
     )
     reference: float | None = option(
         None,

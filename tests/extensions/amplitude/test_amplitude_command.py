@@ -139,7 +139,7 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
         (point_mass("mass", 0.104),), (Mount(SEAL, ("mass", "ground"), friction=SLIDER),)
     )
     hz, base = np.linspace(8, 20, 61), (0.1, 1.0)
-    words = ["--mass", "104g", *(f"--level={one}m/s^2" for one in base)]
+    words = ["--mass", "104g", *(f"--amplitude={one}m/s^2" for one in base)]
     for motion, less in (("absolute", 0), ("relative", 1)):
         for one in base:
             found = dp.systems.response_at_level(
@@ -199,7 +199,7 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
 def test_one_column_is_not_storage_and_loss(tmp_path, name, says):
     header = f"Frequency [Hz],Strain [%],{name} [N/mm],Coherence"
     path = saved(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
-    result = shell.ran("fit", path, "--as", "strain-sweep")
+    result = shell.ran("fit", path, "--kind", "strain-sweep")
     assert result.exit_code == 2
     assert says in " ".join(result.stderr.split())
 
@@ -266,8 +266,17 @@ def frfs(folder, levels, friction=SLIDER):
 def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
     levels = (0.005, 0.05, 0.5)
     paths, system = frfs(tmp_path, levels)
-    words = [w for level in levels for w in ("--level", f"{level}N")]
-    found = ran(*paths, *words, "--mass", "104g", "--resonance-at", "0.15N", "--resonance-at", "5N")
+    words = [w for level in levels for w in ("--amplitude", f"{level}N")]
+    found = ran(
+        *paths,
+        *words,
+        "--mass",
+        "104g",
+        "--resonance-amplitude",
+        "0.15N",
+        "--resonance-amplitude",
+        "5N",
+    )
     true = dp.systems.response_at_level(
         system, response="m.z", force="m.z", level=0.15, frequency=np.linspace(10, 18, 1601)
     )
@@ -286,12 +295,15 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["frf0.csv", "--mass", "104g", "--resonance-at", "1N"], "0 levels and a mass"),
-        (["frf0.csv", "--level", "0.1N"], "1 levels and no mass"),
-        (["frf0.csv", "--level", "0.1mm", "--mass", "104g"], "force"),
+        (["frf0.csv", "--mass", "104g", "--resonance-amplitude", "1N"], "0 levels and a mass"),
+        (["frf0.csv", "--amplitude", "0.1N"], "1 levels and no mass"),
+        (["frf0.csv", "--amplitude", "0.1mm", "--mass", "104g"], "force"),
         (["sweep.csv", "--mass", "104g"], "--mass is for"),
         (["sweep.csv", "--seals", "2"], "--seals is for"),
-        (["frf0.csv", "--level", "1N", "--mass", "1kg", "--model", "factor"], "FRFs take no law"),
+        (
+            ["frf0.csv", "--amplitude", "1N", "--mass", "1kg", "--model", "factor"],
+            "FRFs take no law",
+        ),
         (["sweep.csv", "sweep.csv"], "one amplitude sweep at a time"),
         (["flat.csv"], "never changes"),
         (["bare.csv"], "no column of strain or displacement"),
@@ -335,7 +347,13 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     """Six hits of 1 to 8 in height: no trend, and how small a one was sought."""
     path = struck(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
     found = ran(
-        path, "--resonance-at", "0.05N", "--resonance-at", "2N", "--plot", tmp_path / "hits.svg"
+        path,
+        "--resonance-amplitude",
+        "0.05N",
+        "--resonance-amplitude",
+        "2N",
+        "--plot",
+        tmp_path / "hits.svg",
     )
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
     stiffness = found["per_doubling"]["stiffness"]
@@ -353,7 +371,7 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
         False,
     ]
     assert found["verdict"]["verdict_grade"] == "use with care"
-    belongs = ran(path, "--seals", "2", "--resonance-at", "1N", code=2)
+    belongs = ran(path, "--seals", "2", "--resonance-amplitude", "1N", code=2)
     assert "--seals belongs to FRFs" in belongs
     read = level_files([path], at=[0.05])
     assert [one.name for one in numbers(read)][:2] == [
@@ -368,20 +386,20 @@ def test_levels_said_of_hits_are_held_against_them(tmp_path):
     soft = struck(tmp_path / "soft.csv", [0.1, 0.11, 0.12])
     hard = struck(tmp_path / "hard.csv", [2.0, 2.2, 2.4])
 
-    plain = ran(soft, hard, "--resonance-at", "0.02N")
+    plain = ran(soft, hard, "--resonance-amplitude", "0.02N")
     assert len(plain["hits"]) == 6
-    told = ran(soft, hard, "--level", "0.11N", "--level", "2N", "--mass", "100g")
+    told = ran(soft, hard, "--amplitude", "0.11N", "--amplitude", "2N", "--mass", "100g")
     assert told["per_doubling"] == plain["per_doubling"]
     passed = {check["name"]: check["passed"] for check in told["checks"]}
     assert passed["levels_as_stated"]
     assert passed["high_frequency_mass_agrees"]
     assert told["verdict"]["verdict_grade"] == plain["verdict"]["verdict_grade"] == "use"
-    odd = ran(soft, hard, "--level", "2N", "--level", "0.11N", "--mass", "130g")
+    odd = ran(soft, hard, "--amplitude", "2N", "--amplitude", "0.11N", "--mass", "130g")
     assert odd["verdict"]["failed_checks"] == ["levels_as_stated", "high_frequency_mass_agrees"]
     said = next(check["message"] for check in odd["checks"] if check["name"] == "levels_as_stated")
     assert "The levels belong to each other's files." in said
-    assert "2 hammer files and 1 levels" in ran(soft, hard, "--level", "2N", code=2)
-    nothing = ran(soft, hard, "--level", "2N", "--level", "0N", code=2)
+    assert "2 hammer files and 1 levels" in ran(soft, hard, "--amplitude", "2N", code=2)
+    nothing = ran(soft, hard, "--amplitude", "2N", "--amplitude", "0N", code=2)
     assert "expected a peak force > 0" in nothing
 
 
@@ -390,7 +408,7 @@ def test_an_frf_of_hits_is_of_no_level(tmp_path):
     paths, _ = frfs(tmp_path, (0.05, 0.5))
     of_hits = tmp_path / "of_hits.csv"
     write_frf(estimate_frf(read_impact(hits), band="8:20Hz"), of_hits)
-    found = ran(paths[0], of_hits, "--level", "0.05N", "--level", "1N", "--mass", "104g")
+    found = ran(paths[0], of_hits, "--amplitude", "0.05N", "--amplitude", "1N", "--mass", "104g")
     assert found["verdict"]["failed_checks"][0] == "levels_controlled"
     says = next(
         check["message"] for check in found["checks"] if check["name"] == "levels_controlled"

@@ -1,4 +1,4 @@
-"""dashpot predict --level: a material and its strain sweep to the resonance of a mass on a part."""
+"""dashpot predict --amplitude: a material and its strain sweep to the resonance of a mass on a part."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def answered(place, *words):
 
 
 DISC = ("--shape", "disc:20mm,12mm")
-BASE = ("--base", "--level", f"{LOW}m/s^2", "--level", f"{HIGH}m/s^2")
+BASE = ("--base", "--amplitude", f"{LOW}m/s^2", "--amplitude", f"{HIGH}m/s^2")
 
 
 def test_a_shaken_base_at_ten_times_the_level(place):
@@ -112,12 +112,12 @@ def test_a_shaken_base_at_ten_times_the_level(place):
 
 def test_what_the_strain_measure_leaves_open_holds_either(place):
     """A part in shear beside a sweep in tension is strained by X/h over the root of three."""
-    (one,) = answered(place, *DISC, "--level", "1N")["levels"]
+    (one,) = answered(place, *DISC, "--amplitude", "1N")["levels"]
     low, high = one["frequency_between_hz"]
     for factor in (1.0, 1 / np.sqrt(3)):
         hz, height = peak(1.0, factor, base=False)
         assert low * (1 - 3e-3) < hz < high * (1 + 3e-3)
-        known = answered(place, *DISC, "--level", "1N", "--strain-factor", str(factor))
+        known = answered(place, *DISC, "--amplitude", "1N", "--strain-factor", str(factor))
         (same,) = known["levels"]
         assert same["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
         assert same["peak"]["value"] == pytest.approx(height, rel=0.02)
@@ -128,7 +128,7 @@ def test_a_resonance_tells_the_geometry_at_its_own_level(place):
     """One peak, measured where the rubber had softened, gives that of another level."""
     measured = ("--resonance", f"{peak(HIGH)[0]:.5g}Hz", "--resonance-mass", "400g")
     told = answered(
-        place, *measured, "--resonance-level", f"{HIGH}m/s^2", "--height", "12mm", *BASE,
+        place, *measured, "--resonance-amplitude", f"{HIGH}m/s^2", "--height", "12mm", *BASE,
         "--strain-factor", "1",
     )  # fmt: skip
     for one, level in zip(told["levels"], (LOW, HIGH), strict=True):
@@ -147,7 +147,7 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
     assert ran("fit", softened / "dma.csv", "-o", softened / "m.json").exit_code == 0
     found = {}
     part = "--height", "12mm", "--resonance", f"{peak(1e-6)[0]}Hz", "--resonance-mass", "400g"
-    for fitted_at in ((), ("--fitted-at", "0.2%")):
+    for fitted_at in ((), ("--reference-strain", "0.2%")):
         told = answered(softened, *part, *BASE, "--strain-factor", "1", *fitted_at)
         found[bool(fitted_at)] = told["levels"][1]["peak"]
     hz, height = peak(HIGH)
@@ -185,7 +185,7 @@ def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, s
 
 @pytest.mark.parametrize(("level", "passes"), [("2m/s^2", True), ("200m/s^2", False)])
 def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
-    told = answered(place, *DISC, "--base", "--level", level)
+    told = answered(place, *DISC, "--base", "--amplitude", level)
     assert ("amplitude_in_tested_range" in str(told["verdict"])) is not passes
     assert told["verdict"]["message"].startswith("At 200 m/s^2") is not passes
 
@@ -193,19 +193,19 @@ def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("--level", "1N", *DISC), "the elastic law of this fit is straight"),
+        (("--amplitude", "1N", *DISC), "the elastic law of this fit is straight"),
         (("--sweep", "strain.csv"), "give both, or neither"),
-        (("--sweep", "strain.csv", "--level", "1N", "--resonance", "90Hz", "--resonance-mass",
+        (("--sweep", "strain.csv", "--amplitude", "1N", "--resonance", "90Hz", "--resonance-mass",
           "400g"), "--height 20mm"),
-        (("--sweep", "strain.csv", "--level", "1m/s^2", *DISC), "expected a unit of force"),
-        (("--sweep", "strain.csv", "--level", "0N", *DISC), "amplitude > 0"),
-        (("--sweep", "strain.csv", "--level", "1N", "--resonance-level", "1N", *DISC),
+        (("--sweep", "strain.csv", "--amplitude", "1m/s^2", *DISC), "expected a unit of force"),
+        (("--sweep", "strain.csv", "--amplitude", "0N", *DISC), "amplitude > 0"),
+        (("--sweep", "strain.csv", "--amplitude", "1N", "--resonance-amplitude", "1N", *DISC),
          "add that"),
-        (("--sweep", "dma.csv", "--level", "1N", *DISC), "amplitude sweep is expected"),
-        (("--sweep", "frf.csv", "--level", "1N", *DISC), "is of a mass (frf)"),
-        (("--sweep", "strain.csv", *BASE, *DISC, "-o", "out.csv"), "ask one --level"),
-        (("--sweep", "part.csv", "--level", "1N", *DISC), "both of the material"),
-        (("--sweep", "long.csv", "--level", "1N", *DISC), "does not give the strain"),
+        (("--sweep", "dma.csv", "--amplitude", "1N", *DISC), "amplitude sweep is expected"),
+        (("--sweep", "frf.csv", "--amplitude", "1N", *DISC), "is of a mass (frf)"),
+        (("--sweep", "strain.csv", *BASE, *DISC, "-o", "out.csv"), "ask one --amplitude"),
+        (("--sweep", "part.csv", "--amplitude", "1N", *DISC), "both of the material"),
+        (("--sweep", "long.csv", "--amplitude", "1N", *DISC), "does not give the strain"),
     ],
 )  # fmt: skip
 def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):
@@ -225,7 +225,7 @@ def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):
 
 
 def test_one_level_is_written_and_drawn(place, tmp_path):
-    words = ("--sweep", str(place / "strain.csv"), *DISC, "--base", "--level", "5m/s^2")
+    words = ("--sweep", str(place / "strain.csv"), *DISC, "--base", "--amplitude", "5m/s^2")
     told = predict(
         place, *words, "-o", str(tmp_path / "frf.csv"), "--plot", str(tmp_path / "frf.svg")
     )

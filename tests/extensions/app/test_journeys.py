@@ -203,7 +203,7 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     verdict.get_by_text(re.compile(said)).wait_for()
     page.at.mouse.up()
     page.done()
-    assert re.search(r"--cuts hold-end=[\d.]+s", page.at.locator("#command").inner_text())
+    assert re.search(r"--time-limits hold-end=[\d.]+s", page.at.locator("#command").inner_text())
     assert page.at.locator('[data-panel="hold"] path[data-name=fit]').get_attribute("d") != before
     page.at.get_by_role("button", name="change", exact=True).click()
     page.at.get_by_role("button", name="as found", exact=True).click()

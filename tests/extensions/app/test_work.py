@@ -85,7 +85,7 @@ def typed(command, *more):
 
 def test_the_fit_is_that_of_the_command_digit_for_digit(store, asked, at_home):
     told = json.loads(ask("take", store, job=asked, what="fit")["text"])
-    words = ("--arms", "2", "--cuts", "ramp-end=2.6s", "--temperature", "23degC")
+    words = ("--arms", "2", "--time-limits", "ramp-end=2.6s", "--temperature", "23degC")
     assert told == shell.told("fit", "seal_8mm.csv", *words)
 
 
@@ -301,7 +301,9 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
     assert told == shell.told("fit", *words)
     assert len(told["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
-    with pytest.raises(dp.DataError, match="--cuts cuts one relaxation test, and there are 2 here"):
+    with pytest.raises(
+        dp.DataError, match="--time-limits cuts one relaxation test, and there are 2 here"
+    ):
         ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
 
 

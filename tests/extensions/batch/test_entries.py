@@ -165,7 +165,7 @@ def test_a_name_with_the_marks_of_a_pattern_finds_its_own_hammer(pairs):
         ("*_hammer*.csv", "holds no name in braces"),
         ("{name}_hammer*.csv", "holds name in braces"),
         ("{stem", "is no pattern"),
-        ("{seal}*.csv", "give --by too"),
+        ("{seal}*.csv", "give --label-pattern too"),
         ("{stem}_hits.csv", "A_1_hits.csv"),
         ("{stem}*.csv", "fits the tests themselves"),
     ],

@@ -344,7 +344,7 @@ def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, 
         "batches.CHUNK = 1; main(sys.argv[1:])"
     )
     words = [sys.executable, "-c", code, "batch", str(folder), "-o", str(tmp_path), "--jobs", "2",
-             "--by", BY, "--arms", "1", "--quick"]  # fmt: skip
+             "--label-pattern", BY, "--arms", "1", "--quick"]  # fmt: skip
     how = {"stderr": subprocess.PIPE, "start_new_session": True, "text": True}
     with subprocess.Popen(words, stdout=subprocess.DEVNULL, **how) as running:
         while len(list(tmp_path.glob("part-*"))) < 2 and running.poll() is None:
@@ -420,7 +420,7 @@ def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whol
 
 def test_the_command_prints_logs_and_judges(folder, tmp_path):
     out = tmp_path / "lot"
-    words = ["batch", folder, "-o", out, "--arms", 1, "--quick", "--by", BY]
+    words = ["batch", folder, "-o", out, "--arms", 1, "--quick", "--label-pattern", BY]
     plan = told(*words, "--dry-run", "--jobs", 2)
     assert (plan["files"], plan["done"], plan["chunks"], plan["jobs"]) == (11, 0, 3, 2)
     assert plan["seconds"] > 0

@@ -328,7 +328,7 @@ def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):
         made = simulate_relaxation(PAPER, hold_time=3.0, seed=i)
         (tests / f"seal{i // 2}_{i % 2}.csv").write_text(write_relaxation(made.test))
     common = ["batch", tests, "-o", tmp_path / "lot", "--arms", 1, "--quick",
-              "--by", r"seal(?P<seal>\d)_(?P<repeat>\d)", "--jobs", 1]  # fmt: skip
+              "--label-pattern", r"seal(?P<seal>\d)_(?P<repeat>\d)", "--jobs", 1]  # fmt: skip
     for text, code, decision in (
         ('[k_end]\nlower = "150N/m"\nupper = "300N/m"', 0, "pass"),
         ('[k_end]\nupper = "150N/m"', 1, "fail"),

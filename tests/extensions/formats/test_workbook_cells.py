@@ -65,7 +65,7 @@ def test_commas_that_could_part_thousands_are_asked(tmp_path: Path) -> None:
         for i, (t, x, f) in enumerate(zip(TIME, MOVED, FORCE, strict=True))
     ]
     path = xlsx(tmp_path / "a.xlsx", [HEAD, *rows])
-    with pytest.raises(ReadError, match="say which with --text decimal"):
+    with pytest.raises(ReadError, match="say which with --text-format decimal"):
         read_relaxation(path)
     test = read_relaxation(path, options=ReadOptions(decimal=","))
     np.testing.assert_allclose(test.force, FORCE + 1, atol=1.5e-2)

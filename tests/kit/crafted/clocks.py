@@ -116,7 +116,7 @@ CLOCKS = [
     Row("dates that leap by a day at midnight", clocked(leapt((9.98, 86400.0)), 86390.0, date=True), "noted", LEAP, LEAPT),
     Row("instants of which midnight is a date alone", _midnight(), truth=SOUND),
     Row("a second block on a later clock", blocks(1e4), "noted", ("2 segments joined", *LEAP), LEAPT),
-    Row("a second block that begins again", blocks(-10.0), "refused", ("2 segments", "--part segment=1")),
+    Row("a second block that begins again", blocks(-10.0), "refused", ("2 segments", "--file-part segment=1")),
     Row("the clock of a hammer that leaps", table("time [s];hammer [N];acceleration [m/s^2]", TICKS + 50.0 * (TICKS >= 1), HIT, RUNG, form="%.9g").encode(), "noted", ("the clock jumps at line 1026",), Truth("impact", read_impact, _two_records)),
     Row("the clock of a creep test that leaps", table("time [s];Strain [%];Stress [Pa]", CLOCK + 1e4 * (CLOCK > 30), CREPT, 1e5 + 0 * CLOCK, form="%.9g").encode(), "noted", LEAP, Truth("creep", read_creep, _unsteady_load)),
 ]  # fmt: skip

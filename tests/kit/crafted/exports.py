@@ -147,7 +147,7 @@ def _materials() -> list[Row]:
         Row("RheoWin with its segments", table("RheoWin 4.87\n\n;t_seg [s];f [Hz];G' [Pa];G'' [Pa];tan(δ) [-]", [f"1|{i}" for i in range(13)], 9 * F, F, STORAGE, LOSS, TANGENT, comma=True).encode(), "noted", ("begins with '1|0'",), SWEEP),
         Row("isotherms in kelvin", sweep("T [K];f [Hz];E' [MPa];E'' [MPa]", kelvin, both, *twice), truth=ISOTHERMS),
         Row("isotherms in degrees Fahrenheit", sweep("T [°F];f [Hz];E' [MPa];E'' [MPa]", 1.8 * (kelvin - 273.15) + 32, both, *twice, code="cp1252"), truth=ISOTHERMS),
-        Row("blocks of two temperatures that nothing says", untold.encode(), "refused", ("moduli differ 2 times", "--part segment=1"), SWEEP),
+        Row("blocks of two temperatures that nothing says", untold.encode(), "refused", ("moduli differ 2 times", "--file-part segment=1"), SWEEP),
         Row("the second block of two", untold.encode(), "asked", ("moduli differ 2 times",), SWEEP, answer={"segment": 2}),
         Row("names with their units behind in", sweep("t in s;G(t) in Pa;T in °C", DECAY, 1e6 * (2 + DECAY**-0.1), 0 * DECAY + 23), truth=MODULUS),
         Row("a creep in inches and pounds", sweep("Elapsed Time (min);Strain (mm/mm);Stress (psi)", CLOCK / 60, CREPT / 100, 1e5 / _PSI + 0 * CLOCK), truth=CREEP),

@@ -211,8 +211,8 @@ def _marks() -> list[Row]:
         f"{i},{x:.5f},{f:.5f}\n".replace(".", ",") for i, (_, x, f) in enumerate(rows)
     )
     return [
-        Row("points group the thousands beside small numbers", grouped.replace(",", ".").encode(), "asked", ("--text decimal=",), answer={"decimal": ","}, coarse=1e-3),
-        Row("commas group the thousands beside small numbers", grouped.encode(), "asked", ("--text decimal=",), answer={"decimal": "."}, coarse=1e-3),
+        Row("points group the thousands beside small numbers", grouped.replace(",", ".").encode(), "asked", ("--text-format decimal=",), answer={"decimal": ","}, coarse=1e-3),
+        Row("commas group the thousands beside small numbers", grouped.encode(), "asked", ("--text-format decimal=",), answer={"decimal": "."}, coarse=1e-3),
         Row("points group thousands and millions", grouped.replace(",", ".").replace("Kraft [mN]", "Kraft [mN];Hits").replace("\n", ";1.234.567\n").replace("Hits;1.234.567", "Hits").encode(), coarse=1e-3),
         Row("apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late).encode()),
         Row("typeset apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late.replace("'", "\u2019")).encode()),

@@ -380,7 +380,7 @@ def level_of(word: str, kind: Kind) -> float:
     of: Dimension = "acceleration" if kind.over_base else "force"
     value = convert_to_si(word, of)
     if not value > 0:
-        raise DataError(f"--level {word}; expected an amplitude > 0")
+        raise DataError(f"--amplitude {word}; expected an amplitude > 0")
     return value
 
 
@@ -410,12 +410,12 @@ def swept_part(
         return None  # of a fit whose own law bends
     if not choices.levels or choices.sweep is None:
         raise DataError(
-            "--level is how far the part is moved and --sweep what this does to it; give both, or "
-            "neither (of FRFs at several levels dashpot fit tells it)"
+            "--amplitude is how far the part is moved and --sweep what this does to it; give "
+            "both, or neither (of FRFs at several levels dashpot fit tells it)"
         )
     if choices.resonance_level is not None and (part is None or part.resonance is None):
         raise DataError(
-            "--resonance-level is the level at which a --resonance was measured; add that, or "
+            "--resonance-amplitude is the level at which a --resonance was measured; add that, or "
             "leave it out"
         )
     kind = recognise(choices.sweep, options).kind

@@ -151,7 +151,7 @@ def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Findin
         f"{says}; {names} N was given",
         float(np.exp(off[np.abs(off).argmax()])),
         because=f"{why} The hits themselves count here",
-        remedy=Remedy("Give the peak force of each file, in their order.", "level"),
+        remedy=Remedy("Give the peak force of each file, in their order.", "amplitude"),
     )
 
 
@@ -183,7 +183,7 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
         f"{says}; the noise is {100 * noise:.2g} %",
         residual / noise,
         "No arms, sliders and cubic spring explain every level",
-        Remedy("Check the mass, the order of the levels, and the phase.", "level"),
+        Remedy("Check the mass, the order of the levels, and the phase.", "amplitude"),
         grade="stop" if residual > LOST else "limit",
     )
 

@@ -161,8 +161,8 @@ def level_files(
     struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
     request = {
-        "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
-        "--relative": motion != "absolute", "--band": band is not None, "--resonance-at": at,
+        "--amplitude": levels, "--mass": mass is not None, "--seals": seals != 1,
+        "--relative": motion != "absolute", "--band": band is not None, "--resonance-amplitude": at,
     }  # fmt: skip
     _refuse_frf_options(files[0], request, *(_OF_HITS if struck else ()))
     if struck:
@@ -199,7 +199,7 @@ def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | RelaxationTest)
     return Levels(amplitude_fit, (), amplitude_fit.checks, (record,))
 
 
-_OF_HITS = ("--level", "--mass", "--band", "--resonance-at")
+_OF_HITS = ("--amplitude", "--mass", "--band", "--resonance-amplitude")
 """Options that belong to FRFs, and to hits too."""
 
 
@@ -229,7 +229,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
             f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
             "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
             "the hits alone, and compare the resonance that each tells at one level "
-            "(--resonance-at)"
+            "(--resonance-amplitude)"
         )
 
 
@@ -238,11 +238,11 @@ def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
     if levels and len(levels) != tests:
         raise ReadError(
             f"{tests} hammer files and {len(levels)} levels; expected the peak force of the "
-            "hits of each file, in their order, or none (--level): hits show how hard they are"
+            "hits of each file, in their order, or none (--amplitude): hits show how hard they are"
         )
     forces = [convert_to_si(level, "force") for level in levels]
     if not all(0 < force < np.inf for force in forces):
-        raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--level)")
+        raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--amplitude)")
     return forces
 
 
@@ -306,8 +306,8 @@ def frfs_at_levels(
     if mass is None or len(levels) != len(frfs):
         raise ReadError(
             f"{len(frfs)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "
-            "expected the mass (--mass) and the level of each FRF, in their order (--level 0.05N "
-            "--level 0.5N)"
+            "expected the mass (--mass) and the amplitude of each FRF, in their order "
+            "(--amplitude 0.05N --amplitude 0.5N)"
         )
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_peak(level_fit, level) for level in at)

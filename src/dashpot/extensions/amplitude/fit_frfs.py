@@ -111,7 +111,7 @@ def fit_levels(
     SIZES["amplitude"].refuse(
         high,
         f"at the levels given a seal would move by {format_quantity_short(high, 'm')}",
-        remedy="Check the levels and their unit, such as --level 20mN, and the mass.",
+        remedy="Check the levels and their unit, such as --amplitude 20mN, and the mass.",
     )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]

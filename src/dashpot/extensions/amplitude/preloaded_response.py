@@ -213,7 +213,7 @@ def preloaded_levels(
     if fit.elastic_law is None or fit.elastic_law.kind == "linear":
         raise DataError(
             "the elastic law of this fit is straight, so the response is the same at every level. "
-            "Leave out --level, add a sweep of amplitudes (--sweep), or fit tests at several "
+            "Leave out --amplitude, add a sweep of amplitudes (--sweep), or fit tests at several "
             "depths (dashpot fit FILE FILE)"
         )
 

@@ -29,7 +29,7 @@ def words_of(result: Any, *names: str) -> list[str]:
 
     >>> from dashpot.reading.read_options import ReadOptions
     >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
-    ['--units', 'force=N', '--text', 'skip=3']
+    ['--units', 'force=N', '--text-format', 'skip=3']
     """
     sentences: list[str] = []
     for glob, item in getattr(result, "own", ()):

@@ -213,7 +213,9 @@ def _add_hammer_files(
 
 def _refuse_unpaired(entries: Sequence[Entry], pair: str, names: set[str]) -> None:
     if "stem" not in names and not any(getattr(entry, name) for entry in entries for name in names):
-        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
+        raise DataError(
+            f"--pair '{pair}': no test has a lot, seal or repeat: give --label-pattern too"
+        )
     if not any(entry.hammer for entry in entries):
         example = Path(entries[0].file).parent / _format_pair_pattern(entries[0], pair)
         raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
@@ -326,7 +328,9 @@ def _labels(
         }  # fmt: skip
 
     if not any(map(parse_labels, files)) and not growing:
-        raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
+        raise DataError(
+            f"--label-pattern '{by}' fits none of {len(files)} paths, such as {files[0]}"
+        )
     return parse_labels
 
 
@@ -335,7 +339,7 @@ def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     try:
         pattern = re.compile(by)
     except re.error as error:
-        raise DataError(f"--by '{by}' is no regular expression: {error}") from None
+        raise DataError(f"--label-pattern '{by}' is no regular expression: {error}") from None
     named = tuple(pattern.groupindex) or LABELS[: pattern.groups]
     if (
         not 1 <= pattern.groups <= len(LABELS)
@@ -343,8 +347,8 @@ def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
         or set(named) - set(LABELS)
     ):
         raise DataError(
-            f"--by '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); expected up "
-            r"to five, named or in the order of lot, seal, repeat, operator, date: "
+            f"--label-pattern '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); "
+            r"expected up to five, named or in the order of lot, seal, repeat, operator, date: "
             r"'lot(\w+)_seal(\d+)_rep(\d+)'"
         )
     return pattern, named

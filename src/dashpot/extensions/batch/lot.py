@@ -250,7 +250,7 @@ class Lot:
         if not levels:
             raise DataError(
                 "the scatter has no sources to separate: say which lot, seal and repeat each "
-                "test is, by --by or --manifest, of at least two lots or seals"
+                "test is, by --label-pattern or --manifest, of at least two lots or seals"
             )
         certain = self.quantity(name).name == "k_inf"
         errors = self._select_test_values("k_inf_se_N_per_m", seals) if certain else [None]

@@ -42,7 +42,8 @@ def rows(*own: CommandOption) -> list[CommandOption]:
         *own,
         opt("--manifest", type=File(), metavar="FILE",
             help="Table of files with lot, seal, repeat, mass, ..."),
-        opt("--by", metavar="REGEX", help="Lot, seal, repeat from the path."),
+        opt("--label-pattern", "by", former="by", metavar="REGEX",
+            help="Lot, seal and repeat from the path."),
         opt("--pair", metavar="PATTERN", help="Hammer files of a test: {stem}_hammer*.csv."),
         opt("--limits", type=File(), metavar="FILE", help="Acceptance limits (.toml)."),
         mark_advanced(

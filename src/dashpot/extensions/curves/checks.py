@@ -154,7 +154,7 @@ def modulus_falls(modulus: FloatArray) -> Finding:
         ratio,
         instead=f"It rises with time, from {first:.3g} in its first third to {last:.3g} in its "
         "last. A relaxation modulus falls; a creep compliance rises",
-        remedy=Remedy("Read it as creep.", "as", "creep"),
+        remedy=Remedy("Read it as creep.", "kind", "creep"),
     )
 
 

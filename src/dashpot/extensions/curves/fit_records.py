@@ -120,8 +120,8 @@ def _fit_creep(
             record = shift_to_one(curves, options.shifting, options.specimen)
         if isinstance(record, LoadHold) and options.shifting.at is not None:
             raise FitError(
-                "--only picks one of several temperatures, and this creep test is of one: leave "
-                "it out"
+                "--at-temperature picks one of several temperatures, and this creep test is "
+                "of one: leave it out"
             )
         if not isinstance(record, Superposition) and options.shifting.at is None:
             refuse_shifts("a creep test is", options.ramp_options)
@@ -168,14 +168,15 @@ def shift_to_one(
     if first.several_temperatures and specimen is not None and specimen.temperature is not None:
         raise FitError(
             "the file says the temperature of every sample, so --temperature has nothing to add: "
-            "--only takes one of them alone, --reference moves the master curve of them all"
+            "--at-temperature takes one of them alone, --reference moves their master curve"
         )
     single = len(tests) == 1 and choices == ShiftChoices(at=at)
     if at is not None:
         if not single:
             raise FitError(
-                "--only takes one temperature out of a file of several; leave out --reference, "
-                "--shift, --vertical and --shifts, which shift them all, and other files"
+                "--at-temperature takes one temperature out of a file of several; leave out "
+                "--reference, --shift, --vertical and --shifts, which shift them all, and other "
+                "files"
             )
         return first.at(at)
     if single and not first.several_temperatures:

@@ -83,7 +83,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             inner = _get_group_member(group, key) if key else group
             if inner is None:
                 raise ReadError(
-                    f"--part sheet={options.sheet}: there is no such group; there are "
+                    f"--file-part sheet={options.sheet}: there is no such group; there are "
                     f"{', '.join(islice(file, 10))}"
                 )
             group = inner

@@ -61,7 +61,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     if options.sheet is not None:
         arrays = [array for array in arrays if array.name.startswith(options.sheet)]
         if not arrays:
-            raise ReadError(f"--part sheet={options.sheet}: there is no such variable")
+            raise ReadError(f"--file-part sheet={options.sheet}: there is no such variable")
     return gather(arrays, format_="MAT")
 
 

@@ -69,8 +69,8 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     Raises
     ------
     ReadError
-        If groups hold different channels (name one with ``--part sheet``), or channels of one group
-        differ in rate or length.
+        If groups hold different channels (name one with ``--file-part sheet``), or channels of one
+        group differ in rate or length.
     """
     extra("nptdms", "npTDMS", "TDMS files")
     from dashpot.extensions.formats.tdms_segments import SegmentReader
@@ -117,13 +117,13 @@ def _chosen(new_channels: _Groups, sheet: str | None) -> _Groups:
     groups = {name: channels for name, channels in new_channels.items() if channels}
     if sheet is not None:
         if sheet not in groups:
-            raise ReadError(f"--part sheet={sheet}: the groups are {_list(groups)}")
+            raise ReadError(f"--file-part sheet={sheet}: the groups are {_list(groups)}")
         groups = {sheet: groups[sheet]}
     if not groups:
         raise ReadError("this TDMS file holds no numeric channels")
     if len({tuple((c.name, c.unit) for c in channels) for channels in groups.values()}) > 1:
         raise ReadError(
-            f"groups {_list(groups)} hold different channels; choose one with --part sheet="
+            f"groups {_list(groups)} hold different channels; choose one with --file-part sheet="
             f'"{next(iter(groups))}"'
         )
     return groups

@@ -35,7 +35,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     if len(set(heads)) > 1:
         listed = ", ".join(f"'{name}'" for name in names[:6])
         raise ReadError(
-            f"results {listed} have different columns; choose one with --part sheet=NAME"
+            f"results {listed} have different columns; choose one with --file-part sheet=NAME"
         )
     rows = [np.asarray(part, dtype=float).reshape(-1, len(columns)) for part in values]
     starts = np.cumsum([0, *map(len, rows[:-1])])

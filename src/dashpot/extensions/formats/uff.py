@@ -47,7 +47,7 @@ _Set: TypeAlias = dict[str, Any]
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the FRFs of a file, else its time records, as a table.
 
-    Of several FRFs one is chosen by ``--part segment``; without it those on the same
+    Of several FRFs one is chosen by ``--file-part segment``; without it those on the same
     lines are columns side by side, named after their points, for a reader that takes them all.
     Units are those of the axis labels; where a label is blank, dataset 164 and the specific data
     type give them. A file without any, but with normal modes at nodes, is a row for each node of
@@ -182,7 +182,7 @@ def _frf(
     number = segment or 1
     _require_complex_values(frfs if segment is None else frfs[number - 1 : number])
     if number > len(frfs):
-        raise ReadError(f"--part segment={segment}, but the file has {len(frfs)} FRFs")
+        raise ReadError(f"--file-part segment={segment}, but the file has {len(frfs)} FRFs")
     record = frfs[number - 1]
     together = segment is None and all(np.array_equal(e["x"], record["x"]) for e in frfs)
     columns = [Column("frequency", _label(record["abscissa_axis_units_lab"]) or "Hz")]
@@ -241,7 +241,7 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
     if len(frfs) == 1:
         return ()
     listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
-    says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --part segment=1"
+    says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --file-part segment=1"
     return (Question(says, SEGMENT),)
 
 

@@ -47,7 +47,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     likely = names or list(tables)
     if len(likely) > 1:
         raise ReadError(
-            f"sheets {format_sheet_names(likely)} could each be the test; choose with --part "
+            f"sheets {format_sheet_names(likely)} could each be the test; choose with --file-part "
             f'sheet="{likely[0]}"'
         )
     return tables[likely[0]]

@@ -49,7 +49,9 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
-        raise ReadError(f"--part sheet={options.sheet}: the sheets are {format_sheet_names(names)}")
+        raise ReadError(
+            f"--file-part sheet={options.sheet}: the sheets are {format_sheet_names(names)}"
+        )
     entries, cells = {HIDDEN + name: text.encode() for name, text in unmeasured.items()}, 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)

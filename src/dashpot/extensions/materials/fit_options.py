@@ -21,7 +21,9 @@ def list_groups() -> list[list[CommandOption]]:
         group(
             "Load deflection",
             opt(
-                "--between",
+                "--compression-limits",
+                "between",
+                former="between",
                 type=Range("length"),
                 metavar="RANGE",
                 kinds=_CLD,
@@ -35,12 +37,14 @@ def list_groups() -> list[list[CommandOption]]:
                 help="Limits of the force there, e.g. 4.5:5.5N.",
             ),
             opt(
-                "--memory",
+                "--relaxation",
+                "memory",
+                former="memory",
                 type=File(),
                 multiple=True,
                 metavar="FIT",
                 kinds=f"{_CLD} {_STRAIN} {_SLAM}",
-                help="Fit whose relaxation is known.",
+                help="Fit of a relaxation test of the same material.",
             ),
         ),
         group(

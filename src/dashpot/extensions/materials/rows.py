@@ -78,7 +78,7 @@ EXTENSION = Extension(
                 examples="dashpot.extensions.materials.csr.examples:EXAMPLES",
                 fits="dashpot.extensions.materials.csr.fit:fit_aging", takes=("temperatures", "machine"),
                 predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", asked="dashpot.extensions.materials.csr.options:AgingPredictionOptions",
-                follow="predict FILE --temperature 70degC --until 50%", order=15,
+                follow="predict FILE --temperature 70degC --end 50%", order=15,
         ),
             KindOfTest(
                 "slam", "dashpot.extensions.materials.slam.read:read_slams", "dashpot.extensions.materials.slam.fit_files:slam_files", meant="slam",

@@ -91,13 +91,23 @@ class KnownSolid:
         False, "Add a dashpot beside the arms.", is_flag=True, flag="dashpot"
     )
     static_stiffness: float | tuple[float, float] | None = option(
-        None, "Static stiffness of one seal.", unit="stiffness", under="known", key="stiffness"
+        None,
+        "Static stiffness of one seal.",
+        unit="stiffness",
+        under="prior",
+        former="known",
+        key="stiffness",
     )
     natural_frequency: float | tuple[float, float] | None = option(
-        None, "Natural frequency.", unit="frequency", under="known", key="frequency"
+        None,
+        "Natural frequency.",
+        unit="frequency",
+        under="prior",
+        former="known",
+        key="frequency",
     )
     damping_ratio: float | tuple[float, float] | None = option(
-        None, "Damping ratio.", above=0.0, under="known", key="damping"
+        None, "Damping ratio.", above=0.0, under="prior", former="known", key="damping"
     )
 
     def __post_init__(self) -> None:

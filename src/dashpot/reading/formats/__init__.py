@@ -54,7 +54,7 @@ def _table(raw: RawFile, options: ReadOptions) -> FileTable:
         name, called = _PLUGGED, require_plugin("formats", options.format).full_label
     if options.sheet is not None and not FORMATS[name].sheets:
         raise ReadError(
-            f"--part sheet={options.sheet}: this file has no sheets or groups; leave it out"
+            f"--file-part sheet={options.sheet}: this file has no sheets or groups; leave it out"
         )
     reads = import_module(FORMATS[name].module)
     reader: Callable[[RawFile, ReadOptions], FileTable] = reads.read

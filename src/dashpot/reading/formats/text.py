@@ -246,9 +246,9 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
     says = (
         f"line {number} has {cells_above} cells where the table has {width} from line "
         f"{dialect.first + 1} on: '{line.strip()[:60]}'; split the file there, or read what stands "
-        f"below with --text skip={dialect.first}"
+        f"below with --text-format skip={dialect.first}"
     )
-    return [], [Question(says, "--text skip=N")]
+    return [], [Question(says, "--text-format skip=N")]
 
 
 def _multiplies(line: str, dialect: Dialect) -> bool:
@@ -333,7 +333,7 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
         return "holds nothing but blank lines; export the test again"
     tried = ""
     if options.delimiter or options.decimal:
-        tried = " with the delimiter and decimal mark given (leave out --text)"
+        tried = " with the delimiter and decimal mark given (leave out --text-format)"
     wide = [(number, line) for number, line in enumerate(lines, 1) if is_overlong(line)]
     if 2 * len(wide) >= len(filled):
         number, line = wide[-1]
@@ -365,5 +365,5 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     return (
         f"no table of numbers found{tried} in {len(filled)} lines, the first is "
         f"'{first}'; expected rows of equally many numbers, parted by one kind of delimiter "
-        "(--text delimiter=, decimal= or skip= says it)"
+        "(--text-format delimiter=, decimal= or skip= says it)"
     )

@@ -564,7 +564,7 @@ def part(loaded: LoadedColumns, segment: int | None) -> LoadedColumns:
     count = len(loaded.starts)
     if segment > count:
         plural = "s" * (count != 1)
-        raise ReadError(f"--part segment={segment}, but the file has {count} segment{plural}")
+        raise ReadError(f"--file-part segment={segment}, but the file has {count} segment{plural}")
     keep = np.zeros(len(loaded.values), dtype=bool)
     keep[slices(loaded.starts, len(keep))[segment - 1]] = True
     doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})

@@ -156,7 +156,7 @@ def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, li
     falls = np.flatnonzero(steps < 0)
     if falls.size:
         i = int(falls[0])
-        part = ", read one part with --part segment=N" if len(loaded.starts) > 1 else ""
+        part = ", read one part with --file-part segment=N" if len(loaded.starts) > 1 else ""
         if _begins_anew(time, loaded.values, falls + 1):
             raise ReadError(
                 f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "

@@ -277,7 +277,8 @@ def check_joined_segments(time: FloatArray, loaded: LoadedColumns) -> str:
         if time[start] < time[start - 1]:
             raise ReadError(
                 f"{len(names)} segments ({listed}), and the clock starts again at "
-                f"{loaded.format_row_position(start)}; choose one, for example --part segment=1"
+                f"{loaded.format_row_position(start)}; choose one, for example --file-part "
+                "segment=1"
             )
     return f"{len(names)} segments joined into one record: {listed}"
 

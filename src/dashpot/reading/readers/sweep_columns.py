@@ -99,7 +99,8 @@ def refuse_unlike_blocks(loaded: LoadedColumns, values: Mapping[Role, FloatArray
         if times >= _FAR:
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
-                "times, but no column and no title says a temperature: read one block with --part "
+                "times, but no column and no title says a temperature: read one block with "
+                "--file-part "
                 "segment=1, or add a column of the temperature"
             )
 

@@ -565,12 +565,12 @@ def decode_blocks(
     except UnicodeDecodeError as error:
         raise ReadError(
             f"byte 0x{error.object[error.start]:02X} is not {encoding}; "
-            "give the file's encoding with --text encoding=cp1252"
+            "give the file's encoding with --text-format encoding=cp1252"
         ) from None
     except UnicodeError as error:  # such as UTF-16 without the mark that it begins with
         raise ReadError(
             f"the text is not {encoding} ({error}); give the file's encoding, for example "
-            "--text encoding=cp1252, or leave it out"
+            "--text-format encoding=cp1252, or leave it out"
         ) from None
     if rest:
         yield _ends(rest) + "\n"

@@ -151,9 +151,9 @@ def _which_mark(example: str) -> Question:
     value = example.replace(",", ".")
     says = (
         f"numbers such as '{example}' can mean {value} or {digits}; say which with "
-        f'--text decimal="{mark}" ({value}) or --text decimal="{other}" ({digits})'
+        f'--text-format decimal="{mark}" ({value}) or --text-format decimal="{other}" ({digits})'
     )
-    return Question(says, "--text decimal=MARK")
+    return Question(says, "--text-format decimal=MARK")
 
 
 _PATIENT = 64
@@ -468,9 +468,9 @@ class _Reader:
             before = len(got.starts)
             got.part(change)
             if self.changed and len(got.starts) > before:
-                advice = f"read what stands before it with --part segment={before}"
+                advice = f"read what stands before it with --file-part segment={before}"
                 says = f"{self.changed}; split the file there, or {advice}"
-                got.doubts.append((before, Question(says, "--part segment=N")))
+                got.doubts.append((before, Question(says, "--file-part segment=N")))
         got.between.clear()
         got.add(values, line)
 

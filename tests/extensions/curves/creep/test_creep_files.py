@@ -79,7 +79,7 @@ def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
 
 def test_of_several_steps_one_must_be_chosen(tmp_path: Path) -> None:
     path = written(tmp_path / "gel.txt", rheometer("Creep - 1", "Creep recovery - 2"))
-    with pytest.raises(ReadError, match=r"2 segments .*--part segment=1"):
+    with pytest.raises(ReadError, match=r"2 segments .*--file-part segment=1"):
         read_creep(path)
     found = read_creep(path, options=ReadOptions(segment=1))
     assert len(found.time) == len(TIME)

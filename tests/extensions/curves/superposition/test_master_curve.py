@@ -199,7 +199,7 @@ def test_a_table_of_shifts_comes_back(tmp_path):
     again = told("fit", file, "--shifts", table)["temperature"]
     assert [one["b_t"] for one in again["shifts"]] == pytest.approx([one.b_t for one in back])
     assert "leave out --save-shifts" in shell(
-        "fit", file, "--only", "20degC", "--arms", "1", "--save-shifts", table, code=2
+        "fit", file, "--at-temperature", "20degC", "--arms", "1", "--save-shifts", table, code=2
     )
 
 

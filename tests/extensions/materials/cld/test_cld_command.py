@@ -17,7 +17,7 @@ from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 SCALES = (1.0, 1.04, 0.97, 1.01)
-WORDS = ("--length", "50mm", "--compression", "6mm", "--between", "4:7.5mm")
+WORDS = ("--length", "50mm", "--compression", "6mm", "--compression-limits", "4:7.5mm")
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def test_a_figure_is_drawn(folder, tmp_path):
         (["p1.csv", "--force-limits", "1:2N"], "several pieces"),
         (["p1.csv", "p1.csv"], "same record as"),
         (["p1.csv", "--compression", "12mm"], "at most 7.99"),
-        (["p1.csv", "--part", "cycle=9"], "holds 4 cycles"),
+        (["p1.csv", "--file-part", "cycle=9"], "holds 4 cycles"),
         (["p1.csv", "--compression", "6N"], "length"),
     ],
 )
@@ -139,14 +139,14 @@ def test_inspect_names_the_kind(folder):
 def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
     fit = fit_of(bulb)
     (folder / "fit.json").write_text(to_json(fit))
-    words = ("p1.csv", "--compression", "6mm", "--memory", str(folder / "fit.json"))
+    words = ("p1.csv", "--compression", "6mm", "--relaxation", str(folder / "fit.json"))
     law = tmp_path / "law.json"
     found = told(folder, *words, "-o", str(law))
     assert found["relaxed"]["residual_hysteresis"] == pytest.approx(0, abs=0.01)
     written = from_json(law.read_text())
     assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout
-    twice = told(folder, *words, "--memory", str(folder / "fit.json"))
+    twice = told(folder, *words, "--relaxation", str(folder / "fit.json"))
     names = [check["name"] for check in twice["checks"]]
     assert names.count("relaxed_agrees") == 2
     assert "relaxation_tests_agree" in names

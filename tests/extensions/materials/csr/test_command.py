@@ -22,7 +22,7 @@ def folder(tmp_path_factory):
                "--plot", place / "csr.svg")  # fmt: skip
     assert done.exit_code == 0, done.output
     assert "recognised ovens.csv: a record of compression stress relaxation" in done.stderr
-    assert f"predict {place / 'csr.json'} --temperature 70degC --until 50%" in done.stderr
+    assert f"predict {place / 'csr.json'} --temperature 70degC --end 50%" in done.stderr
     assert "activation energy" in done.stdout
     return place
 
@@ -38,8 +38,8 @@ def test_a_document_is_predicted_from(folder):
     document = json.loads((folder / "csr.json").read_text())
     assert document["schema"] == "dashpot/csr@2"
     assert document["oven_sd"] == 1.0
-    found = told("predict", folder / "csr.json", "--temperature", "70degC", "--until", "50%",
-                 "--until", "1000h", "--plot", folder / "aged.svg")  # fmt: skip
+    found = told("predict", folder / "csr.json", "--temperature", "70degC", "--end", "50%",
+                 "--end", "1000h", "--plot", folder / "aged.svg")  # fmt: skip
     life, cold, left = found["values"]
     assert life["low"] < 3600 * 101430 < life["high"]
     assert cold["name"] == "life_if_Ea_falls"
@@ -55,8 +55,8 @@ def test_a_seal_is_aged_for_a_mass_a_door_and_a_deck(folder):
     """The factor is the law's own at 70 degC; every stiffness is that of the new seal times it."""
     new = dp.simulate("relaxation", hold="5s", noise_free=True)
     dp.save(dp.fit(new, arms=2), folder / "fit.json")
-    aged = "predict", folder / "csr.json", "--temperature", "70degC", "--until"
-    told(*aged, "1000h", "--new", folder / "fit.json", "-o", folder / "old.json")
+    aged = "predict", folder / "csr.json", "--temperature", "70degC", "--end"
+    told(*aged, "1000h", "--unaged-fit", folder / "fit.json", "-o", folder / "old.json")
     left = told(*aged, "1000h")["values"][0]
     before, after = dp.read(folder / "fit.json"), dp.read(folder / "old.json")
     assert after.model.k_inf == pytest.approx(left["value"] * before.model.k_inf)
@@ -66,8 +66,8 @@ def test_a_seal_is_aged_for_a_mass_a_door_and_a_deck(folder):
     deck = ran("export", folder / "old.json", "--to", "abaqus", "--unit-system", "SI",
                "--temperature", "23degC", "--length", "100mm", "--allow", "all")  # fmt: skip
     assert "is left after 1000 h at 70 degC" in deck.stdout
-    for until in ("50%", "1000h --until 2000h"):
-        bad = ran(*aged, *until.split(), "--new", folder / "fit.json")
+    for until in ("50%", "1000h --end 2000h"):
+        bad = ran(*aged, *until.split(), "--unaged-fit", folder / "fit.json")
         assert (bad.exit_code, "a seal is aged for one time" in bad.stderr) == (2, True)
 
 

@@ -308,7 +308,7 @@ def test_what_is_said_of_another_machine_is_refused(machine, says):
     ],
 )  # fmt: skip
 def test_an_end_that_is_none_is_asked_for(end, says):
-    with pytest.raises(DataError, match=f"--until {end}: expected .*{says}"):
+    with pytest.raises(DataError, match=f"--end {end}: expected .*{says}"):
         predict_aging(usual(), temperature="70degC", until=end)
 
 

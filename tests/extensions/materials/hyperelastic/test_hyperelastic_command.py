@@ -100,7 +100,7 @@ def test_rates_without_their_memory(tmp_path):
         test = at_rate(RUBBER, "equibiaxial", rate, rows=400)
         head, file = "time [s],stretch,nominal stress [MPa]", tmp_path / f"{rate}.csv"
         files.append(saved(file, head, test.time, test.stretch, test.stress / 1e6))
-    found = law_of(*files, "--test", "biaxial", "--memory", memory, "--model", "mooney-rivlin")
+    found = law_of(*files, "--test", "biaxial", "--relaxation", memory, "--model", "mooney-rivlin")
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=5e-3)
 
 
@@ -128,7 +128,7 @@ def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):
     columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
     columns = [np.arange(50.0), *columns] if "time" in head else columns
     file = saved(tmp_path / "a.csv", head, *columns)
-    told = " ".join(did("fit", file, "--as", "stress-strain", code=2).output.split())
+    told = " ".join(did("fit", file, "--kind", "stress-strain", code=2).output.split())
     assert says in told
 
 

@@ -15,7 +15,7 @@ from dashpot.workflow.example_files import EXAMPLES
 
 pytestmark = pytest.mark.once
 
-BALL = ("--as", "indentation", "--mass", "5g", "--radius", "5mm", "--model", "hertz-kelvin-voigt")
+BALL = ("--kind", "indentation", "--mass", "5g", "--radius", "5mm", "--model", "hertz-kelvin-voigt")
 
 
 ran = partial(shell.did, "fit")
@@ -62,7 +62,7 @@ def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
 def test_what_is_missing_or_wrong_is_asked_for(tmp_path, hit):
     t, y = hit["acceleration"]
     path = saved(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
-    assert "--mass 5g" in ran(path, "--as", "indentation", code=2).stderr
+    assert "--mass 5g" in ran(path, "--kind", "indentation", code=2).stderr
     unitless = saved(tmp_path / "b.csv", "time [s],acceleration", t, y)
     assert "has no unit" in ran(unitless, *BALL, code=2).stderr
     slow = saved(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)

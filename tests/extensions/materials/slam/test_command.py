@@ -1,4 +1,4 @@
-"""dashpot predict --slam and dashpot fit of slams, as they are typed."""
+"""dashpot predict --drop and dashpot fit of slams, as they are typed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_slam_is_predicted_and_kept(folder: Path, tmp_path: Path) -> None:
-    page, how = tmp_path / "slam.html", ("--slam", "0.3m/s", "--mass", "200g", "--seals", "2")
+    page, how = tmp_path / "slam.html", ("--drop", "0.3m/s", "--mass", "200g", "--seals", "2")
     found = told("predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg")
     assert found["schema"] == "dashpot/slammed@2"
     force = found["values"][0]
@@ -40,9 +40,9 @@ def test_a_slam_is_predicted_and_kept(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        (("--slam", "0.3m/s"), "--mass 200g"),
-        (("--slam", "0.3m/s", "--mass", "200g", "--band", "1:50Hz"), "--band is for a vibration"),
-        (("--slam", "0.3m/s", "--mass", "200g", "-o", "slam.csv"), ".json or .html"),
+        (("--drop", "0.3m/s"), "--mass 200g"),
+        (("--drop", "0.3m/s", "--mass", "200g", "--band", "1:50Hz"), "--band is for a vibration"),
+        (("--drop", "0.3m/s", "--mass", "200g", "-o", "slam.csv"), ".json or .html"),
     ],
 )
 def test_what_does_not_suit_a_slam_is_refused(
@@ -58,7 +58,7 @@ def test_what_does_not_suit_a_slam_is_refused(
 def test_slams_are_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
     kept = tmp_path / "slam.json"
     done = ran(
-        "fit", folder / "slam.csv", "--mass", "200g", "--slam", "0.3m/s", "--memory",
+        "fit", folder / "slam.csv", "--mass", "200g", "--drop", "0.3m/s", "--relaxation",
         folder / "law.json", "-o", kept,
     )  # fmt: skip
     assert "recognised slam.csv: a record of slams of a mass on a piece" in done.stderr

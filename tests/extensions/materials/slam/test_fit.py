@@ -196,7 +196,7 @@ def test_slams_in_one_record_are_told_apart() -> None:
     ("how", "says"),
     [
         ({}, "--mass 200g"),
-        ({"mass": "200g", "slam": ("0.3m/s", "0.6m/s")}, "--slam was given 2 times, and 1 slam"),
+        ({"mass": "200g", "slam": ("0.3m/s", "0.6m/s")}, "--drop was given 2 times, and 1 slam"),
         ({"mass": "200g", "slam": "0.3"}, "expected the speed at the touch"),
     ],
 )

@@ -181,7 +181,7 @@ def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
 @pytest.mark.parametrize(
     ("how", "says"),
     [
-        ({"slam": "18", "mass": "200g"}, "--slam 18: expected the speed"),
+        ({"slam": "18", "mass": "200g"}, "--drop 18: expected the speed"),
         ({"slam": "0.6m/s"}, "--mass 200g"),
         ({"slam": ("0.6m/s", "1m/s"), "mass": "200g"}, "given 2 times"),
         ({"slam": "-1m/s", "mass": "200g"}, "slam: speed"),

@@ -37,7 +37,8 @@ def find_near_samples(temperature: FloatArray | None, asked: float) -> BoolArray
     """
     if temperature is None:
         raise DataError(
-            f"{celsius(asked)} was asked for, but the test has no temperatures: leave --only out"
+            f"{celsius(asked)} was asked for, but the test has no temperatures: leave "
+            "--at-temperature out"
         )
     within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
     if not within.any():

@@ -342,7 +342,7 @@ def _validate_temperature_options(family: str, records: Sequence[RampHold]) -> N
     if records:
         raise FitError(
             "the sweeps are of several temperatures, the relaxation tests of one: choose the "
-            "sweep of theirs with --only (Python: temperature=)"
+            "sweep of theirs with --at-temperature (Python: temperature=)"
         )
 
 

@@ -69,7 +69,7 @@ def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
         float(error[i]),
         "The curves are flat there, as those of a glass or of rubber at rest, and flat curves "
         "fit anywhere",
-        Remedy("Leave the outer temperature out, or use the law alone.", "only"),
+        Remedy("Leave the outer temperature out, or use the law alone.", "at-temperature"),
     )
 
 

@@ -11,7 +11,7 @@ from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
     FormField("compression", "Compression", "mm", "--compression"),
-    FormField("between", "Asked between", "mm", "--between", form="range"),
+    FormField("between", "Asked between", "mm", "--compression-limits", form="range"),
     FormField("length", "Length of a piece", "mm", "--length"),
 )
 

@@ -48,7 +48,7 @@ def specimen_conditioned(change: float | None, *, cycle: int, softening: float) 
     if change is None:
         return Finding(
             "The figures are of cycle 1 of a seal; later cycles are softer",
-            remedy=Remedy("Record three or more cycles.", "part", "cycle=N"),
+            remedy=Remedy("Record three or more cycles.", "file-part", "cycle=N"),
             faulted=True,
         )
     return Finding(

@@ -114,7 +114,7 @@ def cld(
             f"{format_quantity(nominal, 'mm')} was asked for; expected a compression > 0 that the "
             "seal was "
             f"pressed to, at most {format_quantity(deepest, 'mm')}: --compression gives it, "
-            "--part cycle=N another cycle"
+            "--file-part cycle=N another cycle"
         )
     delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
     cycles, (least, middle, most) = _with_delay(test, cycles, index, (least, middle, most), delay)

@@ -148,7 +148,7 @@ def predict_aged(
     if len(questions) != 1 or math.isnan(_end(questions[0])[1]) or temperature is None:
         raise DataError(
             "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
-            "--until 10000h"
+            "--end 10000h"
         )
     return aged_fit(aging, new, temperature=temperature, time=_end(questions[0])[1])
 
@@ -191,17 +191,17 @@ def _end(text: str) -> tuple[float, float]:
         except DataError:
             part = math.nan
         if not 0.01 <= part <= 0.99:
-            raise DataError(f"--until {text}: expected 1 to 99 % of the force, such as 50%")
+            raise DataError(f"--end {text}: expected 1 to 99 % of the force, such as 50%")
         return part, math.nan
     try:
         time = parse_quantity(text, "time")
     except DataError:
         raise DataError(
-            f"--until {text}: expected a part of the force with its sign, 50%, or a time with its "
+            f"--end {text}: expected a part of the force with its sign, 50%, or a time with its "
             "unit, 1000h"
         ) from None
     if not FIRST < time <= NEVER:
-        raise DataError(f"--until {text}: expected more than 30 min, and at most 30,000 years")
+        raise DataError(f"--end {text}: expected more than 30 min, and at most 30,000 years")
     return math.nan, time
 
 

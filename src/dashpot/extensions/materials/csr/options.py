@@ -20,6 +20,17 @@ class AgingPredictionOptions:
     """
 
     until: tuple[str, ...] = option(
-        (), "Part of the force left, 50%, or a time, 1000h.", metavar="END", multiple=True
+        (),
+        "Part of the force left, 50%, or a time, 1000h.",
+        metavar="END",
+        multiple=True,
+        flag="end",
+        former="until",
     )
-    new: str = option("", "Fit of a new seal: -o writes it aged.", metavar="FIT")
+    new: str = option(
+        "",
+        "Fit of an unaged seal: -o writes it aged.",
+        metavar="FIT",
+        flag="unaged-fit",
+        former="new",
+    )

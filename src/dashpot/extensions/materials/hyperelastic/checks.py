@@ -434,7 +434,7 @@ def files_agree(difference: float | None) -> Finding:
         f"Files of one mode differ by up to {100 * difference:.2g} %",
         difference,
         "They differ in rate, piece or conditioning",
-        Remedy("Take off the memory of a relaxation test, if rates differ.", "memory"),
+        Remedy("Take off the memory of a relaxation test, if rates differ.", "relaxation"),
     )
 
 
@@ -448,7 +448,7 @@ def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
         if removed
         else "The loading contains memory or softening"
     )
-    advice = Remedy("Take off the memory of a relaxation test, or test slowly.", "memory")
+    advice = Remedy("Take off the memory of a relaxation test, or test slowly.", "relaxation")
     return Finding(f"A cycle loses {100 * lost:.2g} % of its energy", lost, why, advice)
 
 
@@ -461,7 +461,9 @@ def specimen_conditioned(softer: float | None) -> Finding:
         f"The last loading is {100 * softer:.2g} % softer than the first",
         softer,
         "The material was not conditioned. The last loading is used; a new part is stiffer",
-        Remedy("Condition the piece, or use the first loading of a new part.", "part", "cycle=1"),
+        Remedy(
+            "Condition the piece, or use the first loading of a new part.", "file-part", "cycle=1"
+        ),
     )
 
 

@@ -16,7 +16,7 @@ def run(request: FitRequest) -> CommandResult:
     request.check_output_suffix(".json", what="a hyperelastic law")
     memory = request["memory"]
     if len(memory) > 1:
-        raise click.UsageError("--memory takes one fit. Give it once.")
+        raise click.UsageError("--relaxation takes one fit. Give it once.")
     hyperelastic_fit = hyperelastic_files(
         _group_files_by_mode(request),
         memory=workflow.read_fit(memory[0]) if memory else None,

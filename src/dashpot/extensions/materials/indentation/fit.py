@@ -196,7 +196,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     if not tried:
         raise FitError(
             "no law of contact follows the record: expected one push, in flight before and after; "
-            "cut the record about the contact (--part segment=N), or look at it with dashpot "
+            "cut the record about the contact (--file-part segment=N), or look at it with dashpot "
             "inspect"
         )
     # all laws by the noise of the one that leaves least, for a misfit is no noise

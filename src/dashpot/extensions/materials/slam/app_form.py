@@ -11,7 +11,7 @@ from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
     FormField("mass", "Moving mass", "g", "--mass"),
-    FormField("slam", "Speed or fall", "", "--slam", form="words"),
+    FormField("slam", "Speed or fall", "", "--drop", form="words"),
 )
 
 

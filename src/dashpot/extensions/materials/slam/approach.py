@@ -51,6 +51,6 @@ class Approach:
             require_positive("slam: ", fall=value, unit=" m")
             return cls(math.sqrt(2 * GRAVITY * value), GRAVITY)
         raise DataError(
-            f"--slam {item}: expected the speed at the touch with its unit, 0.6m/s, or the height "
+            f"--drop {item}: expected the speed at the touch with its unit, 0.6m/s, or the height "
             "of the fall, 18mm"
         )

@@ -83,7 +83,8 @@ def loss_determined(relative: float, frequency: float) -> Finding:
         relative,
         instead=f"The loss factor at {frequency:.3g} Hz is not determined: it is {name}",
         remedy=Remedy(
-            "Test three speeds, and give the fit of a load deflection test.", "memory", "law.json",
+            "Test three speeds, and give the fit of a load deflection test.", "relaxation",
+            "law.json",
         ),
     )  # fmt: skip
 
@@ -125,7 +126,7 @@ def slow_arms_determined(*, provided: bool) -> Finding:
     return Finding(
         "The slow arms are known from another test",
         instead="No relaxation test was given, so the loss of slow arms is missing",
-        remedy=Remedy("Give the fit of a relaxation test.", "memory", "fit.json"),
+        remedy=Remedy("Give the fit of a relaxation test.", "relaxation", "fit.json"),
         faulted=not provided,
     )
 
@@ -151,7 +152,9 @@ def slam_speeds_spread(spread: float | None) -> Finding:
         spread,
         "What bends and what has memory then look alike",
         Remedy(
-            "Test three speeds, or give the fit of a load deflection test.", "memory", "law.json"
+            "Test three speeds, or give the fit of a load deflection test.",
+            "relaxation",
+            "law.json",
         ),
     )
 
@@ -165,7 +168,7 @@ def slam_speeds_agree(off: float | None) -> Finding:
         f"A speed lies {off:.2g} standard deviations from what was given",
         off,
         "The mass, a speed or the height of a fall is another",
-        Remedy("Check the mass, and the speeds in the order of the slams.", "slam"),
+        Remedy("Check the mass, and the speeds in the order of the slams.", "drop"),
     )
 
 

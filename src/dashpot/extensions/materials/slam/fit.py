@@ -81,7 +81,9 @@ def fit_slams(
         raise DataError("slams need the mass of what moves. Add it: --mass 200g")
     fits = (memory,) if isinstance(memory, Fit) else tuple(memory)
     if len(fits) > 1:
-        raise DataError(f"--memory was given {len(fits)} times, and slams take one. Give it once")
+        raise DataError(
+            f"--relaxation was given {len(fits)} times, and slams take one. Give it once"
+        )
     kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
     hits = tuple(
         recorded_slam
@@ -110,7 +112,7 @@ def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatA
     stated = [slam] if isinstance(slam, str | float | int) else list(slam)
     if len(stated) > count:
         raise DataError(
-            f"--slam was given {len(stated)} times, and {count} slams were found. Give the speed "
+            f"--drop was given {len(stated)} times, and {count} slams were found. Give the speed "
             "of each slam, in their order"
         )
     approaches = [Approach.from_quantity(item) for item in stated]

@@ -21,6 +21,6 @@ def run(request: FitRequest) -> CommandResult:
     )
     follow = ""
     if request.result_path:
-        how = ("--slam", "1m/s", "--mass", grams(slam_fit.mass))
+        how = ("--drop", "1m/s", "--mass", grams(slam_fit.mass))
         follow = format_command("predict", request.result_path, *how)
     return request.told(slam_fit, follow=follow)

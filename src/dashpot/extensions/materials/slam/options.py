@@ -19,6 +19,6 @@ class SlamOptions:
     """
 
     slam: tuple[str, ...] = option(
-        (), "Speed of a mass at the touch, 0.6m/s, or its fall, 18mm.", metavar="SPEED",
-        multiple=True,
+        (), "Impact speed of the mass, 0.6m/s, or drop height, 18mm.", metavar="SPEED",
+        multiple=True, flag="drop", former="slam",
     )  # fmt: skip

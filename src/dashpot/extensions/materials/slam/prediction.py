@@ -157,7 +157,7 @@ def predict_slam(
 def _require_single_slam(said: Sequence[str]) -> str:
     if len(said) != 1:
         raise DataError(
-            f"--slam was given {len(said)} times, and one slam is predicted at a time. Give it once"
+            f"--drop was given {len(said)} times, and one slam is predicted at a time. Give it once"
         )
     return said[0]
 
