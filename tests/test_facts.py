@@ -276,7 +276,7 @@ def test_what_a_fit_needed_is_told_alike(fits, bench):
         if not fit.nuisance:
             continue
         text = results.fit(fit)
-        (line,) = [one for one in (*text.lines, *text.details) if "  fitted too  " in one]
+        (line,) = [one for one in (*text.lines, *text.details) if "  nuisance    " in one]
         told = [term.fact for term in fit.nuisance]
         each = ", ".join(f"{fact.called} {fact.cells.ascii.with_unit}" for fact in told)
         assert re.sub(r" +fitted too +", "", line) == each

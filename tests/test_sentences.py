@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -163,6 +164,51 @@ def test_the_help_of_an_option_is_a_short_noun_phrase() -> None:
     assert {name for name, says in each.items() if len(says) > 60} <= LISTS
     assert not [name for name, says in each.items() if says.startswith(("Of ", "At which"))]
     assert not [f"{name}: {says}" for name, says in each.items() if BANNED.search(says)]
+
+
+STANDARD = (
+    ("virtual rig", "simulation", ()),
+    ("fitted too", "nuisance parameters", ()),
+    ("joint solid", "joint model", ()),
+    ("take away", "export", ()),
+    ("bound over unresolved arms", "worst-case bounds", ()),
+    ("worst first", "findings by severity", ()),
+    ("order by order", "stabilisation chart", ()),
+    ("frequency stays", "stable in frequency", ()),
+    ("chemical time", "chemical relaxation time", ()),
+    ("tests nothing", "no test", ()),
+    (
+        "slammed",
+        "dropped",
+        ("reading/columns/kind_detection.py", "extensions/materials/slam/prediction.py"),
+    ),
+    ("fitted solid", "fitted model", ()),
+    ("mass of the block", "test mass", ()),
+)
+"""A word of our own, the standard term for it, and the files that may show the word."""
+
+
+def texts() -> Iterator[tuple[str, str]]:
+    """Every string of the sources that may be shown, by file: no docstring, no comment."""
+    room = Path(dp.__file__).parent
+    for path in sorted(room.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        told = {id(one.value) for one in ast.walk(tree) if isinstance(one, ast.Expr)}
+        for one in ast.walk(tree):
+            if isinstance(one, ast.Constant) and isinstance(one.value, str) and id(one) not in told:
+                yield path.relative_to(room).as_posix(), one.value
+    for path in sorted([*room.rglob("*.html"), *room.rglob("*.js")]):
+        yield path.relative_to(room).as_posix(), path.read_text(encoding="utf-8")
+
+
+def test_a_text_says_the_standard_term() -> None:
+    found = [
+        f"{file}: say {term!r}, not {word!r}"
+        for file, text in texts()
+        for word, term, allowed in STANDARD
+        if file not in allowed and re.search(rf"\b{word}\b", text, re.IGNORECASE)
+    ]
+    assert not found, "\n".join(found)
 
 
 LEVELS = (

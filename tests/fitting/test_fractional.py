@@ -534,7 +534,7 @@ def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
     ],
 )
 def test_a_number_of_arms_is_refused_where_there_are_none(fitted_by) -> None:
-    with pytest.raises(FitError, match="arms = 2, but a fractional solid has no number of arms"):
+    with pytest.raises(FitError, match="arms = 2, but a fractional model has no number of arms"):
         fitted_by()
 
 

@@ -294,7 +294,7 @@ def test_axes_hold_what_is_finite():
 
 
 def test_stiffness_shows_newtons_per_millimetre(drawn):
-    curve = first(drawn["stiffness"].panels[0], "joint solid")
+    curve = first(drawn["stiffness"].panels[0], "joint model")
     assert curve.y == pytest.approx(1e-3 * S.joint.model.storage(omega=2 * np.pi * curve.x))
 
 
@@ -411,15 +411,15 @@ def test_the_peaks_are_marked_where_they_are_and_named(drawn, name):
     assert measured.text == "measured 12.71 Hz, 155 1/kg"
     after = S.joint_comparison
     assert (joint.x, joint.y, joint.dot) == (after.predicted_hz, after.predicted_peak, "")
-    assert joint.text == "joint solid 12.66 Hz, 174 1/kg"
+    assert joint.text == "joint model 12.66 Hz, 174 1/kg"
 
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
 def test_a_joint_solid_shows_on_both_sides_of_the_measured_line_that_it_lies_under(drawn, name):
     panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
     order = [line.label for line in lines(panel) if line.label]
-    assert order == ["joint solid", "predicted from relaxation", "measured"]
-    joint, measured = first(panel, "joint solid"), first(panel, "measured")
+    assert order == ["joint model", "predicted from relaxation", "measured"]
+    joint, measured = first(panel, "joint model"), first(panel, "measured")
     assert joint.pen.width >= measured.pen.width + 4
 
 
@@ -433,7 +433,7 @@ def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])
 def test_a_prediction_lies_inside_its_own_bound(drawn, name):
     panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
-    bound = first(panel, "bound over unresolved arms")
+    bound = first(panel, "worst-case bounds")
     assert bound.hatched
     curve = next(line for line in lines(panel) if line.pen.dashes)
     inside = (curve.x >= bound.x[0]) & (curve.x <= bound.x[-1])
@@ -466,7 +466,7 @@ def test_a_joint_fit_that_fails_looks_failed():
     assert curve.pen.colour == "bad"
     assert curve.pen.dashes
     sound = plot.comparison(S.comparison, joint=replace(failed, checks=())).panels[0]
-    assert first(sound, "joint solid").pen.colour == "joint"
+    assert first(sound, "joint model").pen.colour == "joint"
     told = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
     assert first(told, "joint fit, failed").pen.colour == "bad"
     lame = altered(S.joint, checks=(bad,))
@@ -478,7 +478,7 @@ def test_a_joint_fit_that_fails_looks_failed():
     ):
         labels = {mark.label for mark in picture.key}
         assert "joint fit, failed" in labels
-        assert "joint solid" not in labels
+        assert "joint model" not in labels
 
 
 def test_a_tag_takes_a_line_of_its_own_panel_from_the_key_and_none_of_another():
@@ -614,6 +614,6 @@ def test_limits_without_an_end_are_drawn_within_the_axes():
     open_ended = replace(S.frf_band, unseen=np.array([S.frf_band.unseen[0],
                          np.full(len(S.frf_band.frequency), math.inf)]))  # fmt: skip
     picture = plot.comparison(S.comparison, band=open_ended)
-    bound = first(picture.panels[0], "bound over unresolved arms")
+    bound = first(picture.panels[0], "worst-case bounds")
     assert np.isfinite(bound.high).all()
     assert not re.search(r"nan|inf\b", plot.to_svg(picture))

@@ -66,7 +66,7 @@ def test_an_svg_is_plain_xml_whose_letters_are_letters_and_whose_colours_are_of_
     assert root.tag.endswith("svg")
     assert root.attrib["aria-label"] == 'N = 2 & "more"'
     words = [one.text for one in root.iter("{http://www.w3.org/2000/svg}text")]
-    assert {"relaxation time τ, s", "stiffness k, N/mm", "joint solid"} <= set(words)
+    assert {"relaxation time τ, s", "stiffness k, N/mm", "joint model"} <= set(words)
     assert "seal_8mm.csv" in words
     assert "var(" not in text
     assert "<style" not in text

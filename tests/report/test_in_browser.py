@@ -164,10 +164,10 @@ def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(browser, page):
         f = low * (high / low) ** part
         match = re.match(r"frequency ([\d.]+) Hz; accelerance, 1/kg: (.*)", said)
         assert float(match[1]) == pytest.approx(f, rel=2e-3)
-        values = dict(re.findall(r"(measured|joint solid) ([\d.]+)", match[2]))
+        values = dict(re.findall(r"(measured|joint model) ([\d.]+)", match[2]))
         measured = np.interp(f, S.measured.frequency, np.abs(S.measured.value))
         assert float(values["measured"]) == pytest.approx(measured, rel=0.02)
-        limits = re.search(r"bound over unresolved arms ([\d.]+) to ([\d.]+)", match[2])
+        limits = re.search(r"worst-case bounds ([\d.]+) to ([\d.]+)", match[2])
         assert float(limits[1]) < float(limits[2])
     whole, dragged, back, nearer, again = found["views"]
     _, y0, wide, tall = map(float, whole.split())

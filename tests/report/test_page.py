@@ -278,11 +278,11 @@ def test_a_joint_fit_that_fails_looks_failed():
     for name in ("lead", "comparison", "nyquist", "spectrum", "stiffness", "direct"):
         figure = re.search(rf'<figure[^>]*id="figure-{name}">(.*?)</figure>', page, re.DOTALL)[1]
         assert "joint fit, failed" in figure
-        assert "joint solid" not in figure
+        assert "joint model" not in figure
 
 
 def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
-    """The prediction from relaxation alone misses; the joint solid does not, and the page tells."""
+    """The prediction from relaxation alone misses; the joint model does not, and the page tells."""
     missed = [check for check in S.comparison.checks if check.failed]
     assert missed
     assert S.verdict.use == "use with care"
@@ -312,7 +312,7 @@ def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
         for cell, value in zip(row[:3], (one.value, one.low, one.high), strict=True):
             assert float(cell) == pytest.approx(factor * value, rel=0.02)
     assert "Valid band</th>" in table
-    assert numbers[-1][:4] == ["", "0.0040", "40", "Hz"]  # of the joint solid
+    assert numbers[-1][:4] == ["", "0.0040", "40", "Hz"]  # of the joint model
 
 
 def test_table_and_figure_name_one_peak():

@@ -50,8 +50,8 @@ def test_what_is_said_of_them_decides(
 @pytest.mark.parametrize(
     ("kinds", "said", "says"),
     [
-        (("relaxation", HITS), {}, "under a mass. Give the mass of the block, such as --mass 104g"),
-        (("fit", FRF), {"levels": True}, "Give the mass of the block"),
+        (("relaxation", HITS), {}, "under a mass. Give the test mass, such as --mass 104g"),
+        (("fit", FRF), {"levels": True}, "Give the test mass"),
         ((HITS, FRF), {}, "1.csv is an FRF. They are not fitted together. Fit them one by one"),
         ((HITS, FRF), {"masses": 1}, "They are not fitted together"),
         (tuple(sorted(VIBRATION)), {}, "They are not fitted together"),

@@ -9,7 +9,7 @@ from typing import Protocol, Self
 from dashpot.base.serialisation import Serialisable
 
 SIMULATED = "simulated"
-"""What a table says of a file that the virtual rig or hammer made."""
+"""What a table says of a file that simulation made."""
 
 
 class Caution(str):
@@ -52,7 +52,7 @@ class Source(Serialisable):
     notes : tuple of str
         What the reader noticed or changed, one sentence each.
     simulated : bool
-        True if the file says that it was made by the virtual rig or hammer.
+        True if the file says that it was made by simulation.
     cautions : tuple of str
         Those of the notes that can change a number, which the checks of what is made of the
         record tell.

@@ -47,7 +47,7 @@ def software() -> dict[str, str]:
 
 
 def is_record(head: bytes) -> bool:
-    """Return whether a file that begins with `head` is a record of the virtual rig or hammer.
+    """Return whether a file that begins with `head` is a record of simulation.
 
     >>> is_record(b"# simulated by dashpot 1.2.3: a virtual hammer, not a measurement")
     True

@@ -162,7 +162,7 @@ def result(
 
 def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> list[CommandOption]:
     """Return the options of a mass on its seals; `name` says what goes without it."""
-    says = f"Mass of the block, e.g. 104g.{name}"
+    says = f"Test mass, e.g. 104g.{name}"
     return [
         *build_options(Job, "mass", kinds=kinds, help=says, required=required),
         *build_options(Job, "seals", kinds=kinds, metavar="N"),

@@ -54,7 +54,7 @@ ALL = "all"
 
 @verb(
     "export",
-    """Write a solid, a law or a fit over amplitude as input for a solver.
+    """Write a model or constitutive law as input for a solver.
 
   dashpot export joint.json --to nastran --unit-system mm-t-s \\
       --temperature 23degC --length 50mm --band 1:20Hz -o seal.bdf
@@ -97,7 +97,7 @@ ALL = "all"
         ),
     ),
     options.piece(more=False),
-    options.result("The deck (printed).", plot=False, opens=False, default="-"),
+    options.result("Solver input (printed).", plot=False, opens=False, default="-"),
 )  # fmt: skip
 def command(
     *,

@@ -49,7 +49,7 @@ def _mass() -> list[CommandOption]:
     mass = opt(
         "--mass", type=WithUnit("mass"), multiple=True, metavar="MASS",
         kinds=f"{VIBRATION} {find_kinds_by_option('mass')}",
-        help="Mass of the block, e.g. 104g. Without it: modes.",
+        help="Test mass, e.g. 104g. Without it: modes.",
     )  # fmt: skip
     return [
         mass,
@@ -132,9 +132,9 @@ for _one in chain.from_iterable(_OPTIONS):
     "fit",
     """Fit the model that suits the records. The kind of each FILE is recognised.
 
-  relaxation, creep, DMA sweep, modulus   -> the viscoelastic solid
-  hammer hits or FRFs                     -> modes; with --mass the solid
-  a relaxation test and a hammer, --mass  -> one solid for both
+  relaxation, creep, DMA sweep, modulus   -> the viscoelastic model
+  hammer hits or FRFs                     -> modes; with --mass the model
+  a relaxation test and a hammer, --mass  -> the joint model
   CLD, stress-strain, indenter, rod, loops, FRFs at levels -> their law
 
   dashpot fit seal_8mm.csv -o fit.json
@@ -188,7 +188,7 @@ def _refuse_what_needs_a_mass(context: click.Context) -> None:
     for option in command.options:
         if option.flag in _OF_SOLID and option.get_typed_words(context):
             raise click.UsageError(
-                f"{option.flag} is for the solid under a mass. Give the mass of the block, such as "
+                f"{option.flag} is for the model under a mass. Give the test mass, such as "
                 "--mass 104g, or leave it out: then modes are found."
             )
 

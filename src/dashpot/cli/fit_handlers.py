@@ -132,7 +132,7 @@ class FitRequest:
         """
         if self.hammer.polarity is not None:
             raise click.UsageError(
-                "--polarity is for hits, or for FRFs whose modes or solid are sought. Leave it out."
+                "--polarity is for hits, or for FRFs whose modes or model are sought. Leave it out."
             )
 
     def check_output_suffix(self, *suffixes: str, what: str) -> str | None:
@@ -349,7 +349,7 @@ def run_joint(request: FitRequest) -> CommandResult:
     if request.mass is None:
         raise click.UsageError(
             "A test and a hammer file are fitted together under a mass. "
-            "Give the mass of the block: --mass 104g"
+            "Give the test mass: --mass 104g"
         )
     measured = request.select_files(*VIBRATION)
     extras = [path for path in request.files if path not in measured]

@@ -141,7 +141,7 @@ def _answer(inspection: InspectedFile, path: str = "") -> list[str]:
     if inspection.refusal:
         lines.append(f"  ! cannot be prepared: {inspection.refusal}")
     if inspection.simulated:
-        lines.append("  SIMULATED: made by the virtual rig or hammer, not measured")
+        lines.append("  SIMULATED: made by simulation, not measured")
     if inspection.rows:
         lines.append(f"  sampling  {_sampling(inspection)}")
     if test := inspection.preparation:

@@ -61,10 +61,10 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         _KNOWN,
         build_options(PlannedRamp, "noise", into="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
-            help="A guess at the seal: paper, broad, hidden, or a fit."),
+            help="Assumed seal: paper, broad, hidden, or a fit."),
         build_options(HammerPlan, "mass", "seals", into="hammer"),
         opt("--target-sd", "wanted", former="wanted", type=float, default=10.0, metavar="PERCENT",
-            help="Largest standard deviation accepted (10)."),
+            help="Target standard deviation (10)."),
         mark_advanced(
             build_options(Machine, into="machine", leave=("force_filter",),
                help="What is known of the machine."),

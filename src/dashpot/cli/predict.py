@@ -45,7 +45,7 @@ def _fits(kind: KindOfTest) -> list[str]:
 
 @verb(
     "predict",
-    """Predict how a fitted solid vibrates, under a mass or in a door.
+    """Predict how a fitted model vibrates, under a mass or in a door.
 
   dashpot predict fit.json --mass 114.8g --seals 2
   dashpot predict law.json --drop 0.6m/s --mass 200g
@@ -87,7 +87,7 @@ def _fits(kind: KindOfTest) -> list[str]:
             "levels",
             into="at_level",
             kinds=_SOLID,
-            help="Resonance at a level, e.g. 0.5N.",
+            help="Resonance at an amplitude, e.g. 0.5N.",
         ),
         build_options(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
         *(
@@ -260,7 +260,7 @@ def _under_mass(
     fitted = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
     block = options.pop_block(choices)
     if block.mass is None:
-        raise click.UsageError("Give the mass of the block: --mass 104g")
+        raise click.UsageError("Give the test mass: --mass 104g")
     several = len(choices["at_level"].levels) > 1
     if output and several and not output.lower().endswith((".json", *PAGE_SUFFIXES)):
         raise click.UsageError(

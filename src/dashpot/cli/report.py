@@ -53,7 +53,7 @@ class Reported(Serialisable):
 
 @verb(
     "report",
-    """Write one page about a seal: test, solid, prediction, hammer, checks.
+    """Write one page about a seal: test, model, prediction, hammer, checks.
 
   dashpot report seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o report.html
   dashpot report warm.csv cold.csv --temperature 23degC --temperature 0degC
@@ -237,7 +237,7 @@ def _follow(files: Sequence[str], job: Job, study: Study) -> str:
 
     It repeats every option that decided over that solid; nothing is returned where no fit does.
     """
-    why = "keeps the solid for export"
+    why = "keeps the model for export"
     if study.joint is not None and study.mass is not None:
         # fewer arms than the relaxation test has are of its own fit alone
         few = isinstance(job.arms, int) and job.arms < study.joint.few_arms.arms

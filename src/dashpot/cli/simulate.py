@@ -81,8 +81,13 @@ _RECORD_OPTIONS = find_handler("options", "simulate")()
             metavar="TEMPERATURE",
             help="Test temperature; the file states it.",
         ),
-        opt("--mass", type=WithUnit("mass"), metavar="MASS", help="Block (it peaks at 12.71 Hz)."),
-        opt("--seals", type=float, default=2.0, metavar="N", help="Seals under the block (2)."),
+        opt(
+            "--mass",
+            type=WithUnit("mass"),
+            metavar="MASS",
+            help="Test mass (it peaks at 12.71 Hz).",
+        ),
+        opt("--seals", type=float, default=2.0, metavar="N", help="Seals under the test mass (2)."),
         opt(
             "--hits",
             type=click.IntRange(1),

@@ -143,7 +143,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def called(self) -> str:
         """The solid in few words: how many arms it has, or its family."""
         return (
-            "fractional solid"
+            "fractional model"
             if self.family == "fractional"
             else format_count(self.model.arms, "arm")
         )

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Interval = tuple[float, float]
 
-#: rows of the covariance of a fractional Zener solid
+#: rows of the covariance of a fractional Zener model
 ELEMENT = ("k_inf", "k_0", "ln_tau", "alpha")
 #: rows that no number of equal solids in parallel changes
 SHAPE = ("ln_", "alpha")
@@ -169,7 +169,7 @@ class ParameterEstimate(EqualByValue):
     ----------
     parameters : tuple of str
         Names of the rows of `covariance`: ``"k_inf"``, ``"k_1"``..., ``"ln_tau_1"``...,
-        and ``"b"`` if it was fitted; of a fractional Zener solid ``"k_inf"``, ``"k_0"``,
+        and ``"b"`` if it was fitted; of a fractional Zener model ``"k_inf"``, ``"k_0"``,
         ``"ln_tau"`` and ``"alpha"``. Stiffness in N/m, ln of tau in s.
     covariance : array, shape (p, p)
         Of those parameters, for correlated residuals and for all that a rig may have done unseen.

@@ -561,7 +561,7 @@ class Deck:
             lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
             lines += [f"source: {source.file} sha256 {source.sha256}" for source in self.fit.source]
             if any(source.simulated for source in self.fit.source):
-                lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
+                lines.append("SIMULATED: the test behind this input was simulated")
         return lines
 
     def _format_valid_band(self) -> str:

@@ -99,7 +99,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     require_choice("family", family, FamilyAsked, FitError)
     if family == "fractional" and arms != "auto":
         raise FitError(
-            f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
+            f"arms = {arms}, but a fractional model has no number of arms: leave out --arms, or "
             "fit both families (--model auto), of which --arms counts those of one"
         )
 

@@ -249,7 +249,7 @@ def fit(
         (:mod:`dashpot.fitting.nonlinear_ramp.elastic_law`): the hold decides over the
         arms, the ramp over the law, which ``"auto"`` bends only if that matters.
     family : "maxwell", "fractional" or "auto"
-        Arms; a fractional Zener solid, whose four parameters are a spectrum that is broad and
+        Arms; a fractional Zener model, whose four parameters are a spectrum that is broad and
         smooth (:class:`~dashpot.solids.fractional.FractionalZener`); or the one of the two that
         BIC prefers. Beside the solid that is taken, `Fit.alternative` is then the other, and says
         where the two part. A ramp that is not linear is explained by arms alone.

@@ -125,7 +125,7 @@ SHOWN = {
     Kind.TRANSMISSIBILITY: ("m/m", 1.0),
     Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
 }
-INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms"
+INTERVAL, BOUND = "95 % interval of the parameters", "worst-case bounds"
 
 # a magnitude axis ends that far above the median line at most
 HIGHEST = 1e4
@@ -324,7 +324,7 @@ def resonance(
     panel = magnitude_panel(
         curves, make_prediction_bands(band)[:1], view=view, height=height, tagged=True
     )
-    caption = "Accelerance of the mass on its seals: measured, and as the solids predict it."
+    caption = "Accelerance of the mass on its seals: measured, and as the models predict it."
     return Picture("resonance", caption, ((panel,),), 1, stamp)
 
 

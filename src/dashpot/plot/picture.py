@@ -57,7 +57,7 @@ REJECTED = Pen("bad", 1.4, (5, 3))
 
 def joint_pen(*, failed: bool) -> tuple[Pen, str]:
     """Return how a solid of both tests is drawn and what it is called: one that failed looks so."""
-    return (REJECTED, "joint fit, failed") if failed else (JOINT, "joint solid")
+    return (REJECTED, "joint fit, failed") if failed else (JOINT, "joint model")
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,7 +103,7 @@ def fit(
     residuals = [residual_panel(item, prepared)
                  for item in sorted(shown, key=lambda item: item.fit is not fit)]  # fmt: skip
     caption = (
-        "Measured force and fitted solids, and what each leaves: a good fit leaves noise and no "
+        "Measured force and fitted models, and what each leaves: a good fit leaves noise and no "
         "shape."
     )
     strip = (force_panel(shown, prepared), *residuals)

@@ -676,7 +676,7 @@ def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
         f"({format_quantity(step, 'mN', '.3g')}); at least {MIN_QUANTA:.0f} are needed",
         quanta,
         "Fewer steps cannot show a decay",
-        "Press deeper, take a longer piece, or use a smaller sensor.",
+        "Press deeper, take a longer specimen, or use a smaller sensor.",
     )
 
 
@@ -688,7 +688,7 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
             f"{where}: not fitted. The force rises by {format_quantity(rise, 'mN', '.3g')}, "
             f"{rise / step:.0f} steps of the sensor's {format_quantity(step, 'mN', '.3g')}; at "
             "least "
-            f"{MIN_QUANTA:.0f} are needed. Press deeper, take a longer piece, or use a smaller "
+            f"{MIN_QUANTA:.0f} are needed. Press deeper, take a longer specimen, or use a smaller "
             "sensor."
         )
 

@@ -506,7 +506,7 @@ def inferred_mass(study: Study) -> str:
 
 
 def find_simulated_files(study: Study) -> tuple[str, ...]:
-    """The files that the virtual rig or hammer made; a record in memory says so in its notes."""
+    """The files that simulation made; a record in memory says so in its notes."""
     files = tuple(source.file for source in sources(study) if source.simulated)
     if not files and "simulated" in study.prepared.specimen.notes.lower():
         return ("records in memory",)

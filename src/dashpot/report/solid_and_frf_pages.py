@@ -210,7 +210,7 @@ def identified_page(result: Identified) -> KindPage:
     ) if result.vibration else None  # fmt: skip
     return replace(
         page,
-        about="one solid of both tests" if both else "the solid under a hammer",
+        about="joint model of both tests" if both else "the model under a hammer",
         groups=(*page.groups, *((modes,) if modes else ())),
         sources=tuple(dict.fromkeys((*page.sources, *result.direct.of.source)))
         if hasattr(result.direct.of, "source") else page.sources,
@@ -264,7 +264,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     ----------
     fit : Fit
     records : sequence
-        Behind it: of ramps and holds the bound over unresolved arms is drawn too.
+        Behind it: of ramps and holds the worst-case bounds is drawn too.
     """
     low, high = fit.band
     lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)
@@ -296,7 +296,7 @@ def _format_test_name(fit: Fit) -> str:
 
 
 def _format_model_name(fit: Fit) -> str:
-    return "fractional solid" if fit.family == "fractional" else format_count(fit.model.arms, "arm")
+    return "fractional model" if fit.family == "fractional" else format_count(fit.model.arms, "arm")
 
 
 def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:

@@ -78,7 +78,7 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
         _format_explanations,
     ):
         lines += section(fit)
-    of = " of the one solid of all depths, at the deepest" if fit.by_depth else ""
+    of = " of the one model of all depths, at the deepest" if fit.by_depth else ""
     every = [f"every parameter{of}", *facts(fit.known)] if fit.parameters else []
     details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
     if fit.certificate:
@@ -188,7 +188,7 @@ def _nuisance(fit: Fit) -> list[str]:
     listed = ascii_only(
         ", ".join(f"{value.called} {value.cells.with_unit}" for value in reported_values)
     )
-    return [f"  fitted too  {listed}"] if listed else []
+    return [f"  nuisance    {listed}"] if listed else []
 
 
 def list_notes(sources: Sequence[Source]) -> list[str]:

@@ -48,7 +48,7 @@ def measurement_independent_of_fit(fitted: int) -> Finding:
         "The fit was not made from this measurement",
         fitted,
         instead=f"The fit was made from this measurement ({fitted} files)",
-        because="Its agreement tests nothing",
+        because="No test: its agreement says nothing",
         remedy="Compare it with other hits, or leave a hit out.",
     )
 

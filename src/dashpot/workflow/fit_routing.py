@@ -66,8 +66,8 @@ def route(
             _refuse_several(kinds)
             return "joint"
         raise ReadError(
-            "A test and a hammer file are fitted together under a mass. Give the mass of the "
-            "block, such as --mass 104g."
+            "A test and a hammer file are fitted together under a mass. Give the test "
+            "mass, such as --mass 104g."
         )
     meant = _find_common_meaning(have)
     if meant:

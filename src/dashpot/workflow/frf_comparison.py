@@ -191,7 +191,7 @@ class Agreement(HasVerdict, Serialisable):
     def _circular(self) -> str:
         """Return what a comparison with the hits that were fitted shows."""
         off = 100 * self.comparison.frequency_error
-        says = f"The peak is off by {off:+.2g} %. This tests nothing"
+        says = f"The peak is off by {off:+.2g} %. No test"
         first = f"{says}, because the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."

@@ -79,7 +79,7 @@ class HammerChoices:
     accept: tuple[str, ...] = option((), "Use this hit anyway.", metavar="HIT", multiple=True)
     reject: tuple[str, ...] = option((), "Leave this hit out.", metavar="HIT", multiple=True)
     record: float | None = option(
-        None, "Length of the block around a hit.", unit="time", flag="hit-length"
+        None, "Length of the record around a hit.", unit="time", flag="hit-length"
     )
     pretrigger: float | None = option(None, "Quiet time before a hit.", unit="time")
     polarity: tuple[int, ...] | None = option(
@@ -149,10 +149,10 @@ class BlockOnSeals:
         Of the seals under it, m; None for that of its weight.
     """
 
-    mass: float | None = option(None, "Mass of the block, e.g. 104g.", unit="mass")
+    mass: float | None = option(None, "Test mass, e.g. 104g.", unit="mass")
     seals: float = option(1.0, "Seals in parallel.")
     seal_mass: float | None = option(
-        None, "Mass of one seal: a third moves with the block.", unit="mass"
+        None, "Mass of one seal: a third moves with the test mass.", unit="mass"
     )
     compression: float | None = option(
         None, "Compression of the seals under the mass.", unit="length", word="weight"

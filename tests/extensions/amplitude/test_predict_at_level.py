@@ -1,4 +1,4 @@
-"""dashpot predict --amplitude: a material and its strain sweep to the resonance of a mass on a part."""
+"""dashpot predict --amplitude: a material and its strain sweep to the resonance of a mass."""
 
 from __future__ import annotations
 

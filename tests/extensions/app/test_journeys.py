@@ -312,10 +312,10 @@ def test_a_hit_is_rejected_by_hand(visit, files):
     # what is out of sight is drawn for its own place, too
     assert page.at.evaluate(drawn) == wide
     assert page.at.locator("#hit-table .pulse").count() == 5
-    assert page.at.get_by_text("Give the mass of the block").is_visible()
+    assert page.at.get_by_text("Give the test mass").is_visible()
     page.remove("hammer.csv")
     page.at.get_by_text("Give the mass that rests on the seals, and its response").wait_for()
-    assert not page.at.get_by_text("Give the mass of the block").is_visible()
+    assert not page.at.get_by_text("Give the test mass").is_visible()
 
 
 @ON_LINUX
@@ -471,7 +471,7 @@ def test_an_instrument_is_read_and_what_it_sent_is_fitted(visit, tmp_path):
     page.at.get_by_role("combobox", name="Instrument").select_option("a serial line")
     page.at.get_by_role("button", name="Start").click()
     page.at.get_by_role("alert").filter(has_text="say in which folder").wait_for()
-    page.at.get_by_role("combobox", name="Instrument").select_option("the virtual rig")
+    page.at.get_by_role("combobox", name="Instrument").select_option("simulated")
     page.at.get_by_label("Times as fast").fill("400")
     page.at.get_by_label("Keep it in the folder").fill(str(tmp_path))
     page.at.get_by_role("button", name="Start").click()

@@ -28,7 +28,7 @@ def statespace(
     rates = [text(1 / tau) for _, tau, _ in deck.arms]
     return deck.written(
         "%",
-        "state space of the solid: displacement x in, force F out",
+        "state space of the model: displacement x in, force F out",
         [
             f"A = -diag([{' '.join(rates)}]);",
             f"B = [{'; '.join(rates)}];",

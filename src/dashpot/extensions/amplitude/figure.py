@@ -180,7 +180,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     text = stamp or format_stamp(fit.source, mass=fit.mass, seals=fit.seals)
     strips = ((_magnitudes(fit, frfs),), *((panel,) for panel in _draw_amplitude_panels(fit, frfs)))
     caption = (
-        "The FRF at each level with the one solid that follows them all and its backbone, and "
+        "The FRF at each level with the one model that follows them all and its backbone, and "
         "stiffness and loss of one seal over its amplitude."
     )
     return Picture("levels", caption, strips, 3, text, width=1100.0)

@@ -45,7 +45,7 @@ def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     }
     if what not in makers:
         raise DataError(
-            f"'{what}' is nothing to take away; expected one of {', '.join(map(str, makers))}"
+            f"'{what}' cannot be exported; expected one of {', '.join(map(str, makers))}"
         )
     name, kind, text = makers[what]()
     return wire_format.encode_message({"name": name, "kind": kind, "text": text})
@@ -110,7 +110,7 @@ def _picture(job: Job) -> tuple[str, str, str]:
 def _lines(job: Job) -> str:
     study = result_cache.study(job)
     if study.prediction is None:
-        raise DataError("no mass is given, so there is no response to take away")
+        raise DataError("no mass is given, so there is no response to export")
     rows = ["frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"]
     values = zip(study.prediction.frequency, study.prediction.value, strict=True)
     rows += [f"{f!r},{v.real!r},{v.imag!r}" for f, v in ((float(f), complex(v)) for f, v in values)]

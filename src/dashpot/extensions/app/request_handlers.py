@@ -40,7 +40,7 @@ from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.static_equilibrium import family_checks, find_static_equilibrium
 
 HINT = (
-    "Give the mass of the block and the number of seals: the hammer is then held against what the "
+    "Give the test mass and the number of seals: the hammer is then held against what the "
     "relaxation test predicts."
 )
 REACH = np.geomspace(0.2, 4.0, 2001)

@@ -90,11 +90,11 @@ SHORT = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
-    "predicted from relaxation": "predicted", "bound over unresolved arms": "bound",
+    "predicted from relaxation": "predicted", "worst-case bounds": "bound",
     "unresolved range": "out of reach", "other family from relaxation": "other family",
     "band that every accepted hit excites": "excited by all",
-    "mode found": "mode", "new at its order": "new", "stable in frequency": "frequency stays",
-    "stable in frequency and damping": "damping too",
+    "mode found": "mode", "new at its order": "new", "stable in frequency": "stable in frequency",
+    "stable in frequency and damping": "stable in damping",
 }  # fmt: skip
 """What the key calls a mark where the title has said the rest."""
 Sizes = Mapping[str, tuple[float, float]]

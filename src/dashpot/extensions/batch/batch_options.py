@@ -63,13 +63,11 @@ class BatchOptions:
     arms: int | Literal["auto"] = copy_option(Job, "arms")
     method: Method = copy_option(Job, "method")
     quick: bool = option(False, "No intervals; needs a number of --arms.", is_flag=True)
-    mass: float | None = copy_option(
-        Job, "mass", help="Mass of the block or indenter: adds its frequency."
-    )
+    mass: float | None = copy_option(Job, "mass", help="Test mass or indenter: adds its frequency.")
     seals: float = copy_option(Job, "seals")
     reading: ReadOptions = make_nested_options(ReadOptions)
     reading_impact: ReadOptions = make_nested_options(ReadOptions)
-    joint: bool = option(False, "One solid for a test and its hammer.", is_flag=True)
+    joint: bool = option(False, "Joint model of a test and its hammer.", is_flag=True)
     at: tuple[float, ...] = option(
         (),
         "Add stiffness and loss factor there, e.g. 12.7Hz.",
@@ -80,7 +78,9 @@ class BatchOptions:
         "Compression for these results (as tested).",
         unit="length", multiple=True,
     )  # fmt: skip
-    length: float | None = option(None, "Contact length of each piece, e.g. 100mm.", unit="length")
+    length: float | None = option(
+        None, "Contact length of each specimen, e.g. 100mm.", unit="length"
+    )
     radius: float | None = option(None, "Radius of an indenter's tip.", unit="length")
 
     def __post_init__(self) -> None:

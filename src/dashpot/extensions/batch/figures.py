@@ -296,14 +296,14 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -
     drawn = [_relaxation(row, time) for row in rows]
     marks = tuple(
         Line(time, k, _ODD if row["file"] in odd else _CURVE,
-             "stands out" if row["file"] in odd else "solid of each test")
+             "stands out" if row["file"] in odd else "model of each test")
         for row, k in zip(rows, drawn, strict=True)
     )  # fmt: skip
     axes = (
         Scale("time after a step, s", (float(time[0]), float(time[-1])), log=True),
         Scale("stiffness k(t), N/mm", compute_padded_log_limits(*drawn, margin=1.05), log=True),
     )
-    return Picture("curves", "relaxation of every solid", ((Panel(*axes, marks, height=170),),))
+    return Picture("curves", "relaxation of every model", ((Panel(*axes, marks, height=170),),))
 
 
 def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:

@@ -82,7 +82,7 @@ def read_hammer_resonance(
 
 
 def make_origin_column(*files: Source) -> dict[str, Any]:
-    """Return what a row says of files of which one was made by the virtual rig or hammer."""
+    """Return what a row says of files of which one was made by simulation."""
     return {"origin": SIMULATED} if any(file.simulated for file in files) else {}
 
 

@@ -128,7 +128,7 @@ class Lot:
 
     @property
     def simulated(self) -> int:
-        """How many rows are of files that the virtual rig or hammer made."""
+        """How many rows are of files that simulation made."""
         certain = "origin" in self.table.columns
         return int((self.table["origin"] == SIMULATED).sum()) if certain else 0
 

@@ -219,7 +219,7 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
     ]
     verdicts = {"verdicts": lot.verdicts, "hammers": lot.agreements}
     if lot.simulated:
-        lines.append(f"SIMULATED   {format_count(lot.simulated, 'file')}, by the virtual rig")
+        lines.append(f"SIMULATED   {format_count(lot.simulated, 'file')}, by simulation")
     return [
         *lines,
         *(f"{name:<12}{format_counts(verdict)}" for name, verdict in verdicts.items() if verdict),

@@ -427,7 +427,7 @@ def _ends(main: OfQuantity, values: FloatArray) -> str:
 
 
 def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
-    """What weighs, worst first: the failed checks, causes of alarms, then single seals and files.
+    """Findings by severity: the failed checks, causes of alarms, then single seals and files.
 
     Each may name what finds its tests.
     """

@@ -91,7 +91,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     both = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
     if data.unit != "N/m":
         return Finding(
-            f"Of a piece of more than {format_quantity(UNSAID / GIVES, 'N/mm', '.3g')}, {both} "
+            f"Of a specimen of more than {format_quantity(UNSAID / GIVES, 'N/mm', '.3g')}, {both} "
             "take more "
             f"than {100 * UNSAID:g} % off the storage and {200 * UNSAID:g} % off the loss. How "
             "stiff it was is not said"
@@ -289,7 +289,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[
         float(spread[worst]),
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
-        "Check that piece, length, temperature and depth are the same.",
+        "Check that specimen, length, temperature and depth are the same.",
         limit=float(limits[worst]),
         grade="stop" if spread[worst] > CONTRADICTED else None,
     )

@@ -84,7 +84,7 @@ def list_groups() -> list[list[CommandOption]]:
             "Indenter",
             build_options(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
         ),
-        group("Slam", build_options(SlamOptions, kinds=_SLAM)),
+        group("Drop test", build_options(SlamOptions, kinds=_SLAM)),
         group(
             "Rod",
             build_options(RodChoices, into="rod", kinds=VIBRATION),

@@ -132,7 +132,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
         error = NORMAL * convert_to_unit(masses.spread[order, i], "N/mm")
         marks = (
             Line(hertz[order], solid, FOUND),
-            Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,
+            Dots(hertz[order], solid, "fit", "the linear model nearest to all", hollow=True,
                  size=7.0),
             Dots(hertz[order], measured, "measured", "at each pole, 95 %", error=error),
         )  # fmt: skip

@@ -74,7 +74,7 @@ def table_1(table: Sequence[Coefficient]) -> TextTable:
     """Table 1 as printed, and as each record gives it back."""
     head = (
         "", "unit", "printed", "exact record", "in steps of 1/1280 N",
-        "virtual rig, whole history", "virtual rig, hold alone",
+        "simulation, whole history", "simulation, hold alone",
     )  # fmt: skip
     rows, marks = [], []
     for item in table:

@@ -157,7 +157,7 @@ class Reproduction(Serialisable):
     Attributes
     ----------
     seed : int
-        Of the virtual rig and hammer.
+        Of simulated test and hammer.
     rows : tuple of Statement
     table : tuple of Coefficient
     force : tuple of (float, float)
@@ -172,7 +172,7 @@ class Reproduction(Serialisable):
     ideal : RelaxationTest
     rig, hammer : SimulatedRelaxation, SimulatedImpact
     study : Study
-        The main job on the virtual rig and hammer.
+        The main job on simulated test and hammer.
     """
 
     schema = "dashpot/paper@2"
@@ -209,8 +209,8 @@ class Reproduction(Serialisable):
         total = sum(bool(row.holds) for row in compared)
         held = [sum(coefficient.held[i] for coefficient in self.table) for i in (0, 1)]
         return (
-            f"{total} of {len(compared)} statements of the paper come out to their tolerance. On "
-            f"the virtual rig {held[0]} of {len(self.table)} numbers of Table 1 lie in their 95 % "
+            f"{total} of {len(compared)} statements of the paper come out to their tolerance. In "
+            f"simulation {held[0]} of {len(self.table)} numbers of Table 1 lie in their 95 % "
             f"interval by the whole history, {held[1]} by the hold alone."
         )
 
@@ -221,13 +221,13 @@ def reproduce(seed: int = 0) -> Reproduction:
     Parameters
     ----------
     seed : int
-        Of the noise of the virtual rig and hammer.
+        Of the noise of simulated test and hammer.
     """
     send_progress("eqs. (1) to (7)")
     ideal = ideal_test()
     hold_fit, two = (fit_hold_phase(ideal, arms) for arms in (1, 2))
     coarse = fit_hold_phase(quantise_force(ideal), 2)
-    send_progress("the virtual rig and hammer")
+    send_progress("simulated test and hammer")
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
     study = characterise(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def render_reproduction(reproduction: Reproduction) -> Text:
     """Return what came out, Table 1 as printed and as found, and every statement."""
-    head = ("Table 1", "printed", "virtual rig, 95 %", "by the hold alone, 95 %", "unit")
+    head = ("Table 1", "printed", "simulation, 95 %", "by the hold alone, 95 %", "unit")
     rows = [head, *map(_row, reproduction.table)]
     word = "reproduced" if reproduction.reproduced else "not reproduced"
     lines = [f"The paper is {word}: {reproduction.says}", "", *table(rows)]

@@ -456,9 +456,9 @@ def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: Frac
 def describe_fit(selection: SelectedModel) -> str:
     """Return what was fitted, in words."""
     if isinstance(selection, FractionalFit):
-        return "a fractional Zener solid"
+        return "a fractional Zener model"
     arms = selection.model.arms
-    return f"a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)}"
+    return f"a generalized Maxwell model with {arms} arm{'s' * (arms != 1)}"
 
 
 def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float]) -> float | None:

@@ -123,7 +123,7 @@ def identify(
     arms : int or "auto"
         Maxwell arms in all. ``"auto"`` takes the number that the data support.
     family : "maxwell", "fractional" or "auto"
-        Arms, a fractional Zener solid, or the one of the two that BIC prefers, as in
+        Arms, a fractional Zener model, or the one of the two that BIC prefers, as in
         :func:`~dashpot.fitting.relaxation.fit`; `Fit.alternative` is then the other. An earlier fit
         without its tests is a prior of its own family alone.
     rig : HammerRig
@@ -274,7 +274,7 @@ def _element(problems: Sequence[IdentificationProblem], before: PriorTests) -> C
             descend(problem, candidate.theta, tolerance=LOOSE) for candidate in rough[:FINISHED]
         ]
     if not tries:
-        raise FitError("no fractional solid explains the FRF; widen --band, or fit arms")
+        raise FitError("no fractional model explains the FRF; widen --band, or fit arms")
     return min(tries, key=lambda candidate: candidate.bic)
 
 
@@ -293,7 +293,7 @@ def _solve_every_order(
             best for problem in problems for best in _candidates(problem, [fewer], before)
         ]
     if not candidates:
-        raise FitError("no solid with arms of positive stiffness explains the FRF; widen --band")
+        raise FitError("no model with arms of positive stiffness explains the FRF; widen --band")
     return candidates
 
 

@@ -233,7 +233,7 @@ def _step(tests: Sequence[RampHold], ramp_law: RampLaw) -> Step:
         f"an elastic law whose tangent is linear between {len(law.knots)} knots"
     )  # fmt: skip
     says = (
-        f"fitted a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)} and {shape} to "
+        f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} and {shape} to "
         f"{plural}, holds first"
     )
     parameters = (("law", law.kind), ("knots", str(len(law.knots))), ("arms", str(arms)))

@@ -139,7 +139,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
     "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _RESPONSE),
     "transmissibility": KindOfFile(
-        "a transmissibility", "use dashpot fit, with the mass for the solid, or compare", _RESPONSE
+        "a transmissibility", "use dashpot fit, with the mass for the model, or compare", _RESPONSE
     ),
     "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
     "master-curve": KindOfFile("a master curve of storage and loss", "use dashpot fit", _SWEPT),
@@ -159,7 +159,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
     "slam": KindOfFile(
-        "a record of slams of a mass on a piece", "use dashpot fit with its mass",
+        "impacts (drop test) of a mass on a specimen", "use dashpot fit with its mass",
         ("time", "force"), True,
     ),
     "stress-strain": KindOfFile(

@@ -71,7 +71,7 @@ class Recognised:
     stored : bool
         Whether it is a result, or a record, that dashpot wrote as JSON.
     simulated : bool
-        Whether a table says that it was made by the virtual rig or hammer.
+        Whether a table says that it was made by simulation.
     on_a_base : bool
         Whether an acceleration is said to be that of the base: then nothing struck.
     """

@@ -181,7 +181,7 @@ def record(*speeds: float, rest: float = 0.5) -> dp.SlamTest:
 
 def test_slams_in_one_record_are_told_apart() -> None:
     found = slams_of(record(*THREE), MASS, "slam.csv")
-    assert [one.name for one in found] == [f"slam.csv, slam {i}" for i in (1, 2, 3)]
+    assert [one.name for one in found] == [f"slam.csv, impact {i}" for i in (1, 2, 3)]
     begins = 0.0
     for one, speed in zip(found, THREE, strict=True):
         assert one.touch == pytest.approx(begins + 0.02, abs=3e-3)
@@ -196,7 +196,7 @@ def test_slams_in_one_record_are_told_apart() -> None:
     ("how", "says"),
     [
         ({}, "--mass 200g"),
-        ({"mass": "200g", "slam": ("0.3m/s", "0.6m/s")}, "--drop was given 2 times, and 1 slam"),
+        ({"mass": "200g", "slam": ("0.3m/s", "0.6m/s")}, "--drop was given 2 times, and 1 impact"),
         ({"mass": "200g", "slam": "0.3"}, "expected the speed at the touch"),
     ],
 )
@@ -208,7 +208,7 @@ def test_what_is_missing_is_said(how: dict[str, object], says: str) -> None:
 def test_noise_is_no_slam() -> None:
     noise = np.random.default_rng(1).standard_normal(4000)
     test = dp.SlamTest(np.arange(4000) / RATE, force=noise, units="s, N")
-    with pytest.raises(DataError, match="no slam stands out"):
+    with pytest.raises(DataError, match="no impact stands out"):
         fit_slams([test], mass=MASS)
     with pytest.raises(DataError, match="force, or the acceleration"):
         dp.SlamTest(np.arange(4000) / RATE, units="SI")

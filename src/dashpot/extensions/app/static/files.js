@@ -207,7 +207,7 @@ function make(
   }, () => atWork(-1));
 }
 
-/** Say in the menu why there is nothing to take away, where its choices are. */
+/** Say in the menu why there is nothing to export, where its choices are. */
 function notTaken(/** @type {string} */ said, /** @type {string} */ verb) {
   if (verb.startsWith("take-")) return refuse(said, "fit");
   $("not-taken").textContent = said;

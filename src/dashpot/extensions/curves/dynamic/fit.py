@@ -185,7 +185,7 @@ def fit_dynamic(
     max_arms : int
         The most that ``"auto"`` tries.
     family : "maxwell", "fractional" or "auto"
-        Arms, a fractional Zener solid, or the one that BIC prefers, as in
+        Arms, a fractional Zener model, or the one that BIC prefers, as in
         :func:`~dashpot.fitting.relaxation.fit`; of one temperature.
 
     Returns

@@ -157,7 +157,7 @@ def fit_modulus(
     step = Step(
         "fit_modulus",
         (("arms", str(arms)), ("weights", weights), ("unit", unit)),
-        f"fitted a generalized Maxwell solid with {model.arms} arms to {len(t)} values of a "
+        f"fitted a generalized Maxwell model with {model.arms} arms to {len(t)} values of a "
         "relaxation modulus",
     )
     residual = replace(selection.residual, unit="1" if weights == "relative" else unit)

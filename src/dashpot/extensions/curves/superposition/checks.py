@@ -173,7 +173,7 @@ def no_temperature_outlier(odd: ShiftOutlier | None) -> Finding:
         f"{celsius(odd.temperature)} lies {odd.missed:+.2g} decades off the law that all other "
         "temperatures follow",
         odd.missed,
-        remedy="Check that temperature, its gain and its piece, or leave it out.",
+        remedy="Check that temperature, its gain and its specimen, or leave it out.",
     )
 
 

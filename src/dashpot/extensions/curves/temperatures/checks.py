@@ -96,7 +96,7 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
         f"At {at} every stiffness differs by {100 * np.expm1(away[worst]):+.2g} % from rubber "
         "elasticity",
         abs(away[worst]),
-        remedy="Check piece, depth, length and temperature.",
+        remedy="Check specimen, depth, length and temperature.",
     )
 
 

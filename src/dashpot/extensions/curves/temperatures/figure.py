@@ -63,7 +63,7 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
     )
     force_panel = Panel(*axes, tuple(marks), height=240)
     caption = (
-        "One solid at several temperatures: the force of each test, what the solid says of it, and "
+        "One model at several temperatures: the force of each test, that of the model, and "
         "the shift factors of time with two standard errors."
     )
     strips = ((force_panel,), (shift_panel(fit.temperatures),))

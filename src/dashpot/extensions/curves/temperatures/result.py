@@ -90,7 +90,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     arms = best.point.order
     listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
     says = (
-        f"fitted a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)} to "
+        f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} to "
         f"{len(best.tests)} tests at {listed}; the solid is that of {celsius(shifts.reference)}, "
         f"its shifts follow the {shifts.law.kind} law"
     )

@@ -175,7 +175,7 @@ def length_given(*, provided: bool) -> Finding:
     """The length of the seal is given, so that forces are per 100 mm."""
     return Finding(
         "The length of the seal is known",
-        instead="The length of the seal is not given, so forces are N of this piece, not N per "
+        instead="The length of the seal is not given, so forces are N of this specimen, not N per "
         "100 mm",
         remedy=Remedy("Give the length.", "length"),
         faulted=not provided,
@@ -231,7 +231,7 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
     return Finding(
         f"{held}. The load deflection without its memory differs by {100 * difference:+.2g} %",
         difference,
-        "It is another piece, another conditioning, or another zero of the compression",
+        "It is another specimen, another conditioning, or another zero of the compression",
         Remedy("Give both lengths, and press both alike.", "length"),
     )
 
@@ -287,7 +287,7 @@ def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding
         residual / max(noise, 1e-3 * peak),
         "The seal has friction, softens within the cycle, or is not one piece. The arms are as "
         "much off",
-        "Press one conditioned piece at every speed.",
+        "Press one conditioned specimen at every speed.",
     )
 
 
@@ -328,11 +328,12 @@ def relaxation_times_determined(error: float | None) -> Finding:
 def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
     """The specimens were tested alike: speed, compression, cycle and temperature."""
     return Finding(
-        "The pieces were tested alike",
+        "The specimens were tested alike",
         len(otherwise),
-        instead=f"The pieces were not tested alike ({', '.join(otherwise)}). Part of their scatter "
+        instead=f"The specimens were not tested alike ({', '.join(otherwise)}). Part of their "
+        "scatter "
         "comes from the tests",
-        remedy="Test every piece alike.",
+        remedy="Test every specimen alike.",
     )
 
 
@@ -343,8 +344,8 @@ def pieces_capable(of: ProcessCapability, unit: str) -> Finding:
     return Finding(
         f"Cpk of the force at the nominal compression is "
         f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}); 1.33 is "
-        f"asked. {of.count} pieces, limits {of.lower:g} to {of.upper:g} {unit}",
+        f"asked. {of.count} specimens, limits {of.lower:g} to {of.upper:g} {unit}",
         of.cpk,
-        "" if high >= 1.33 else "The pieces scatter too much, or lie off centre",
+        "" if high >= 1.33 else "The specimens scatter too much, or lie off centre",
         "Test more pieces." if high >= 1.33 else "Look at scatter and mean of the pieces.",
     )

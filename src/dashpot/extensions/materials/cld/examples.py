@@ -64,12 +64,12 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
             "100 mm of a seal pressed 8 mm and released four times at 50 mm/min",
             _make_cld_writer(1.0, 1),
         ),
-        "cld_2.csv": Example("cld", "a second piece of it", _make_cld_writer(1.04, 2)),
+        "cld_2.csv": Example("cld", "a second specimen of it", _make_cld_writer(1.04, 2)),
         "cld_3.csv": Example(
             "cld", "a third: dashpot fit takes the three", _make_cld_writer(0.97, 3)
         ),
         "cld_slow.csv": Example(
-            "cld", "the first piece at 5 mm/min", _make_cld_writer(1.0, 4, speed=5e-3 / 60)
+            "cld", "the first specimen at 5 mm/min", _make_cld_writer(1.0, 4, speed=5e-3 / 60)
         ),
         "cld_fast.csv": Example(
             "cld",

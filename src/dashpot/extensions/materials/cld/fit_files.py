@@ -318,7 +318,7 @@ def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
     for source in (test.source for test in tests if test.source is not None):
         if source.sha256 in seen:
             raise ReadError(
-                f"{source.file} is the same record as {seen[source.sha256]}; each piece once"
+                f"{source.file} is the same record as {seen[source.sha256]}; each specimen once"
             )
         seen[source.sha256] = source.file
 

@@ -54,9 +54,13 @@ def page(pieces: Pieces) -> KindPage:
         note=f"From and to: 95 % interval of the mean of {format_count(several, 'piece')}."
         if several > 1 else KindPage.note,
         sources=sources,
-        folds=(CollapsibleSection("Each piece and cycle", "force, slope, hysteresis, set; one row "
-                                                          "a cycle",
-                    _cycles(pieces)),),
+        folds=(
+            CollapsibleSection(
+                "Each specimen and cycle",
+                "force, slope, hysteresis, set; one row a cycle",
+                _cycles(pieces),
+            ),
+        ),
     )  # fmt: skip
 
 

@@ -57,7 +57,7 @@ def force_falls(risen: float) -> Finding:
         f"The force rises by {max(risen, 0.0):.2g} standard errors of its trend",
         risen,
         "Crosslinks or swelling add force, and this law has none that grows",
-        "Leave out the oven or the piece that rises.",
+        "Leave out the oven or the specimen that rises.",
     )
 
 
@@ -65,7 +65,8 @@ def force_falls(risen: float) -> Finding:
 def f0_read(first: float) -> Finding:
     """F0 of every specimen was read close to 30 min."""
     return Finding(
-        f"The last piece was first read {format_quantity(first, 'h', '.3g')} after its compression",
+        f"The last specimen was first read {format_quantity(first, 'h', '.3g')} after its "
+        "compression",
         first / FIRST,
         "Its F0 follows from the law alone, and all its ratios share that error",
         "Read F0 at 30 min.",
@@ -109,7 +110,7 @@ def chemical_aging_resolved(significance: float, hottest: float) -> Finding:
 def ovens_enough(ovens: int) -> Finding:
     """There are enough ovens for an activation energy and its error."""
     return Finding(
-        f"The pieces were in {format_count(ovens, 'oven')}",
+        f"The specimens were in {format_count(ovens, 'oven')}",
         float(ovens),
         "The error of the activation energy then is that of the ovens alone"
         if ovens == 2

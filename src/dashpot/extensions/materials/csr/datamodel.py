@@ -165,10 +165,10 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     @property
     def found(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the law
-        """Physical loss in a decade, chemical time at the reference, activation, exponent."""
+        """Physical and chemical relaxation: loss in a decade, time, activation, exponent."""
         law = self.law
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
-        named = f"chemical time at {celsius(law.reference)}"
+        named = f"chemical relaxation time at {celsius(law.reference)}"
         facts = [
             ReportedValue.known(
                 "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",

@@ -335,7 +335,7 @@ def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool)
     return Finding(
         f"The strain sideways shows Poisson's ratio {reported:.2g}, and the law has {ratio:.2g}",
         reported - ratio,
-        "The law moves sideways otherwise than the piece did",
+        "The law moves sideways otherwise than the specimen did",
         Remedy(
             "Give the ratio that was measured.", "poisson", f"{min(max(reported, 0.0), 0.49):.2g}"
         )
@@ -370,8 +370,8 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
     return Finding(
         f"The modes agree {ratio:.3g} times better if the stress in {mode} is {100 * by:+.0f} %",
         ratio,
-        "Softening of one piece (Mullins), its area or a gain may cause this",
-        "Condition all pieces alike, and check areas and load cells.",
+        "Softening of one specimen (Mullins), its area or a gain may cause this",
+        "Condition all specimens alike, and check areas and load cells.",
         excused=abs(by) < _OF_NOTE,
     )
 
@@ -433,7 +433,7 @@ def files_agree(difference: float | None) -> Finding:
     return Finding(
         f"Files of one mode differ by up to {100 * difference:.2g} %",
         difference,
-        "They differ in rate, piece or conditioning",
+        "They differ in rate, specimen or conditioning",
         Remedy("Take off the memory of a relaxation test, if rates differ.", "relaxation"),
     )
 
@@ -462,7 +462,9 @@ def specimen_conditioned(softer: float | None) -> Finding:
         softer,
         "The material was not conditioned. The last loading is used; a new part is stiffer",
         Remedy(
-            "Condition the piece, or use the first loading of a new part.", "file-part", "cycle=1"
+            "Condition the specimen, or use the first loading of a new part.",
+            "file-part",
+            "cycle=1",
         ),
     )
 

@@ -103,7 +103,7 @@ class StressStrainTest(EqualByValue, HasSummary):
         if not 0 <= ratio <= MOST_POISSON:
             raise DataError(
                 f"the strain sideways shows a Poisson's ratio of {ratio:.3g}; expected 0 to "
-                f"{MOST_POISSON:g}. Check its unit and its sign: it grows where the piece is "
+                f"{MOST_POISSON:g}. Check its unit and its sign: it grows where the specimen is "
                 "pressed, and falls where it is pulled"
             )
 

@@ -13,7 +13,7 @@ MAX_SHAPE = 2.5
 @criterion("compression / depth of the law", "<=", 1.0, "the law was measured so far")
 def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
     """The impact compresses the specimen no further than its elastic law was measured."""
-    pressed = f"The mass presses the piece by {format_quantity(deepest, 'mm', '.3g')}"
+    pressed = f"The mass presses the specimen by {format_quantity(deepest, 'mm', '.3g')}"
     if depth is None:
         return Finding(
             f"{pressed}, and the fit holds no elastic law of a pressed piece",
@@ -25,7 +25,7 @@ def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
         f"{pressed}, and its law was measured to {format_quantity(depth, 'mm', '.3g')}",
         deepest / depth,
         "Beyond it the law goes on with its last slope, and a bulb that bottoms is stiffer",
-        "Press a piece deeper in the load deflection test.",
+        "Press a specimen deeper in the load deflection test.",
     )
 
 
@@ -36,7 +36,7 @@ def slam_in_valid_band(frequency: float, highest: float) -> Finding:
         f"The contact is half a cycle of {frequency:.3g} Hz, and the fit holds to {highest:.2g} Hz",
         frequency / highest,
         "A fast arm that the test could not see takes from the rebound, the force hardly changes",
-        "Fit a recorded slam, or a hammer test, too.",
+        "Fit a recorded impact, or a hammer test, too.",
     )
 
 
@@ -49,7 +49,7 @@ def air_escapes(speed: float) -> Finding:
         "open ends or holes",
         speed,
         "It is not part of the law",
-        "Leave the ends of the piece open, or say the vents of a door in its file.",
+        "Leave the ends of the specimen open, or say the vents of a door in its file.",
     )
 
 
@@ -57,9 +57,9 @@ def air_escapes(speed: float) -> Finding:
 def piece_length_given(*, provided: bool) -> Finding:
     """The length of the specimen is given."""
     return Finding(
-        "The length of the piece is known",
-        instead="The length of the piece is not given, so forces and energies are of this piece, "
-        "not of 100 mm",
+        "The length of the specimen is known",
+        instead="The length of the specimen is not given, so forces and energies are of this "
+        "specimen, not of 100 mm",
         remedy="Give the length when the test is fitted.",
         faulted=not provided,
     )
@@ -95,8 +95,8 @@ def slams_residual_small(misfit: float) -> Finding:
     return Finding(
         f"What the motion leaves of the force is {misfit:.3g} times its scatter",
         misfit,
-        "The piece bends otherwise, or the mass or the sensor oscillates",
-        "Look at the picture. Fit slams of one range of speeds, or filter less in the sensor.",
+        "The specimen bends otherwise, or the mass or the sensor oscillates",
+        "Look at the picture. Fit impacts of one range of speeds, or filter less in the sensor.",
     )
 
 
@@ -109,14 +109,14 @@ def slams_residual_small(misfit: float) -> Finding:
 def slam_residual_structureless(shapes: Mapping[str, float]) -> Finding:
     """The residual force shows no missing effect of specimen or sensor."""
     if not shapes:
-        return Finding("The slams are too few to tell what else there is")
+        return Finding("The impacts are too few to tell what else there is")
     words, most = max(shapes.items(), key=lambda pair: abs(pair[1]))
     return Finding(
         f"What the motion leaves of the force is most like {words}, by "
         f"{abs(most):.2g} standard deviations",
         abs(most),
         "The fit has no such force, and takes it for memory or for the law",
-        "Look at the picture. Lubricate or align the piece, or slam it less deep.",
+        "Look at the picture. Lubricate or align the specimen, or compress it less.",
     )
 
 
@@ -148,7 +148,7 @@ def slam_speeds_spread(spread: float | None) -> Finding:
     if spread is None:
         return Finding("The law is known, so one speed will do")
     return Finding(
-        f"The fastest slam is {spread:.3g} times the slowest, and the law is free",
+        f"The fastest impact is {spread:.3g} times the slowest, and the law is free",
         spread,
         "What bends and what has memory then look alike",
         Remedy(
@@ -176,12 +176,12 @@ def slam_speeds_agree(off: float | None) -> Finding:
 def slams_separated(rest: float | None) -> Finding:
     """The specimen rested between impacts."""
     if rest is None:
-        return Finding("Every record holds one slam")
+        return Finding("Every record holds one impact")
     return Finding(
-        f"A slam follows {rest:.3g} contacts after the one before",
+        f"An impact follows {rest:.3g} contacts after the one before",
         rest,
         "Slow arms still carry what the one before left",
-        "Leave more time between slams, or cut the record.",
+        "Leave more time between impacts, or cut the record.",
     )
 
 
@@ -204,10 +204,10 @@ def arms_agree_with_relaxation_test(change: float | None) -> Finding:
     if change is None:
         return Finding("The arms of the other test are held")
     return Finding(
-        f"The slams move the arms of the other test by {change:.2g} of its standard deviations",
+        f"The impacts move the arms of the other test by {change:.2g} of its standard deviations",
         change,
-        "The two tests are not of one piece at one temperature, or one is wrong",
-        "Test the piece of the slams, as warm.",
+        "The two tests are not of one specimen at one temperature, or one is wrong",
+        "Test the specimen of the impacts, as warm.",
     )
 
 
@@ -226,12 +226,12 @@ def spectrum_has_gaps(arms: int) -> Finding:
 def loss_factors_agree(gap: float | None, value: float, before: float, *, within: bool) -> Finding:
     """The loss factor of the impacts agrees with that of the relaxation test."""
     if gap is None:
-        return Finding("The loss factor by the slams has no error, so it is not compared")
+        return Finding("The loss factor by the impacts has no error, so it is not compared")
     least = "" if within else "at least "
     return Finding(
-        f"The loss factor by the slams is {value:.3g}, where the other test has "
+        f"The loss factor by the impacts is {value:.3g}, where the other test has "
         f"{least}{before:.3g}",
         abs(gap),
         "The two part by more than chance",
-        "Test the piece of the slams, as warm.",
+        "Test the specimen of the impacts, as warm.",
     )

@@ -65,13 +65,15 @@ class SlamTest(EqualByValue, HasSummary):
         convert_arrays_to_si(self, time="time", force="force", acceleration="acceleration")
         hold_measured(self, "time", "force", "acceleration", minimum=16)
         if self.force is None and self.acceleration is None:
-            raise DataError("a slam is a force, or the acceleration of the mass. Give one of them")
+            raise DataError(
+                "an impact is a force, or the acceleration of the mass. Give one of them"
+            )
         steps = np.diff(self.time)
         worst = int(np.argmax(np.abs(steps - self.step)))
         if abs(steps[worst] - self.step) > 0.2 * self.step:
             raise DataError(
-                f"a slam needs even sampling, and the step after t = {self.time[worst]:.9g} s is "
-                f"{steps[worst]:.6g} s where {self.step:.6g} s is usual. Cut the record there"
+                f"an impact needs even sampling, and the step after t = {self.time[worst]:.9g} s "
+                f"is {steps[worst]:.6g} s where {self.step:.6g} s is usual. Cut the record there"
             )
 
     @property
@@ -181,7 +183,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         between = f" ({loss.interval})" if loss.interval else ""
         return (
             f"the loss factor at {self.frequency:.3g} Hz is {loss.with_error}{between}, from "
-            f"{format_count(len(self.hits), 'slam')}"
+            f"{format_count(len(self.hits), 'impact')}"
         )
 
 

@@ -44,7 +44,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "slam.csv": Example(
             "slam",
-            "200 g slammed on two such seals at 0.3, 0.45 and 0.6 m/s, for dashpot fit",
+            "200 g dropped on two such seals at 0.3, 0.45 and 0.6 m/s, for dashpot fit",
             _slams,
         ),
     }

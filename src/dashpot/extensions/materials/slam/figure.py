@@ -34,7 +34,7 @@ def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
         across = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
         title = f"{hit.speed.value:.3g} m/s"
         panels.append(Panel(across, Scale("force, N", (-0.08 * top, top)), marks, title=title))
-    caption = "Force of slams on a piece over time: measured, and by the fitted motion."
+    caption = "Force of impacts on a specimen over time: measured, and by the fitted motion."
     origin = format_stamp(slam_fit.sources) if slam_fit.sources else ""
     return Picture("slams", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
@@ -65,6 +65,6 @@ def slam(slam: Slam, *, stamp: str = "") -> Picture:
             Line(mm[rising], motion.relaxed[rising], FIT, "relaxed"),
         ),
     )
-    caption = "Force of a mass slammed on the piece, over time and over compression."
+    caption = "Force of a mass dropped on the specimen, over time and over compression."
     origin = format_stamp(slam.sources) if slam.sources else ""
     return Picture("slam", caption, ((whole,), (loop,)), 2, stamp or origin)

@@ -78,11 +78,11 @@ def fit_slams(
         If the mass is missing, no slam stands out, or no motion follows them.
     """
     if mass is None:
-        raise DataError("slams need the mass of what moves. Add it: --mass 200g")
+        raise DataError("impacts need the mass of what moves. Add it: --mass 200g")
     fits = (memory,) if isinstance(memory, Fit) else tuple(memory)
     if len(fits) > 1:
         raise DataError(
-            f"--relaxation was given {len(fits)} times, and slams take one. Give it once"
+            f"--relaxation was given {len(fits)} times, and impacts take one. Give it once"
         )
     kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
     hits = tuple(
@@ -112,8 +112,8 @@ def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatA
     stated = [slam] if isinstance(slam, str | float | int) else list(slam)
     if len(stated) > count:
         raise DataError(
-            f"--drop was given {len(stated)} times, and {count} slams were found. Give the speed "
-            "of each slam, in their order"
+            f"--drop was given {len(stated)} times, and {count} impacts were found. Give the speed "
+            "of each impact, in their order"
         )
     approaches = [Approach.from_quantity(item) for item in stated]
     pulls, free = [approach.pull for approach in approaches], count - len(approaches)
@@ -323,7 +323,7 @@ class _SlamsSolved:
         step = Step(
             "fit",
             (("slams", str(len(contact))), ("mass_kg", repr(slams.mass))),
-            f"fitted {len(contact)} slams of {slams.mass:.4g} kg",
+            f"fitted {len(contact)} impacts of {slams.mass:.4g} kg",
         )
         model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
         return build_fit(

@@ -229,7 +229,7 @@ class Slams:
         """Return the slams less their motions, and what the sensors' zeros add, and the priors."""
         P, about = self.priors
         if self.speeds(theta).min() <= 0:
-            raise DataError("a slam has a speed above 0")
+            raise DataError("an impact has a speed above 0")
         modelled = self.forces(theta)
         residuals = [
             (hit.force - force) / hit.noise for hit, force in zip(self.hits, modelled, strict=True)

@@ -246,7 +246,7 @@ def simulate_impacts(
     released = (rough.force <= 0) & (rough.v <= 0)
     if not released[-1].all():
         raise DataError(
-            f"the mass is still on the piece after {_LONGEST:g} times the time of an elastic "
+            f"the mass is still on the specimen after {_LONGEST:g} times the time of an elastic "
             "contact: it is not thrown back. Expected a lighter mass, or a faster one"
         )
     step = length * int(released[:, 0].argmax()) / _ROUGH / _FINE

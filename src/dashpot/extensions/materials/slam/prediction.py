@@ -125,14 +125,14 @@ def predict_slam(
         If the fit is of a material, a number is missing, or the mass is not thrown back.
     """
     if mass is None:
-        raise DataError("a slam needs the mass of what moves. Add it: --mass 200g")
+        raise DataError("an impact needs the mass of what moves. Add it: --mass 200g")
     single_slam = slam if isinstance(slam, str | float | int) else _require_single_slam(slam)
     approach, kg = Approach.from_quantity(single_slam), convert_to_si(mass, "mass")
     require_positive(mass=kg, seals=seals)
     if fit.unit != "N/m":
         raise DataError(
-            "the fit is of a material, and a slam is of a piece. Fit a test of the piece, in N and "
-            "mm"
+            "the fit is of a material, and an impact is of a specimen. Fit a test of the "
+            "specimen, in N and mm"
         )
     piece = fit if seals == 1 else fit.in_parallel(seals)
     elastic_law = piece.elastic_law
@@ -157,7 +157,8 @@ def predict_slam(
 def _require_single_slam(said: Sequence[str]) -> str:
     if len(said) != 1:
         raise DataError(
-            f"--drop was given {len(said)} times, and one slam is predicted at a time. Give it once"
+            f"--drop was given {len(said)} times, and one impact is predicted at a time. "
+            "Give it once"
         )
     return said[0]
 

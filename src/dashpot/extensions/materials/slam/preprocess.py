@@ -71,8 +71,8 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
     top = float(push.max())
     if not top > 2 * _CLEAR * noise:
         raise DataError(
-            f"{name}: no slam stands out of the scatter: the largest force is {top:.3g} N, the "
-            f"scatter {noise:.3g} N. Cut the record about the slams, or use a stiffer sensor"
+            f"{name}: no impact stands out of the scatter: the largest force is {top:.3g} N, the "
+            f"scatter {noise:.3g} N. Cut the record about the impacts, or use a stiffer sensor"
         )
     slams: list[RecordedSlam] = []
     over = _contacts(push, max(_OTHER * top, _CLEAR * noise), _CLEAR * noise)
@@ -90,7 +90,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
         inside = slice(first, last + 1)
         slams.append(
             RecordedSlam(
-                f"{name}, slam {number + 1}" if len(over) > 1 else name,
+                f"{name}, impact {number + 1}" if len(over) > 1 else name,
                 time[rows],
                 push[rows],
                 float(time[first]),

@@ -33,7 +33,7 @@ def read_slams(
     """
     with channels.open_file(path, options) as file:
         channels.expect(
-            file, ["slam"], "a mass slammed on a piece is",
+            file, ["slam"], "a mass dropped on a specimen is",
             named=("force", "acceleration"),
         )  # fmt: skip
         wanted = [

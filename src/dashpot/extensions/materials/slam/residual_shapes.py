@@ -99,7 +99,7 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
     return {
         "friction": rubs,
         "a law that is steeper than a cubic": largest * share**_POWER,
-        "a piece that is met at an angle": largest * share * np.exp(-share / _FOOT),
+        "a specimen that is met at an angle": largest * share * np.exp(-share / _FOOT),
         "one arm more": arm,
     }
 

@@ -19,7 +19,7 @@ def list_groups() -> list[list[CommandOption]]:
                 type=WithUnit("velocity"),
                 metavar="SPEED",
                 kinds=_DOOR,
-                help="Close it: energy, least closing speed.",
+                help="Closing speed: energy, least closing speed.",
             ),
             opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
         )
