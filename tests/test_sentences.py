@@ -180,7 +180,11 @@ STANDARD = (
     (
         "slammed",
         "dropped",
-        ("reading/columns/kind_detection.py", "extensions/materials/slam/prediction.py"),
+        (
+            "base/document_versions.py",
+            "reading/columns/kind_detection.py",
+            "extensions/materials/slam/prediction.py",
+        ),
     ),
     ("fitted solid", "fitted model", ()),
     ("mass of the block", "test mass", ()),
