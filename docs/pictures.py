@@ -41,7 +41,7 @@ fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
-predict csr.json --temperature 70degC --until 50% --until 1000h --plot aged.svg
+predict csr.json --temperature 70degC --end 50% --end 1000h --plot aged.svg
 fit cld_1.csv --length 100mm --compression 6mm --memory fit.json -o law.json
 predict law.json --slam 0.3m/s --mass 200g --plot slam.svg
 fit slam.csv --mass 200g --slam 0.3m/s --memory fit.json --plot slams.svg
@@ -152,7 +152,7 @@ def _lot() -> dp.plot.Picture:
             text = dp.files.write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
             (folder / f"lotA_seal{seal}_rep{repeat}.csv").write_text(text, encoding="utf-8")
     by = r"lot(\w+)_seal(\d+)_rep(\d+)"
-    _printed(f"batch {folder} -o lot --by '{by}' --arms 2 --jobs 1")
+    _printed(f"batch {folder} -o lot --label-pattern '{by}' --arms 2 --jobs 1")
     return dp.Lot.read("lot").plot()
 
 
