@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dashpot.base.document_versions import (
+from dashpot.extensions.projects.document_versions import (
     EVERYWHERE,
     FORMER_PROJECT,
     RENAMED_CHECKS,

@@ -181,7 +181,7 @@ STANDARD = (
         "slammed",
         "dropped",
         (
-            "base/document_versions.py",
+            "extensions/projects/document_versions.py",
             "reading/columns/kind_detection.py",
             "extensions/materials/slam/prediction.py",
         ),

@@ -12,14 +12,14 @@ from kit.kinds import files
 
 import dashpot as dp
 from dashpot.base.checks import REGISTER
-from dashpot.base.document_versions import (
+from dashpot.base.serialisation import compute_document_digest
+from dashpot.extensions.projects.document_versions import (
     EVERYWHERE,
     RENAMED_CHECKS,
     RENAMED_KEYS,
     convert_document,
     name_present_schema,
 )
-from dashpot.base.serialisation import compute_document_digest
 from dashpot.extensions.projects.verification import find_largest_difference
 from dashpot.workflow.json_archive import from_json, schemas, to_document, to_json
 

@@ -13,7 +13,6 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from dashpot.base.document_versions import convert_document, name_present_schema
 from dashpot.base.errors import DataError, ReadError, Status
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import (
@@ -177,7 +176,7 @@ def from_json(text: str | bytes) -> Any:
     import msgspec
 
     kind, written = _parse_document(text)
-    name, entries = kind.schema, convert_document(written)
+    name, entries = kind.schema, find_handler("former document", "convert")(written)
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             result = _convert_to_class(kind, _map_to_fields(kind, entries))
@@ -219,7 +218,8 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = data.get("schema") if isinstance(data, dict) else None
-    kind = _find_schema_class(name_present_schema(name)) if isinstance(name, str) else None
+    present = find_handler("former document", "name schema")
+    kind = _find_schema_class(present(name)) if isinstance(name, str) else None
     if kind is None:
         raise ReadError(_format_unknown_schema(name))
     return kind, data

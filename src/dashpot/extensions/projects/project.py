@@ -26,10 +26,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.document_versions import name_present_schema
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import PART, open_exclusive_lock, validate_path, write_atomic
 from dashpot.base.serialisation import Serialisable, to_plain_value
+from dashpot.extensions.projects.document_versions import name_present_schema
 from dashpot.extensions.projects.history import FileEntry, append, file_of, read_history, sha256
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.read_options import ReadOptions, dump_profile

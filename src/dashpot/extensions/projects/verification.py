@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.checks import Check
-from dashpot.base.document_versions import convert_document, name_present_schema
 from dashpot.base.errors import ReadError
 from dashpot.base.serialisation import DIGEST
 from dashpot.base.version import software
 from dashpot.extensions.projects import verification_checks
+from dashpot.extensions.projects.document_versions import convert_document, name_present_schema
 from dashpot.extensions.projects.history import (
     FileEntry,
     History,
