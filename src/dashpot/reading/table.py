@@ -112,6 +112,8 @@ class FileTable:
     """What must be answered before the numbers can be trusted."""
     hints: tuple[str, ...] = ()
     """What the file says about a sampling rate, for when it has no time."""
+    large: bool = False
+    """Whether columns are read when they are asked for, as all of them may not fit in memory."""
 
 
 def make_loader(

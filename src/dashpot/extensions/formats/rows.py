@@ -18,6 +18,7 @@ EXTENSION = Extension(
         FileFormat("hdf5", "dashpot.extensions.formats.hdf5", marks=(b"\x89HDF\r\n\x1a\n", b"MATLAB 7.3 MAT-file",), sandboxed=True, sheets=True),
         FileFormat("matlab", "dashpot.extensions.formats.matlab", marks=(b"MATLAB 5.0 MAT-file",), sandboxed=True),
         FileFormat("tdms", "dashpot.extensions.formats.tdms", marks=(b"TDSm",), sandboxed=True, sheets=True),
+        FileFormat("mdf", "dashpot.extensions.formats.mdf", marks=(b"MDF ", b"UnFinMF "), sheets=True),
         FileFormat("workbook", "dashpot.extensions.formats.workbook", marks=(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04",), sheets=True),
         FileFormat("uff", "dashpot.extensions.formats.uff", sandboxed=True),
         FileFormat("trios", "dashpot.extensions.formats.trios", sandboxed=True),

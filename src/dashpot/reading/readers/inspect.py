@@ -201,6 +201,8 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     kind, reason = recognise_opened(file)
     roles, questions = _proposal(file, kind)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
+    if table.large:
+        numbers = [i for i in numbers if i in roles] or numbers[:1]
     loaded = channels.load(table, numbers, options.segment, sure=False)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
     time = _time(file, by_index, roles, len(loaded.values))

@@ -6,6 +6,7 @@ import gc
 import os
 import sys
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import BinaryIO
@@ -37,6 +38,8 @@ def _serve(stream: BinaryIO, out: BinaryIO) -> None:
     module, name = request["function"]
     try:
         function = getattr(import_module(module), name)
+        if request["columns"] is not None:
+            function = partial(function, columns=request["columns"])
         message_protocol.send_answer(out, run_parser(request["format"], function, raw, options))
     except DashpotError as error:
         message_protocol.send(out, {"error": str(error)[:_LONGEST]})

@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import BinaryIO, TypeVar, cast
 
@@ -40,9 +40,16 @@ def frozen_support() -> None:
 
 
 def run_in_child(
-    what: str, function: Callable[[RawFile, ReadOptions], A], raw: RawFile, options: ReadOptions
+    what: str,
+    function: Callable[..., A],
+    raw: RawFile,
+    options: ReadOptions,
+    *,
+    columns: Sequence[int] | None = None,
 ) -> A:
     """Return ``function(raw, options)``, run in a process with limits of memory, time and numbers.
+
+    Where `columns` of a large file are asked for, the function takes them as its third argument.
 
     The function reads files of the format `what` and stands at the top of a module of dashpot; of
     the options it gets the sheet and the segment.
@@ -57,6 +64,7 @@ def run_in_child(
         "format": what, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),
         "sheet": options.sheet, "segment": options.segment, "plugin": options.format,
+        "columns": None if columns is None else [int(index) for index in columns],
     }  # fmt: skip
     late = threading.Event()
     with _child(seconds, late) as child:

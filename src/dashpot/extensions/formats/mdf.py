@@ -1,0 +1,58 @@
+"""ASAM MDF files (.mf4, .mdf, .dat), versions 2 to 4: read in a child process, by own code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.extensions.formats.mdf_table import describe, read_columns
+from dashpot.reading.raw_file import RawFile
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox.parent_process import run_in_child
+from dashpot.reading.table import FileTable, LoadedColumns
+
+_KEPT = 8
+"""Columns of a large file that are kept for who asks for them again."""
+
+
+def read(raw: RawFile, options: ReadOptions) -> FileTable:
+    """Return the channels of an MDF file as columns on one clock.
+
+    Groups with the same channels are segments. Of others, the one with most channels of a test
+    gives the clock, and those of the rest are interpolated to it. Columns of a large file are read
+    when they are asked for.
+
+    Raises
+    ------
+    ReadError
+        If the file is damaged, cut or unfinished, or stores its numbers in a way not known here.
+    """
+    table: FileTable = run_in_child("mdf", describe, raw, options)
+    if len(table.load([0]).values):
+        return table
+    kept: dict[int, LoadedColumns] = {}
+
+    def load(indexes: Sequence[int]) -> LoadedColumns:
+        lacking = [index for index in dict.fromkeys(indexes) if index not in kept]
+        if lacking:
+            part = run_in_child("mdf", read_columns, raw, options, columns=lacking)
+            loaded = part.load(range(len(lacking)))
+            for place, index in enumerate(lacking):
+                named = f"'{table.columns[index].name}'"
+                kept[index] = replace(
+                    loaded,
+                    values=loaded.values[:, place].copy(),
+                    notes=tuple(note for note in part.notes if named in note),
+                )
+        columns = [kept[index] for index in indexes]
+        for index in list(kept)[:-_KEPT]:
+            del kept[index]
+        return replace(
+            columns[0],
+            values=np.column_stack([column.values for column in columns]),
+            notes=tuple(dict.fromkeys(note for column in columns for note in column.notes)),
+        )
+
+    return replace(table, load=load, large=True)

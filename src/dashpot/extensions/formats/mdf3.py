@@ -1,0 +1,203 @@
+"""Blocks of ASAM MDF 2 and 3: groups, channels, conversions and data."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from typing import BinaryIO
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.formats import mdf_conversions as conversions
+from dashpot.extensions.formats.mdf4 import Content
+from dashpot.extensions.formats.mdf_conversions import Conversion, NoNumbersError
+from dashpot.extensions.formats.mdf_records import PIECE, MdfChannel, MdfGroup
+
+_MOST_BLOCKS = 1 << 18
+_KINDS = {0: "u", 1: "i", 2: "f", 3: "f", 9: "u", 10: "i", 11: "f", 12: "f", 13: "u", 14: "i",
+          15: "f", 16: "f"}  # fmt: skip
+_WORDS = {7: "text", 8: "bytes", 4: "numbers of a VAX", 5: "numbers of a VAX", 6: "numbers of a VAX"}
+_BIG, _LITTLE = {9, 10, 11, 12}, {13, 14, 15, 16}
+_FORMULA, _STATES, _STATE_RANGES, _NONE = 10, 11, 12, 65535
+
+
+class _Blocks:
+    """Blocks of an open file, in its own byte order."""
+
+    def __init__(self, stream: BinaryIO, order: str) -> None:
+        self._stream, self.order = stream, order
+        self._count = 0
+
+    def at(self, address: int, kind: bytes, least: int) -> bytes:
+        """Return the bytes of the block of a kind at an address, of so many bytes at least."""
+        self._count += 1
+        if self._count > _MOST_BLOCKS:
+            raise ReadError(f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test")
+        self._stream.seek(address)
+        head = self._stream.read(4)
+        found, size = struct.unpack(f"{self.order}2sH", head) if len(head) == 4 else (b"", 0)
+        if found != kind or size < least:
+            raise ReadError(f"damaged or cut: no block of kind {kind.decode()} at byte {address}")
+        data = head + self._stream.read(size - 4)
+        if len(data) < size:
+            raise ReadError(f"cut: the block at byte {address} ends beyond the end of the file")
+        return data
+
+    def unpack(self, form: str, data: bytes, place: int) -> tuple[int, ...]:
+        return struct.unpack_from(self.order + form, data, place)
+
+    def link(self, data: bytes, place: int) -> int:
+        """Return the address at a place of a block."""
+        return self.unpack("I", data, place)[0]
+
+    def text(self, address: int) -> str:
+        """Return a text; empty without one."""
+        return _text(self.at(address, b"TX", 4)[4:]) if address else ""
+
+    def chain(self, address: int, kind: bytes, least: int) -> Iterator[bytes]:
+        """Yield a block and those that follow it."""
+        while address:
+            block = self.at(address, kind, least)
+            yield block
+            address = self.link(block, 4)
+
+
+def read_blocks(stream: BinaryIO) -> Content:
+    """Return what the blocks of an open file say.
+
+    Raises
+    ------
+    ReadError
+        If a block is missing or broken.
+    """
+    stream.seek(24)
+    order = "<" if stream.read(2) == b"\0\0" else ">"
+    blocks = _Blocks(stream, order)
+    header = blocks.at(64, b"HD", 164)
+    content = Content()
+    lines = blocks.text(blocks.link(header, 8)).splitlines()
+    date, clock = _text(header[18:28]), _text(header[28:36])
+    content.header = [line.strip() for line in lines if line.strip()]
+    content.header += [f"recorded: {date} {clock} (local time)"] if date else []
+    for data_group in blocks.chain(blocks.link(header, 4), b"DG", 24):
+        _read_data_group(blocks, data_group, content)
+    return content
+
+
+def _read_data_group(blocks: _Blocks, data_group: bytes, content: Content) -> None:
+    """Add the groups whose records stand in the same data."""
+    numbers = blocks.unpack("H", data_group, 22)[0]
+    if numbers > 2:
+        raise ReadError(f"damaged: records bear {numbers} numbers")
+    groups = list(blocks.chain(blocks.link(data_group, 8), b"CG", 26))
+    if len(groups) > 1 and not numbers:
+        raise ReadError("damaged: records of several groups bear no number")
+    sizes: dict[int, int | None] = {}
+    length = 0
+    for group in groups:
+        number, _, size, rows = blocks.unpack("HHHI", group, 16)
+        if number in sizes:
+            raise ReadError("damaged: two groups of the same data have one number")
+        sizes[number] = size
+        length += rows * (size + numbers)
+    pieces = _pieces(blocks.link(data_group, 16), length)
+    for group in groups:
+        number, _, size, rows = blocks.unpack("HHHI", group, 16)
+        name = blocks.text(blocks.link(group, 12)).splitlines()[:1] or [""]
+        name = name[0].strip() or f"group {len(content.groups) + 1}"
+        channels = []
+        step = 0.0
+        for block in blocks.chain(blocks.link(group, 8), b"CN", 218):
+            step = step or blocks.unpack("d", block, 210)[0]
+            label = _name(blocks, block)
+            try:
+                channels.append(_channel(blocks, block, label, size))
+            except NoNumbersError as error:
+                content.passed[label] = str(error)
+        if step > 0 and not any(channel.clock for channel in channels):
+            convert = conversions.linear([0.0, step])
+            channels.insert(0, MdfChannel("time", "s", "row", convert=convert, clock=True))
+        content.groups.append(
+            MdfGroup(
+                name=name, rows=rows, size=size, channels=tuple(channels), pieces=pieces,
+                number=number, sizes=sizes if len(groups) > 1 else {}, id_size=min(numbers, 1),
+                id_after=max(numbers - 1, 0),
+            )
+        )  # fmt: skip
+
+
+def _name(blocks: _Blocks, block: bytes) -> str:
+    long = blocks.link(block, 218) if len(block) >= 222 else 0
+    return blocks.text(long) or _text(block[26:58])
+
+
+def _channel(blocks: _Blocks, block: bytes, name: str, size: int) -> MdfChannel:
+    kind = blocks.unpack("H", block, 24)[0]
+    start, bits, stored = blocks.unpack("HHH", block, 186)
+    more = blocks.unpack("H", block, 226)[0] if len(block) >= 228 else 0
+    if blocks.link(block, 16):
+        raise NoNumbersError("arrays or structures")
+    if stored not in _KINDS:
+        raise NoNumbersError(_WORDS.get(stored, f"a kind of number ({stored}) that is not known"))
+    form, (byte, bit) = _KINDS[stored], divmod(start, 8)
+    byte += more
+    unit, convert = _conversion(blocks, blocks.link(block, 8))
+    if form == "f" and (bit or bits not in {32, 64}):
+        raise NoNumbersError(f"floating numbers of {bits} bits")
+    if not 0 < bits <= 64 or bit + bits > 64:
+        raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
+    if byte + (bit + bits + 7) // 8 > size:
+        raise ReadError(f"damaged: '{name}' stands outside its record")
+    big = stored in _BIG or (stored not in _LITTLE and blocks.order == ">")
+    return MdfChannel(name, unit, form, byte, bit, bits, big, convert, clock=kind == 1)
+
+
+def _conversion(blocks: _Blocks, address: int) -> tuple[str | None, Conversion]:
+    """Return the unit and the conversion of a channel."""
+    if not address:
+        return None, conversions.keep_raw
+    block = blocks.at(address, b"CC", 46)
+    unit = _text(block[22:42]) or None
+    kind, count = blocks.unpack("HH", block, 42)
+    if kind == _NONE:
+        return unit, conversions.keep_raw
+    if kind == _FORMULA:
+        raise NoNumbersError(f"raw numbers of a formula, {_text(block[46:])[:60]}")
+    if kind in {_STATES, _STATE_RANGES}:
+        raise NoNumbersError("names of states")
+    if kind not in {0, 1, 2, 6, 7, 8, 9}:
+        raise NoNumbersError("dates")
+    size = {0: 2, 6: 6, 7: 7, 8: 7, 9: 6}.get(kind, 2 * count)
+    if len(block) < 46 + 8 * size:
+        raise ReadError("damaged: a conversion says more parameters than it holds")
+    values = [float(value) for value in blocks.unpack(f"{size}d", block, 46)]
+    if kind == 0:
+        return unit, conversions.linear(values)
+    if kind == 1:
+        return unit, conversions.interpolated_table(values)
+    if kind == 2:
+        return unit, conversions.exact_table(values)
+    if kind == 6:
+        return unit, conversions.mdf3_polynomial(values)
+    if kind == 9:
+        return unit, conversions.rational(values)
+    return unit, conversions.mdf3_exponential(values, logarithm=kind == 7)
+
+
+def _pieces(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
+    """Return what yields so many bytes from an address."""
+
+    def pieces(stream: BinaryIO) -> Iterator[bytes]:
+        place, end = address, address + length * bool(address)
+        while place < end:
+            stream.seek(place)
+            data = stream.read(min(PIECE, end - place))
+            if not data:
+                return
+            yield data
+            place += len(data)
+
+    return pieces
+
+
+def _text(data: bytes) -> str:
+    return data.split(b"\0", 1)[0].decode("latin-1").strip()

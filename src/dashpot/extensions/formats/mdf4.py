@@ -1,0 +1,375 @@
+"""Blocks of ASAM MDF 4: groups, channels, conversions and data."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from html import unescape
+from typing import BinaryIO
+
+import numpy as np
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.formats import mdf_conversions as conversions
+from dashpot.extensions.formats.mdf_conversions import Conversion, NoNumbersError
+from dashpot.extensions.formats.mdf_records import PIECE, MdfChannel, MdfGroup
+
+_HEADER = struct.Struct("<4s4xQQ")
+_MOST_LINKS = 1 << 20
+_MOST_BLOCKS = 1 << 18
+"""Groups, channels and lists of data of a file, at most."""
+_LARGEST_TEXT = 1 << 20
+_LARGEST_BLOCK = 1 << 27
+"""Bytes to which one packed block may unpack."""
+_TEXT = re.compile(r"<TX\b[^>]*>(.*?)</TX>", re.S)
+_KINDS = {0: "u", 1: "u", 2: "i", 3: "i", 4: "f", 5: "f"}
+_BIG = {1, 3, 5}
+_WORDS = {
+    6: "text", 7: "text", 8: "text", 9: "text", 10: "bytes", 11: "samples of a medium",
+    12: "a stream of a medium", 13: "dates", 14: "times of day", 15: "complex numbers",
+    16: "complex numbers",
+}  # fmt: skip
+_TYPES = {1: "samples of varying length", 4: "a place in another medium", 5: "samples of varying length"}
+_FORMULA, _TEXT_TO_VALUE, _TEXT_TO_TEXT, _BITS_TO_TEXT = 3, 9, 10, 11
+_REMOTE = 8
+"""Flag of a group whose time stands in another."""
+_VLSD = 1
+
+
+@dataclass(eq=False)
+class Content:
+    """What the blocks of a file hold.
+
+    Attributes
+    ----------
+    groups : list of MdfGroup
+    passed : dict of str to str
+        Channels that are passed over, each with what it holds.
+    header : list of str
+    """
+
+    groups: list[MdfGroup] = field(default_factory=list)
+    passed: dict[str, str] = field(default_factory=dict)
+    header: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Block:
+    kind: bytes
+    links: tuple[int, ...]
+    data: bytes
+    start: int
+    """Where its data stands."""
+    length: int
+
+    def link(self, place: int) -> int:
+        return self.links[place] if place < len(self.links) else 0
+
+
+class _Blocks:
+    """Blocks of an open file."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self._count = 0
+
+    def at(self, address: int, *kinds: bytes, whole: bool = True) -> _Block:
+        """Return the block at an address, which is one of the kinds."""
+        self._count += 1
+        if self._count > _MOST_BLOCKS:
+            raise ReadError(f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test")
+        self._stream.seek(address)
+        head = self._stream.read(_HEADER.size)
+        if len(head) < _HEADER.size:
+            raise ReadError(
+                f"cut: a block of kind {_names(kinds)} should stand at byte {address}, beyond the "
+                "end of the file"
+            )
+        kind, length, count = _HEADER.unpack(head)
+        if kind not in kinds or count > _MOST_LINKS or length < _HEADER.size + 8 * count:
+            raise ReadError(f"damaged: no block of kind {_names(kinds)} at byte {address}")
+        links = self._exactly(8 * count, address)
+        size = length - _HEADER.size - 8 * count
+        start = address + _HEADER.size + 8 * count
+        if whole and size > _LARGEST_TEXT * 16:
+            raise ReadError(f"damaged: the block at byte {address} says {size} bytes")
+        data = self._exactly(size, address) if whole else b""
+        return _Block(kind, struct.unpack(f"<{count}Q", links), data, start, size)
+
+    def _exactly(self, size: int, address: int) -> bytes:
+        data = self._stream.read(size)
+        if len(data) < size:
+            raise ReadError(f"cut: the block at byte {address} ends beyond the end of the file")
+        return data
+
+    def text(self, address: int) -> str:
+        """Return the text of a block of text or XML; empty without one."""
+        if not address:
+            return ""
+        block = self.at(address, b"##TX", b"##MD")
+        words = block.data.split(b"\0", 1)[0].decode("utf-8", "replace")
+        if block.kind == b"##MD":
+            match = _TEXT.search(words)
+            words = unescape(match[1]) if match else ""
+        return words.strip()
+
+    def chain(self, address: int, kind: bytes) -> Iterator[_Block]:
+        """Yield a block and those that follow it by its first link."""
+        while address:
+            block = self.at(address, kind)
+            yield block
+            address = block.link(0)
+
+
+def read_blocks(stream: BinaryIO) -> Content:
+    """Return what the blocks of an open file say.
+
+    Raises
+    ------
+    ReadError
+        If a block is missing or broken.
+    """
+    blocks = _Blocks(stream)
+    header = blocks.at(64, b"##HD")
+    content = Content(header=_header(blocks, header))
+    for data_group in blocks.chain(header.link(0), b"##DG"):
+        _read_data_group(blocks, data_group, content)
+    return content
+
+
+def _header(blocks: _Blocks, header: _Block) -> list[str]:
+    nanoseconds, zone, summer, flags = struct.unpack_from("<QhhB", header.data)
+    lines = [line.strip() for line in blocks.text(header.link(5)).splitlines() if line.strip()]
+    since = timedelta(microseconds=nanoseconds // 1000)
+    if nanoseconds and since < timedelta(days=200 * 365):
+        local = timedelta(minutes=zone + summer) if flags & 2 and not flags & 1 else timedelta()
+        stamp = datetime(1970, 1, 1, tzinfo=UTC) + since + local
+        zone_word = " (local time)" if flags & 1 or local else " UTC"
+        lines.append(f"recorded: {stamp:%Y-%m-%d %H:%M:%S}{zone_word}")
+    return lines
+
+
+def _read_data_group(blocks: _Blocks, data_group: _Block, content: Content) -> None:
+    """Add the groups whose records stand in the same data."""
+    id_size = data_group.data[0]
+    if id_size not in {0, 1, 2, 4, 8}:
+        raise ReadError(f"damaged: records bear a number of {id_size} bytes")
+    groups = list(blocks.chain(data_group.link(1), b"##CG"))
+    address = data_group.link(2)
+    sizes: dict[int, int | None] = {}
+    for group in groups:
+        number, _, flags = struct.unpack_from("<QQH", group.data)
+        data, marks = struct.unpack_from("<II", group.data, 24)
+        if number in sizes:
+            raise ReadError("damaged: two groups of the same data have one number")
+        sizes[number] = None if flags & _VLSD else data + marks
+    if len(groups) > 1 and not id_size:
+        raise ReadError("damaged: records of several groups bear no number")
+    for group in groups:
+        number, rows, flags = struct.unpack_from("<QQH", group.data)
+        data, marks = struct.unpack_from("<II", group.data, 24)
+        if flags & _VLSD:
+            continue
+        name = blocks.text(group.link(2)) or f"group {len(content.groups) + 1}"
+        found = list(_channels(blocks, group.link(1), data, marks, content.passed, name))
+        found = [channel for channel in found if channel is not None]
+        if flags & _REMOTE:
+            content.passed |= {channel.name: "stored by columns" for channel in found}
+            continue
+        content.groups.append(
+            MdfGroup(
+                name=name, rows=rows, size=data + marks, channels=tuple(found),
+                pieces=_pieces(address), number=number,
+                sizes=sizes if len(groups) > 1 else {}, id_size=id_size,
+            )
+        )  # fmt: skip
+
+
+def _channels(
+    blocks: _Blocks, address: int, data: int, marks: int, passed: dict[str, str], group: str,
+    depth: int = 0,
+) -> Iterator[MdfChannel]:  # fmt: skip
+    """Yield the channels of a group that hold numbers; name the others in `passed`."""
+    for block in blocks.chain(address, b"##CN"):
+        name = blocks.text(block.link(2))
+        inner = block.link(1)
+        if inner:
+            kind = blocks.at(inner, b"##CN", b"##CA", b"##CL", b"##CV", b"##CU", b"##DS").kind
+            if kind == b"##CN" and depth < 8:
+                yield from _channels(blocks, inner, data, marks, passed, group, depth + 1)
+            else:
+                passed[name] = "arrays" if kind == b"##CA" else "structures"
+            continue
+        try:
+            yield _channel(blocks, block, name, data, marks)
+        except NoNumbersError as error:
+            passed[name or f"a channel of {group}"] = str(error)
+
+
+def _channel(blocks: _Blocks, block: _Block, name: str, data: int, marks: int) -> MdfChannel:
+    kind, along, stored, bit, byte, bits, flags, mark = struct.unpack_from("<BBBBIIII", block.data)
+    for types, number in ((_TYPES, kind), (_WORDS, stored)):
+        if number in types and kind not in {3, 6}:
+            raise NoNumbersError(types[number])
+    if kind not in {0, 2, 3, 6} or (stored not in _KINDS and kind not in {3, 6}):
+        raise NoNumbersError(f"a kind of channel ({kind}, {stored}) that is not known")
+    clock = kind in {2, 3} and along == 1
+    if flags & 1 and not clock:
+        raise NoNumbersError("no valid number, by its flag")
+    unit = blocks.text(block.link(6))
+    form, whole = _KINDS.get(stored, "u"), stored < 4
+    convert: Conversion = conversions.keep_raw
+    if block.link(4):
+        conversion = blocks.at(block.link(4), b"##CC")
+        unit = unit or blocks.text(conversion.link(1))
+        convert = _conversion(blocks, conversion, whole=whole)
+    if kind in {3, 6}:
+        return MdfChannel(name, unit or None, "row", convert=convert, clock=clock)
+    if form == "f" and (bit or bits not in {16, 32, 64}):
+        raise NoNumbersError(f"floating numbers of {bits} bits")
+    if not 0 < bits <= 64 or bit + bits > 64:
+        raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
+    if byte + (bit + bits + 7) // 8 > data:
+        raise ReadError(f"damaged: '{name}' stands outside its record")
+    invalid = None
+    if flags & 2:
+        invalid = 8 * data + mark
+        if mark >= 8 * marks:
+            raise ReadError(f"damaged: the mark of '{name}' stands outside its record")
+    return MdfChannel(
+        name, unit or None, form, byte, bit, bits, stored in _BIG, convert, invalid, clock
+    )
+
+
+def _conversion(blocks: _Blocks, block: _Block, *, whole: bool, depth: int = 0) -> Conversion:
+    kind, _, _, refs, count = struct.unpack_from("<BBHHH", block.data)
+    if len(block.data) < 24 + 8 * count or refs > len(block.links) - 4:
+        raise ReadError("damaged: a conversion says more parameters than it holds")
+    values = struct.unpack_from(f"<{count}d", block.data, 24)
+    links = block.links[4 : 4 + refs]
+    match kind:
+        case 0:
+            return conversions.keep_raw
+        case 1:
+            return conversions.linear(values)
+        case 2:
+            return conversions.rational(values)
+        case 4:
+            return conversions.interpolated_table(values)
+        case 5:
+            return conversions.nearest_table(values)
+        case 6:
+            return conversions.ranges(values, whole=whole)
+        case 7 | 8:
+            spans = list(zip(values[::2], values[1::2], strict=False))
+            spans = [(value, value) for value in values] if kind == 7 else spans
+            if len(links) not in {len(spans), len(spans) + 1} or depth > 2:
+                raise ReadError("damaged: a conversion to text has a state too many or too few")
+            chosen = [_of_state(blocks, link, whole=whole, depth=depth) for link in links]
+            otherwise = chosen.pop() if len(chosen) > len(spans) else None
+            return conversions.some_text(spans, chosen, otherwise, whole=whole)
+        case 3:
+            formula = blocks.text(links[0]) if links else ""
+            raise NoNumbersError(f"raw numbers of a formula, {formula[:60]}")
+    raise NoNumbersError("names of states")
+
+
+def _of_state(blocks: _Blocks, link: int, *, whole: bool, depth: int) -> Conversion | None:
+    """Return how the numbers in a state are converted, None where the state has a name."""
+    if not link:
+        return None
+    block = blocks.at(link, b"##TX", b"##MD", b"##CC")
+    if block.kind != b"##CC":
+        return None
+    try:
+        return _conversion(blocks, block, whole=whole, depth=depth + 1)
+    except NoNumbersError:
+        return None
+
+
+def _pieces(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
+    """Return what yields the bytes of the data at an address."""
+
+    def pieces(stream: BinaryIO) -> Iterator[bytes]:
+        if address:
+            yield from _data(_Blocks(stream), stream, address)
+
+    return pieces
+
+
+def _data(blocks: _Blocks, stream: BinaryIO, address: int, depth: int = 0) -> Iterator[bytes]:
+    kinds = (b"##DT", b"##DZ", b"##DL", b"##HL", b"##DV", b"##LD")
+    block = blocks.at(address, *kinds, whole=False)
+    if block.kind == b"##DT":
+        yield from _stored(stream, block)
+    elif block.kind == b"##DZ":
+        yield _unpacked(stream, block)
+    elif block.kind in {b"##DV", b"##LD"}:
+        raise ReadError(
+            "its numbers are stored by columns (##DV, ##LD of MDF 4.2), which is not read; save it "
+            "as MDF 4.1"
+        )
+    elif depth > 1:
+        raise ReadError(f"damaged: lists of lists of data at byte {address}")
+    elif block.kind == b"##HL":
+        if block.link(0):
+            yield from _data(blocks, stream, block.link(0), depth + 1)
+    else:
+        while True:
+            for link in block.links[1:]:
+                if link:
+                    yield from _data(blocks, stream, link, 2)
+            if not block.link(0):
+                return
+            block = blocks.at(block.link(0), b"##DL", whole=False)
+
+
+def _stored(stream: BinaryIO, block: _Block) -> Iterator[bytes]:
+    place, end = block.start, block.start + block.length
+    while place < end:
+        stream.seek(place)
+        data = stream.read(min(PIECE, end - place))
+        if not data:
+            raise ReadError("cut: its data ends beyond the end of the file")
+        yield data
+        place += len(data)
+
+
+def _unpacked(stream: BinaryIO, block: _Block) -> bytes:
+    stream.seek(block.start)
+    head = stream.read(24)
+    if len(head) < 24:
+        raise ReadError("cut: its data ends beyond the end of the file")
+    original, kind, columns, size, packed = struct.unpack("<2sBxIQQ", head)
+    if original != b"DT":
+        raise ReadError(f"damaged: packed data of the kind {original!r}")
+    if kind > 1:
+        raise ReadError(
+            f"its data is packed by a method ({kind}) of MDF 4.3 that is not read; save it with "
+            "Deflate, or as MDF 4.1"
+        )
+    if packed > block.length - 24 or size > _LARGEST_BLOCK:
+        raise ReadError(f"damaged: a packed block says {packed} bytes that unpack to {size}")
+    stored = stream.read(packed)
+    if len(stored) < packed:
+        raise ReadError("cut: its data ends beyond the end of the file")
+    unpacking = zlib.decompressobj()
+    try:
+        data = unpacking.decompress(stored, size + 1)
+    except zlib.error as error:
+        raise ReadError(f"damaged: packed data does not unpack ({error})") from None
+    if len(data) != size or not unpacking.eof:
+        raise ReadError(f"damaged: a packed block says {size} bytes and unpacks to others")
+    if kind == 1 and columns > 1:
+        lines = size // columns
+        whole = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
+        data = whole.T.tobytes() + data[lines * columns :]
+    return data
+
+
+def _names(kinds: tuple[bytes, ...]) -> str:
+    return " or ".join(kind.decode("latin-1") for kind in kinds)

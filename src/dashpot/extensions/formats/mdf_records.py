@@ -1,0 +1,212 @@
+"""Records of an ASAM MDF file: their channels, and how their bytes become numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import BinaryIO, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.extensions.formats.mdf_conversions import Conversion, keep_raw
+from dashpot.reading.sandbox.limits import check_value_count
+
+Bytes: TypeAlias = NDArray[np.uint8]
+PIECE = 1 << 23
+"""Bytes of records that are decoded at a time."""
+_LONGEST = 8
+"""Bytes of a whole number."""
+
+
+@dataclass(frozen=True)
+class MdfChannel:
+    """Channel of a group: where its bits stand in a record, and what they mean.
+
+    Attributes
+    ----------
+    name : str
+    unit : str or None
+    kind : str
+        ``"u"``, ``"i"`` or ``"f"``; ``"row"`` where the number of the record is the raw number.
+    byte, bit, bits : int
+        First byte in the record, first bit above it, and length.
+    big : bool
+        Whether the first byte is the most significant.
+    convert : callable
+    invalid : int or None
+        Bit of the record, counted from its start, that is set where there is no number.
+    clock : bool
+        Whether it is the time of its group.
+    """
+
+    name: str
+    unit: str | None
+    kind: str
+    byte: int = 0
+    bit: int = 0
+    bits: int = 0
+    big: bool = False
+    convert: Conversion = keep_raw
+    invalid: int | None = None
+    clock: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class MdfGroup:
+    """Channels that were sampled together.
+
+    Attributes
+    ----------
+    name : str
+    rows : int
+        Samples of each.
+    size : int
+        Bytes of a record.
+    channels : tuple of MdfChannel
+    pieces : callable
+        From the file to its bytes, a piece at a time.
+    number : int
+        That of its records among those of other groups.
+    sizes : mapping
+        Bytes of every kind of record in the same data, None of one that says its own length; empty
+        where all records are of this group.
+    id_size, id_after : int
+        Bytes of the number before a record, and behind it.
+    big : bool
+        Byte order of that number.
+    """
+
+    name: str
+    rows: int
+    size: int
+    channels: tuple[MdfChannel, ...]
+    pieces: Callable[[BinaryIO], Iterator[bytes]]
+    number: int = 0
+    sizes: dict[int, int | None] = field(default_factory=dict)
+    id_size: int = 0
+    id_after: int = 0
+    big: bool = False
+
+    @property
+    def clock(self) -> int | None:
+        """Return the place of the time among the channels, if it is on record."""
+        return next((i for i, channel in enumerate(self.channels) if channel.clock), None)
+
+
+def read_channels(
+    stream: BinaryIO, group: MdfGroup, places: Sequence[int]
+) -> tuple[FloatArray, list[int]]:
+    """Return some channels as columns, and how many numbers of each are marked as invalid.
+
+    Raises
+    ------
+    ReadError
+        If the file holds fewer records than it says, or a record is broken.
+    """
+    check_value_count(group.rows * len(places), f"the channels of group '{group.name}' hold")
+    values = np.empty((len(places), group.rows))
+    invalid = [0] * len(places)
+    first = 0
+    for whole in _records(stream, group):
+        records = whole[: group.rows - first]
+        last = first + len(records)
+        for row, place in enumerate(places):
+            channel = group.channels[place]
+            raw = _raw_numbers(records, channel, first)
+            try:
+                numbers = channel.convert(raw)
+            except ReadError as error:
+                raise ReadError(f"'{channel.name}': {error}") from None
+            if channel.invalid is not None:
+                byte, bit = divmod(channel.invalid, 8)
+                marked = (records[:, byte] >> bit & 1).astype(bool)
+                numbers = np.where(marked, np.nan, numbers)
+                invalid[row] += int(np.count_nonzero(marked))
+            values[row, first:last] = numbers
+        first = last
+        if first == group.rows and not group.sizes:
+            break
+    if first < group.rows:
+        raise ReadError(
+            f"group '{group.name}' says {group.rows} records and holds {first}: the file was cut, "
+            "or not finished; open and save it with the program that recorded it"
+        )
+    return values.T, invalid
+
+
+def _records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
+    """Yield the records of a group as rows of bytes, as many as a piece of the file holds."""
+    if group.sizes:
+        yield from _picked_records(stream, group)
+        return
+    kept = b""
+    step = group.id_size + group.size + group.id_after
+    if step == 0:
+        yield np.empty((group.rows, 0), np.uint8)
+        return
+    for piece in group.pieces(stream):
+        data = kept + piece if kept else piece
+        count = len(data) // step
+        kept = data[count * step :]
+        rows = np.frombuffer(data, np.uint8, count * step).reshape(count, step)
+        yield rows[:, group.id_size : group.id_size + group.size]
+
+
+def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
+    """Yield those records among others that bear the number of the group."""
+    kept, size, number = b"", group.id_size, group.number
+    order = "big" if group.big else "little"
+    along = np.arange(group.size)
+    for piece in group.pieces(stream):
+        data, place, found = kept + piece, 0, []
+        end = len(data)
+        while place + size <= end:
+            kind = data[place] if size == 1 else int.from_bytes(data[place : place + size], order)
+            if kind not in group.sizes:
+                raise ReadError(
+                    f"a record bears the number {kind}, which no group of the file has: the file is "
+                    "damaged"
+                )
+            length = group.sizes[kind]
+            start = place + size
+            if length is None:
+                if start + 4 > end:
+                    break
+                length = 4 + int.from_bytes(data[start : start + 4], order)
+            after = start + length + group.id_after
+            if after > end:
+                break
+            if kind == number:
+                found.append(start)
+            place = after
+        kept = data[place:]
+        if found:
+            whole = np.frombuffer(data, np.uint8)
+            yield whole[np.add.outer(np.array(found), along)]
+
+
+def _raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> FloatArray:
+    if channel.kind == "row":
+        return np.arange(first, first + len(records), dtype=float)
+    size = (channel.bit + channel.bits + 7) // 8
+    parts = records[:, channel.byte : channel.byte + size]
+    if parts.shape[1] < size or not 0 < size <= _LONGEST:
+        raise ReadError(f"'{channel.name}' stands outside its record: the file is damaged")
+    order = ">" if channel.big else "<"
+    aligned = channel.bit == 0 and channel.bits == 8 * size and size in {1, 2, 4, 8}
+    if aligned:
+        kind = f"{order}{channel.kind}{size}"
+        return np.ascontiguousarray(parts).view(kind)[:, 0].astype(float)
+    whole = np.zeros(len(parts), np.uint64)
+    for place in range(size):
+        shift = 8 * (size - 1 - place if channel.big else place)
+        whole |= parts[:, place].astype(np.uint64) << np.uint64(shift)
+    whole >>= np.uint64(channel.bit)
+    whole &= np.uint64((1 << channel.bits) - 1)
+    if channel.kind == "i":
+        up = np.uint64(64 - channel.bits)
+        return ((whole << up).view(np.int64) >> up.astype(np.int64)).astype(float)
+    return whole.astype(float)

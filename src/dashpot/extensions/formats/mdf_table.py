@@ -1,0 +1,314 @@
+"""Table of the groups of an ASAM MDF file, on one clock."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import BinaryIO
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.extensions.formats import mdf3, mdf4
+from dashpot.extensions.formats.mdf_records import MdfGroup, read_channels
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.raw_file import RawFile
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import Column, FileTable, LoadedColumns
+
+WHOLE = 1 << 22
+"""Numbers of a table that is handed over with all of its columns."""
+_ROLES = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
+_SURE = 2.0
+"""How well the name of a channel says a role of a test, at least."""
+_APART = 10.0
+"""Steps of its clock over which nothing is interpolated: something is missing there."""
+_FEW = 8
+_UNFINISHED = b"UnFinMF "
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a column stands: the group of each segment and its channel there; None of the rows."""
+
+    groups: tuple[int, ...]
+    channel: int
+
+
+class MdfTable:
+    """Groups of an open file, as columns on one clock."""
+
+    def __init__(self, stream: BinaryIO, sheet: str | None) -> None:
+        head = stream.read(64)
+        if head.startswith(_UNFINISHED):
+            raise ReadError(
+                "an MDF file whose recording was not finished (UnFinMF): its counts of samples are "
+                "not to be trusted; open and save it with the program that recorded it"
+            )
+        version = head[8:16].split(b"\0", 1)[0].decode("latin-1").strip()
+        if version[:1] not in {"2", "3", "4"}:
+            raise ReadError(f"an MDF file of version '{version}'; 2, 3 and 4 are read")
+        self._stream = stream
+        self.format = f"MDF {version}"
+        content = (mdf4 if version[:1] == "4" else mdf3).read_blocks(stream)
+        self.header = tuple(content.header)
+        self.notes: list[str] = _passed_notes(content.passed)
+        groups = [
+            group
+            for group in content.groups
+            if group.rows and any(not channel.clock for channel in group.channels)
+        ]
+        self._choose(_renamed(groups), sheet)
+
+    def _choose(self, groups: list[MdfGroup], sheet: str | None) -> None:
+        names = [group.name for group in groups]
+        if sheet is not None:
+            if sheet not in names:
+                raise ReadError(f"--part sheet={sheet}: the groups are {_list(names)}")
+            groups = [groups[names.index(sheet)]]
+        if not groups:
+            raise ReadError("this MDF file holds no samples of numeric channels")
+        self._groups, self._lined_up = groups, {}
+        kinds = {tuple((c.name, c.unit) for c in group.channels) for group in groups}
+        if len(kinds) == 1:
+            self._base, self._segments = groups[0], tuple(range(len(groups)))
+            self.segments = tuple(names) if len(groups) > 1 else ("",)
+        else:
+            self._base = self._groups[_find_base(groups)]
+            self._segments, self.segments = (_find_base(groups),), ("",)
+        self.columns, self._places = self._columns()
+
+    @property
+    def rows(self) -> int:
+        """Rows in all segments."""
+        return sum(self._groups[i].rows for i in self._segments)
+
+    @cached_property
+    def starts(self) -> tuple[int, ...]:
+        """First row of each segment."""
+        counts = [self._groups[i].rows for i in self._segments]
+        return tuple(int(i) for i in np.cumsum([0, *counts[:-1]]))
+
+    def _columns(self) -> tuple[tuple[Column, ...], list[_Place]]:
+        columns, places = [], []
+        base = self._segments[0]
+        order = [base, *(i for i in range(len(self._groups)) if i != base)]
+        for i in order if len(self._segments) == 1 else [base]:
+            group = self._groups[i]
+            beside = i != base and self._note_clock(i)
+            if i != base and not beside:
+                continue
+            segments = self._segments if i == base else (i,)
+            clock = group.clock
+            ordered = sorted(range(len(group.channels)), key=lambda place: place != clock)
+            for place in ordered:
+                channel = group.channels[place]
+                if channel.clock and (i != base or place != clock):
+                    continue
+                name = channel.name
+                if channel.clock and not vocabulary.matches(name).get("time"):
+                    name = "time"
+                unit = channel.unit or ("s" if channel.clock else None)
+                columns.append(Column(name, unit))
+                places.append(_Place(segments, place))
+        counts = Counter(column.name for column in columns)
+        named = [
+            replace(column, name=f"{column.name} ({self._groups[place.groups[0]].name})")
+            if counts[column.name] > 1
+            else column
+            for column, place in zip(columns, places, strict=True)
+        ]
+        return tuple(named), places
+
+    def _note_clock(self, i: int) -> bool:
+        """Return whether a group can stand beside the base, and note how."""
+        group, base = self._groups[i], self._base
+        if group.clock is None or base.clock is None:
+            if group.clock is None and base.clock is None and group.rows == base.rows:
+                return True
+            self.notes.append(
+                f"group '{group.name}' has no clock in common with '{base.name}' and was passed "
+                f'over (--part sheet="{group.name}" reads it)'
+            )
+            return False
+        ticks, own = self._ticks(i), self._ticks(self._segments[0])
+        if np.array_equal(ticks, own):
+            return True
+        if not (np.diff(ticks) > 0).all():
+            self.notes.append(
+                f"the clock of group '{group.name}' does not rise throughout: it was passed over"
+            )
+            return False
+        within = int(((own >= ticks[0]) & (own <= ticks[-1])).sum())
+        if not within:
+            self.notes.append(
+                f"group '{group.name}' shares no time with '{base.name}' and was passed over"
+            )
+            return False
+        self._lined_up[i] = ticks
+        says = (
+            f"group '{group.name}'{_rate(ticks)} has a clock of its own: its channels were "
+            f"interpolated to the {within} of {base.rows} instants of '{base.name}'"
+            f'{_rate(own)} within it; --part sheet="{group.name}" reads it alone'
+        )
+        moving = _roles(group) | _roles(base)
+        # straight lines dull what is near half the sampling rate
+        self.notes.append(Caution(says) if "acceleration" in moving else says)
+        return True
+
+    def _ticks(self, i: int) -> FloatArray:
+        """Return the clock of a group, s."""
+        group = self._groups[i]
+        place = group.clock
+        if place is None:
+            raise ReadError(f"group '{group.name}' has no clock")
+        ticks = read_channels(self._stream, group, [place])[0][:, 0]
+        unit = units.find_unit(group.channels[place].unit or "s", "time")
+        return ticks * (unit.factor if unit else 1.0)
+
+    def load(self, indexes: Sequence[int]) -> LoadedColumns:
+        """Return the numbers of some columns, NaN where the file says that they are invalid."""
+        values = np.empty((self.rows, len(indexes)))
+        notes: list[str] = []
+        by_group: dict[tuple[int, ...], list[int]] = {}
+        for at, index in enumerate(indexes):
+            by_group.setdefault(self._places[index].groups, []).append(at)
+        for groups, positions in by_group.items():
+            channels = [self._places[indexes[at]].channel for at in positions]
+            parts, counts = [], np.zeros(len(channels), int)
+            for i in groups:
+                part, invalid = read_channels(self._stream, self._groups[i], channels)
+                parts.append(self._align(i, part))
+                counts += invalid
+            values[:, positions] = parts[0] if len(parts) == 1 else np.concatenate(parts)
+            notes += [
+                f"{count} numbers of '{self.columns[indexes[at]].name}' are marked as invalid by "
+                "the file: they are no numbers"
+                for at, count in zip(positions, counts, strict=True)
+                if count
+            ]
+        return LoadedColumns(values, self.starts, self.segments, notes=tuple(notes))
+
+    def _align(self, i: int, part: FloatArray) -> FloatArray:
+        """Return the channels of a group at the instants of the base."""
+        ticks = self._lined_up.get(i)
+        if ticks is None:
+            return part
+        own = self._ticks(self._segments[0])
+        wide = np.diff(ticks) > _APART * median(np.diff(ticks))
+        place = np.clip(np.searchsorted(ticks, own, side="right") - 1, 0, max(len(ticks) - 2, 0))
+        outside = (own < ticks[0]) | (own > ticks[-1])
+        outside |= (wide[place] if len(wide) else False) & (own != ticks[place])
+        columns = [_interpolate(own, ticks, place, column) for column in part.T]
+        result = np.column_stack(columns)
+        result[outside] = np.nan
+        return result
+
+    def table(self) -> FileTable:
+        """Return the table, its numbers read."""
+        loaded = self.load(range(len(self.columns)))
+        return replace(
+            self.description(), load=lambda indexes: replace(
+                loaded, values=loaded.values[:, list(indexes)], notes=()),
+            notes=(*self.notes, *loaded.notes),
+        )  # fmt: skip
+
+    def description(self) -> FileTable:
+        """Return the table without its numbers."""
+        return FileTable(
+            format=self.format, columns=self.columns, notes=tuple(self.notes), header=self.header,
+            load=lambda indexes: LoadedColumns(np.empty((0, len(indexes)))),
+            simulated=any("simulated" in line.casefold() for line in self.header),
+        )  # fmt: skip
+
+
+def describe(raw: RawFile, options: ReadOptions) -> FileTable:
+    """Return the table of a file; a large one without its numbers."""
+    with raw.open() as stream:
+        table = MdfTable(stream, options.sheet)
+        if table.rows * len(table.columns) <= WHOLE:
+            return table.table()
+        return table.description()
+
+
+def read_columns(raw: RawFile, options: ReadOptions, columns: Sequence[int]) -> FileTable:
+    """Return some columns of a large file."""
+    with raw.open() as stream:
+        table = MdfTable(stream, options.sheet)
+        loaded = table.load(columns)
+    return FileTable(
+        format=table.format,
+        columns=tuple(table.columns[index] for index in columns),
+        notes=loaded.notes,
+        load=lambda indexes: replace(loaded, values=loaded.values[:, list(indexes)]),
+    )
+
+
+def _interpolate(
+    own: FloatArray, ticks: FloatArray, place: np.ndarray, column: FloatArray
+) -> FloatArray:
+    """Return a column on straight lines between its samples, NaN beside one that is none."""
+    if len(ticks) == 1:
+        return np.where(own == ticks[0], column[0], np.nan)
+    share = (own - ticks[place]) / (ticks[place + 1] - ticks[place])
+    low, high = column[place], column[place + 1]
+    between = low + share * (high - low)
+    return np.where(share == 0, low, np.where(share == 1, high, between))
+
+
+def _find_base(groups: Sequence[MdfGroup]) -> int:
+    """Return which group gives the clock: most roles of a test, then the force, then most rows."""
+
+    def rank(i: int) -> tuple[int, bool, int]:
+        roles = _roles(groups[i])
+        return len(roles), "force" in roles, groups[i].rows
+
+    return max(range(len(groups)), key=rank)
+
+
+def _roles(group: MdfGroup) -> set[str]:
+    """Return the roles of a test that the channels of a group have by their names."""
+    return {
+        role
+        for channel in group.channels
+        for role in _ROLES
+        if not channel.clock and vocabulary.matches(channel.name).get(role, 0.0) >= _SURE
+    }
+
+
+def _renamed(groups: Sequence[MdfGroup]) -> list[MdfGroup]:
+    """Return the groups, each with a name of its own."""
+    counts = Counter(group.name for group in groups)
+    return [
+        replace(group, name=f"{group.name} {i + 1}") if counts[group.name] > 1 else group
+        for i, group in enumerate(groups)
+    ]
+
+
+def _rate(ticks: FloatArray) -> str:
+    """Return the rate of a clock in brackets."""
+    step = median(np.diff(ticks)) if len(ticks) > 1 else 0.0
+    return f" ({1 / step:.4g} Hz)" if step > 0 else ""
+
+
+def _passed_notes(passed: dict[str, str]) -> list[str]:
+    """Say which channels are passed over, by what they hold."""
+    reasons: dict[str, list[str]] = {}
+    for name, reason in passed.items():
+        reasons.setdefault(reason, []).append(f"'{name}'")
+    notes = []
+    for reason, names in reasons.items():
+        more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+        hold = "hold" if len(names) > 1 else "holds"
+        notes.append(f"{', '.join(names[:_FEW])}{more} {hold} {reason}: passed over")
+    return notes
+
+
+def _list(names: Sequence[str]) -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:_FEW])
+    return shown + (f" and {len(names) - _FEW} more" if len(names) > _FEW else "")
