@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 
 from kit.instruments import ods, uff, workbook, xls
+from kit.mdf_files import Channel, Group, mdf4
 
 
 def _inflating(before: bytes, count: int) -> bytes:
@@ -174,6 +175,27 @@ def tdms_of_claims(path: Path) -> None:
     path.write_bytes(lead + meta + bytes(80))
 
 
+def mdf_of_zeros(path: Path) -> None:
+    """Two groups whose records take turns, in blocks of zeros that are packed a thousandfold."""
+    groups = [Group([Channel("a", [0], dtype="<u1")], number=k, rows=1 << 20) for k in (0, 1)]
+    data = bytearray(mdf4(groups, id_size=1))
+    place = data.find(b"##DT")
+    stored = _inflating(b"", 1 << 26)
+    body = struct.pack("<2sBxIQQ", b"DT", 0, 0, 1 << 26, len(stored)) + stored
+    data += bytes(-len(data) % 8)
+    block = len(data)
+    data += struct.pack("<4s4xQQ", b"##DZ", 24 + len(body), 0) + body + bytes(-len(body) % 8)
+    link = data.find(struct.pack("<Q", place), data.find(b"##DG"))
+    struct.pack_into("<Q", data, link, len(data))
+    data += struct.pack("<4s4xQQ500Q", b"##DL", 24 + 8 * 500 + 16, 500, 0, *[block] * 499)
+    path.write_bytes(bytes(data) + struct.pack("<B3xIQ", 1, 499, 1 << 26))
+
+
+def mdf_of_claims(path: Path) -> None:
+    """A group of a thousand million records that are not there."""
+    path.write_bytes(mdf4([Group([Channel("a", [0.0])], rows=10**9)]))
+
+
 def uff_of_claims(path: Path) -> None:
     """A dataset 58 that claims two thousand million points."""
     uff(path, labels=("N", "g"), length=None)
@@ -204,6 +226,8 @@ BOMBS: dict[Callable[[Path], None], str] = {
     trios_of_short_rows: "a data set holds 480000000 numbers in all",
     trios_of_brackets: "takes more than 1 GiB of memory to read as trios",
     tdms_of_claims: "",
+    mdf_of_zeros: "its groups say 2097152 records together",
+    mdf_of_claims: "the channels hold 1000000000 numbers in all",
     uff_of_claims: "",
 }
 """How each is refused; "" where its claim is not believed, and what it holds is read."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.datamodel.frf import FRF, Kind
 from kit.look_alikes import truth
+from kit.mdf_files import Channel, Group, mdf3, mdf4
 
 
 def lvm(
@@ -259,9 +260,11 @@ def frf(kind: Kind = Kind.ACCELERANCE, *, measured: bool = True, n: int = 40) ->
 def one_of_each(folder: Path) -> dict[str, bytes]:
     """One small file of each format that is not delimited text."""
     import h5py
-    from scipy.io import savemat
+    import polars as pl
+    from scipy.io import savemat, wavfile
 
     from dashpot.extensions.formats.write_uff import frf_uff
+    from dashpot.registry import FORMATS
 
     tdms(folder / "tdms", hits=2)
     (folder / "uff frf").write_bytes(frf_uff(frf(n=10)))
@@ -284,6 +287,20 @@ def one_of_each(folder: Path) -> dict[str, bytes]:
         file["run/soft"] = h5py.SoftLink("/run/data")
         file["run/other"] = h5py.ExternalLink("other.h5", "/a")
         file["records"] = np.array([(1, 2.0)] * 3, [("a", "i4"), ("b", "f8")])
+    made = [
+        Channel("time", np.arange(9.0), "s", kind=2, sync=1),
+        Channel("force", np.arange(9.0), "N"),
+    ]
+    (folder / "mdf").write_bytes(mdf4([Group(made)], how="HL"))
+    (folder / "mdf unfinished").write_bytes(mdf4([Group(made)], mark=b"UnFinMF "))
+    (folder / "mdf unsorted").write_bytes(mdf4([Group(made), Group(made, "b", 1)], id_size=1))
+    (folder / "mdf 3").write_bytes(mdf3(made))
+    wavfile.write(folder / "wav", 100, np.eye(5))
+    frame = pl.DataFrame(arrays)
+    frame.write_parquet(folder / "parquet")
+    frame.write_ipc(folder / "arrow")
+    for i, mark in enumerate(FORMATS["unread"].marks):
+        (folder / f"unread {i}").write_bytes(mark + b"\0" * 9)
     (folder / "lvm").write_text(lvm(segments=2))
     (folder / "lvm clocks").write_text(lvm(x_columns="Multi", decimal=","))
     return {path.name: path.read_bytes() for path in folder.iterdir()}

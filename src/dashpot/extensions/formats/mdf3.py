@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import BinaryIO
 
 from dashpot.base.errors import ReadError
@@ -15,23 +16,43 @@ from dashpot.extensions.formats.mdf_records import PIECE, MdfChannel, MdfGroup
 _MOST_BLOCKS = 1 << 18
 _KINDS = {0: "u", 1: "i", 2: "f", 3: "f", 9: "u", 10: "i", 11: "f", 12: "f", 13: "u", 14: "i",
           15: "f", 16: "f"}  # fmt: skip
-_WORDS = {7: "text", 8: "bytes", 4: "numbers of a VAX", 5: "numbers of a VAX", 6: "numbers of a VAX"}
+_WORDS = {
+    7: "text",
+    8: "bytes",
+    4: "numbers of a VAX",
+    5: "numbers of a VAX",
+    6: "numbers of a VAX",
+}
 _BIG, _LITTLE = {9, 10, 11, 12}, {13, 14, 15, 16}
-_FORMULA, _STATES, _STATE_RANGES, _NONE = 10, 11, 12, 65535
+_FORMULA, _NONE = 10, 65535
+_STATES = {11: "names of states", 12: "names of states"}
+_SIZES = {0: 2, 1: 0, 2: 0, 6: 6, 7: 7, 8: 7, 9: 6}
+"""Parameters of a conversion that gives numbers; 0 of a table."""
+_MAKERS: dict[int, Callable[[list[float]], Conversion]] = {
+    0: conversions.linear,
+    1: conversions.interpolated_table,
+    2: conversions.exact_table,
+    6: conversions.mdf3_polynomial,
+    7: partial(conversions.mdf3_exponential, logarithm=True),
+    8: partial(conversions.mdf3_exponential, logarithm=False),
+    9: conversions.rational,
+}
 
 
-class _Blocks:
+class _Mdf3Blocks:
     """Blocks of an open file, in its own byte order."""
 
     def __init__(self, stream: BinaryIO, order: str) -> None:
         self._stream, self.order = stream, order
         self._count = 0
 
-    def at(self, address: int, kind: bytes, least: int) -> bytes:
+    def read_block(self, address: int, kind: bytes, least: int) -> bytes:
         """Return the bytes of the block of a kind at an address, of so many bytes at least."""
         self._count += 1
         if self._count > _MOST_BLOCKS:
-            raise ReadError(f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test")
+            raise ReadError(
+                f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
+            )
         self._stream.seek(address)
         head = self._stream.read(4)
         found, size = struct.unpack(f"{self.order}2sH", head) if len(head) == 4 else (b"", 0)
@@ -51,12 +72,12 @@ class _Blocks:
 
     def text(self, address: int) -> str:
         """Return a text; empty without one."""
-        return _text(self.at(address, b"TX", 4)[4:]) if address else ""
+        return _text(self.read_block(address, b"TX", 4)[4:]) if address else ""
 
     def chain(self, address: int, kind: bytes, least: int) -> Iterator[bytes]:
         """Yield a block and those that follow it."""
         while address:
-            block = self.at(address, kind, least)
+            block = self.read_block(address, kind, least)
             yield block
             address = self.link(block, 4)
 
@@ -71,8 +92,8 @@ def read_blocks(stream: BinaryIO) -> Content:
     """
     stream.seek(24)
     order = "<" if stream.read(2) == b"\0\0" else ">"
-    blocks = _Blocks(stream, order)
-    header = blocks.at(64, b"HD", 164)
+    blocks = _Mdf3Blocks(stream, order)
+    header = blocks.read_block(64, b"HD", 164)
     content = Content()
     lines = blocks.text(blocks.link(header, 8)).splitlines()
     date, clock = _text(header[18:28]), _text(header[28:36])
@@ -83,7 +104,7 @@ def read_blocks(stream: BinaryIO) -> Content:
     return content
 
 
-def _read_data_group(blocks: _Blocks, data_group: bytes, content: Content) -> None:
+def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -> None:
     """Add the groups whose records stand in the same data."""
     numbers = blocks.unpack("H", data_group, 22)[0]
     if numbers > 2:
@@ -92,18 +113,19 @@ def _read_data_group(blocks: _Blocks, data_group: bytes, content: Content) -> No
     if len(groups) > 1 and not numbers:
         raise ReadError("damaged: records of several groups bear no number")
     sizes: dict[int, int | None] = {}
-    length = 0
+    length = total = 0
     for group in groups:
         number, _, size, rows = blocks.unpack("HHHI", group, 16)
         if number in sizes:
             raise ReadError("damaged: two groups of the same data have one number")
         sizes[number] = size
+        total += rows
         length += rows * (size + numbers)
     pieces = _pieces(blocks.link(data_group, 16), length)
     for group in groups:
         number, _, size, rows = blocks.unpack("HHHI", group, 16)
-        name = blocks.text(blocks.link(group, 12)).splitlines()[:1] or [""]
-        name = name[0].strip() or f"group {len(content.groups) + 1}"
+        comment = blocks.text(blocks.link(group, 12)).partition("\n")[0]
+        name = comment.strip() or f"group {len(content.groups) + 1}"
         channels = []
         step = 0.0
         for block in blocks.chain(blocks.link(group, 8), b"CN", 218):
@@ -120,17 +142,17 @@ def _read_data_group(blocks: _Blocks, data_group: bytes, content: Content) -> No
             MdfGroup(
                 name=name, rows=rows, size=size, channels=tuple(channels), pieces=pieces,
                 number=number, sizes=sizes if len(groups) > 1 else {}, id_size=min(numbers, 1),
-                id_after=max(numbers - 1, 0),
+                total=total, id_after=max(numbers - 1, 0),
             )
         )  # fmt: skip
 
 
-def _name(blocks: _Blocks, block: bytes) -> str:
+def _name(blocks: _Mdf3Blocks, block: bytes) -> str:
     long = blocks.link(block, 218) if len(block) >= 222 else 0
     return blocks.text(long) or _text(block[26:58])
 
 
-def _channel(blocks: _Blocks, block: bytes, name: str, size: int) -> MdfChannel:
+def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChannel:
     kind = blocks.unpack("H", block, 24)[0]
     start, bits, stored = blocks.unpack("HHH", block, 186)
     more = blocks.unpack("H", block, 226)[0] if len(block) >= 228 else 0
@@ -151,36 +173,23 @@ def _channel(blocks: _Blocks, block: bytes, name: str, size: int) -> MdfChannel:
     return MdfChannel(name, unit, form, byte, bit, bits, big, convert, clock=kind == 1)
 
 
-def _conversion(blocks: _Blocks, address: int) -> tuple[str | None, Conversion]:
+def _conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Conversion]:
     """Return the unit and the conversion of a channel."""
     if not address:
         return None, conversions.keep_raw
-    block = blocks.at(address, b"CC", 46)
+    block = blocks.read_block(address, b"CC", 46)
     unit = _text(block[22:42]) or None
     kind, count = blocks.unpack("HH", block, 42)
     if kind == _NONE:
         return unit, conversions.keep_raw
-    if kind == _FORMULA:
-        raise NoNumbersError(f"raw numbers of a formula, {_text(block[46:])[:60]}")
-    if kind in {_STATES, _STATE_RANGES}:
-        raise NoNumbersError("names of states")
-    if kind not in {0, 1, 2, 6, 7, 8, 9}:
-        raise NoNumbersError("dates")
-    size = {0: 2, 6: 6, 7: 7, 8: 7, 9: 6}.get(kind, 2 * count)
+    if kind not in _SIZES:
+        formula = f"raw numbers of a formula, {_text(block[46:])[:60]}"
+        raise NoNumbersError(formula if kind == _FORMULA else _STATES.get(kind, "dates"))
+    size = _SIZES[kind] or 2 * count
     if len(block) < 46 + 8 * size:
         raise ReadError("damaged: a conversion says more parameters than it holds")
     values = [float(value) for value in blocks.unpack(f"{size}d", block, 46)]
-    if kind == 0:
-        return unit, conversions.linear(values)
-    if kind == 1:
-        return unit, conversions.interpolated_table(values)
-    if kind == 2:
-        return unit, conversions.exact_table(values)
-    if kind == 6:
-        return unit, conversions.mdf3_polynomial(values)
-    if kind == 9:
-        return unit, conversions.rational(values)
-    return unit, conversions.mdf3_exponential(values, logarithm=kind == 7)
+    return unit, _MAKERS[kind](values)
 
 
 def _pieces(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from html import unescape
@@ -23,7 +23,7 @@ _MOST_LINKS = 1 << 20
 _MOST_BLOCKS = 1 << 18
 """Groups, channels and lists of data of a file, at most."""
 _LARGEST_TEXT = 1 << 20
-_LARGEST_BLOCK = 1 << 27
+_LARGEST_BLOCK = 1 << 26
 """Bytes to which one packed block may unpack."""
 _TEXT = re.compile(r"<TX\b[^>]*>(.*?)</TX>", re.S)
 _KINDS = {0: "u", 1: "u", 2: "i", 3: "i", 4: "f", 5: "f"}
@@ -33,8 +33,19 @@ _WORDS = {
     12: "a stream of a medium", 13: "dates", 14: "times of day", 15: "complex numbers",
     16: "complex numbers",
 }  # fmt: skip
-_TYPES = {1: "samples of varying length", 4: "a place in another medium", 5: "samples of varying length"}
-_FORMULA, _TEXT_TO_VALUE, _TEXT_TO_TEXT, _BITS_TO_TEXT = 3, 9, 10, 11
+_TYPES = {
+    1: "samples of varying length",
+    4: "a place in another medium",
+    5: "samples of varying length",
+}
+_FORMULA, _RANGES, _STATES = 3, 6, (7, 8)
+_MAKERS: dict[int, Callable[[Sequence[float]], Conversion]] = {
+    0: lambda _: conversions.keep_raw,
+    1: conversions.linear,
+    2: conversions.rational,
+    4: conversions.interpolated_table,
+    5: conversions.nearest_table,
+}
 _REMOTE = 8
 """Flag of a group whose time stands in another."""
 _VLSD = 1
@@ -58,7 +69,7 @@ class Content:
 
 
 @dataclass(frozen=True)
-class _Block:
+class _Mdf4Block:
     kind: bytes
     links: tuple[int, ...]
     data: bytes
@@ -70,18 +81,20 @@ class _Block:
         return self.links[place] if place < len(self.links) else 0
 
 
-class _Blocks:
+class _Mdf4Blocks:
     """Blocks of an open file."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
         self._count = 0
 
-    def at(self, address: int, *kinds: bytes, whole: bool = True) -> _Block:
+    def read_block(self, address: int, *kinds: bytes, whole: bool = True) -> _Mdf4Block:
         """Return the block at an address, which is one of the kinds."""
         self._count += 1
         if self._count > _MOST_BLOCKS:
-            raise ReadError(f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test")
+            raise ReadError(
+                f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
+            )
         self._stream.seek(address)
         head = self._stream.read(_HEADER.size)
         if len(head) < _HEADER.size:
@@ -98,7 +111,7 @@ class _Blocks:
         if whole and size > _LARGEST_TEXT * 16:
             raise ReadError(f"damaged: the block at byte {address} says {size} bytes")
         data = self._exactly(size, address) if whole else b""
-        return _Block(kind, struct.unpack(f"<{count}Q", links), data, start, size)
+        return _Mdf4Block(kind, struct.unpack(f"<{count}Q", links), data, start, size)
 
     def _exactly(self, size: int, address: int) -> bytes:
         data = self._stream.read(size)
@@ -110,17 +123,17 @@ class _Blocks:
         """Return the text of a block of text or XML; empty without one."""
         if not address:
             return ""
-        block = self.at(address, b"##TX", b"##MD")
+        block = self.read_block(address, b"##TX", b"##MD")
         words = block.data.split(b"\0", 1)[0].decode("utf-8", "replace")
         if block.kind == b"##MD":
             match = _TEXT.search(words)
             words = unescape(match[1]) if match else ""
         return words.strip()
 
-    def chain(self, address: int, kind: bytes) -> Iterator[_Block]:
+    def chain(self, address: int, kind: bytes) -> Iterator[_Mdf4Block]:
         """Yield a block and those that follow it by its first link."""
         while address:
-            block = self.at(address, kind)
+            block = self.read_block(address, kind)
             yield block
             address = block.link(0)
 
@@ -133,15 +146,15 @@ def read_blocks(stream: BinaryIO) -> Content:
     ReadError
         If a block is missing or broken.
     """
-    blocks = _Blocks(stream)
-    header = blocks.at(64, b"##HD")
+    blocks = _Mdf4Blocks(stream)
+    header = blocks.read_block(64, b"##HD")
     content = Content(header=_header(blocks, header))
     for data_group in blocks.chain(header.link(0), b"##DG"):
         _read_data_group(blocks, data_group, content)
     return content
 
 
-def _header(blocks: _Blocks, header: _Block) -> list[str]:
+def _header(blocks: _Mdf4Blocks, header: _Mdf4Block) -> list[str]:
     nanoseconds, zone, summer, flags = struct.unpack_from("<QhhB", header.data)
     lines = [line.strip() for line in blocks.text(header.link(5)).splitlines() if line.strip()]
     since = timedelta(microseconds=nanoseconds // 1000)
@@ -153,7 +166,7 @@ def _header(blocks: _Blocks, header: _Block) -> list[str]:
     return lines
 
 
-def _read_data_group(blocks: _Blocks, data_group: _Block, content: Content) -> None:
+def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Content) -> None:
     """Add the groups whose records stand in the same data."""
     id_size = data_group.data[0]
     if id_size not in {0, 1, 2, 4, 8}:
@@ -161,11 +174,13 @@ def _read_data_group(blocks: _Blocks, data_group: _Block, content: Content) -> N
     groups = list(blocks.chain(data_group.link(1), b"##CG"))
     address = data_group.link(2)
     sizes: dict[int, int | None] = {}
+    total = 0
     for group in groups:
-        number, _, flags = struct.unpack_from("<QQH", group.data)
+        number, rows, flags = struct.unpack_from("<QQH", group.data)
         data, marks = struct.unpack_from("<II", group.data, 24)
         if number in sizes:
             raise ReadError("damaged: two groups of the same data have one number")
+        total += rows
         sizes[number] = None if flags & _VLSD else data + marks
     if len(groups) > 1 and not id_size:
         raise ReadError("damaged: records of several groups bear no number")
@@ -175,8 +190,7 @@ def _read_data_group(blocks: _Blocks, data_group: _Block, content: Content) -> N
         if flags & _VLSD:
             continue
         name = blocks.text(group.link(2)) or f"group {len(content.groups) + 1}"
-        found = list(_channels(blocks, group.link(1), data, marks, content.passed, name))
-        found = [channel for channel in found if channel is not None]
+        found = list(_channels(blocks, group.link(1), (data, marks), content.passed))
         if flags & _REMOTE:
             content.passed |= {channel.name: "stored by columns" for channel in found}
             continue
@@ -184,33 +198,41 @@ def _read_data_group(blocks: _Blocks, data_group: _Block, content: Content) -> N
             MdfGroup(
                 name=name, rows=rows, size=data + marks, channels=tuple(found),
                 pieces=_pieces(address), number=number,
-                sizes=sizes if len(groups) > 1 else {}, id_size=id_size,
+                sizes=sizes if len(groups) > 1 else {}, total=total, id_size=id_size,
             )
         )  # fmt: skip
 
 
 def _channels(
-    blocks: _Blocks, address: int, data: int, marks: int, passed: dict[str, str], group: str,
+    blocks: _Mdf4Blocks,
+    address: int,
+    sizes: tuple[int, int],
+    passed: dict[str, str],
     depth: int = 0,
-) -> Iterator[MdfChannel]:  # fmt: skip
+) -> Iterator[MdfChannel]:
     """Yield the channels of a group that hold numbers; name the others in `passed`."""
     for block in blocks.chain(address, b"##CN"):
         name = blocks.text(block.link(2))
         inner = block.link(1)
         if inner:
-            kind = blocks.at(inner, b"##CN", b"##CA", b"##CL", b"##CV", b"##CU", b"##DS").kind
+            kind = blocks.read_block(
+                inner, b"##CN", b"##CA", b"##CL", b"##CV", b"##CU", b"##DS"
+            ).kind
             if kind == b"##CN" and depth < 8:
-                yield from _channels(blocks, inner, data, marks, passed, group, depth + 1)
+                yield from _channels(blocks, inner, sizes, passed, depth + 1)
             else:
                 passed[name] = "arrays" if kind == b"##CA" else "structures"
             continue
         try:
-            yield _channel(blocks, block, name, data, marks)
+            yield _channel(blocks, block, name, sizes)
         except NoNumbersError as error:
-            passed[name or f"a channel of {group}"] = str(error)
+            passed[name or "a channel without a name"] = str(error)
 
 
-def _channel(blocks: _Blocks, block: _Block, name: str, data: int, marks: int) -> MdfChannel:
+def _channel(
+    blocks: _Mdf4Blocks, block: _Mdf4Block, name: str, sizes: tuple[int, int]
+) -> MdfChannel:
+    data, marks = sizes
     kind, along, stored, bit, byte, bits, flags, mark = struct.unpack_from("<BBBBIIII", block.data)
     for types, number in ((_TYPES, kind), (_WORDS, stored)):
         if number in types and kind not in {3, 6}:
@@ -224,17 +246,12 @@ def _channel(blocks: _Blocks, block: _Block, name: str, data: int, marks: int) -
     form, whole = _KINDS.get(stored, "u"), stored < 4
     convert: Conversion = conversions.keep_raw
     if block.link(4):
-        conversion = blocks.at(block.link(4), b"##CC")
+        conversion = blocks.read_block(block.link(4), b"##CC")
         unit = unit or blocks.text(conversion.link(1))
         convert = _conversion(blocks, conversion, whole=whole)
     if kind in {3, 6}:
         return MdfChannel(name, unit or None, "row", convert=convert, clock=clock)
-    if form == "f" and (bit or bits not in {16, 32, 64}):
-        raise NoNumbersError(f"floating numbers of {bits} bits")
-    if not 0 < bits <= 64 or bit + bits > 64:
-        raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
-    if byte + (bit + bits + 7) // 8 > data:
-        raise ReadError(f"damaged: '{name}' stands outside its record")
+    _require_place(name, form, (byte, bit, bits), data)
     invalid = None
     if flags & 2:
         invalid = 8 * data + mark
@@ -245,44 +262,48 @@ def _channel(blocks: _Blocks, block: _Block, name: str, data: int, marks: int) -
     )
 
 
-def _conversion(blocks: _Blocks, block: _Block, *, whole: bool, depth: int = 0) -> Conversion:
+def _require_place(name: str, form: str, place: tuple[int, int, int], size: int) -> None:
+    """Refuse a channel outside its record; pass over one whose numbers have an odd length."""
+    byte, bit, bits = place
+    if form == "f" and (bit or bits not in {16, 32, 64}):
+        raise NoNumbersError(f"floating numbers of {bits} bits")
+    if not 0 < bits <= 64 or bit + bits > 64:
+        raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
+    if byte + (bit + bits + 7) // 8 > size:
+        raise ReadError(f"damaged: '{name}' stands outside its record")
+
+
+def _conversion(
+    blocks: _Mdf4Blocks, block: _Mdf4Block, *, whole: bool, depth: int = 0
+) -> Conversion:
     kind, _, _, refs, count = struct.unpack_from("<BBHHH", block.data)
     if len(block.data) < 24 + 8 * count or refs > len(block.links) - 4:
         raise ReadError("damaged: a conversion says more parameters than it holds")
     values = struct.unpack_from(f"<{count}d", block.data, 24)
     links = block.links[4 : 4 + refs]
-    match kind:
-        case 0:
-            return conversions.keep_raw
-        case 1:
-            return conversions.linear(values)
-        case 2:
-            return conversions.rational(values)
-        case 4:
-            return conversions.interpolated_table(values)
-        case 5:
-            return conversions.nearest_table(values)
-        case 6:
-            return conversions.ranges(values, whole=whole)
-        case 7 | 8:
-            spans = list(zip(values[::2], values[1::2], strict=False))
-            spans = [(value, value) for value in values] if kind == 7 else spans
-            if len(links) not in {len(spans), len(spans) + 1} or depth > 2:
-                raise ReadError("damaged: a conversion to text has a state too many or too few")
-            chosen = [_of_state(blocks, link, whole=whole, depth=depth) for link in links]
-            otherwise = chosen.pop() if len(chosen) > len(spans) else None
-            return conversions.some_text(spans, chosen, otherwise, whole=whole)
-        case 3:
-            formula = blocks.text(links[0]) if links else ""
-            raise NoNumbersError(f"raw numbers of a formula, {formula[:60]}")
-    raise NoNumbersError("names of states")
+    if kind in _MAKERS:
+        return _MAKERS[kind](values)
+    if kind == _RANGES:
+        return conversions.ranges(values, whole=whole)
+    if kind == _FORMULA:
+        formula = blocks.text(links[0]) if links else ""
+        raise NoNumbersError(f"raw numbers of a formula, {formula[:60]}")
+    if kind not in _STATES:
+        raise NoNumbersError("names of states")
+    pairs = (values, values) if kind == _STATES[0] else (values[::2], values[1::2])
+    spans = list(zip(*pairs, strict=False))
+    if len(links) not in {len(spans), len(spans) + 1} or depth > 2:
+        raise ReadError("damaged: a conversion to text has a state too many or too few")
+    chosen = [_convert_state(blocks, link, whole=whole, depth=depth) for link in links]
+    otherwise = chosen.pop() if len(chosen) > len(spans) else None
+    return conversions.some_text(spans, chosen, otherwise, whole=whole)
 
 
-def _of_state(blocks: _Blocks, link: int, *, whole: bool, depth: int) -> Conversion | None:
+def _convert_state(blocks: _Mdf4Blocks, link: int, *, whole: bool, depth: int) -> Conversion | None:
     """Return how the numbers in a state are converted, None where the state has a name."""
     if not link:
         return None
-    block = blocks.at(link, b"##TX", b"##MD", b"##CC")
+    block = blocks.read_block(link, b"##TX", b"##MD", b"##CC")
     if block.kind != b"##CC":
         return None
     try:
@@ -296,39 +317,42 @@ def _pieces(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         if address:
-            yield from _data(_Blocks(stream), stream, address)
+            yield from _data(_Mdf4Blocks(stream), stream, address)
 
     return pieces
 
 
-def _data(blocks: _Blocks, stream: BinaryIO, address: int, depth: int = 0) -> Iterator[bytes]:
+def _data(blocks: _Mdf4Blocks, stream: BinaryIO, address: int, depth: int = 0) -> Iterator[bytes]:
     kinds = (b"##DT", b"##DZ", b"##DL", b"##HL", b"##DV", b"##LD")
-    block = blocks.at(address, *kinds, whole=False)
+    block = blocks.read_block(address, *kinds, whole=False)
     if block.kind == b"##DT":
-        yield from _stored(stream, block)
+        yield from _read_stored(stream, block)
     elif block.kind == b"##DZ":
-        yield _unpacked(stream, block)
+        yield _unpack(stream, block)
     elif block.kind in {b"##DV", b"##LD"}:
         raise ReadError(
             "its numbers are stored by columns (##DV, ##LD of MDF 4.2), which is not read; save it "
             "as MDF 4.1"
         )
-    elif depth > 1:
-        raise ReadError(f"damaged: lists of lists of data at byte {address}")
-    elif block.kind == b"##HL":
-        if block.link(0):
-            yield from _data(blocks, stream, block.link(0), depth + 1)
     else:
-        while True:
-            for link in block.links[1:]:
-                if link:
-                    yield from _data(blocks, stream, link, 2)
-            if not block.link(0):
-                return
-            block = blocks.at(block.link(0), b"##DL", whole=False)
+        if block.kind == b"##HL":
+            block = blocks.read_block(block.link(0), b"##DL", whole=False)
+        for link in _walk_lists(blocks, block):
+            if link == address or depth:
+                raise ReadError(f"damaged: lists of lists of data at byte {address}")
+            yield from _data(blocks, stream, link, depth + 1)
 
 
-def _stored(stream: BinaryIO, block: _Block) -> Iterator[bytes]:
+def _walk_lists(blocks: _Mdf4Blocks, block: _Mdf4Block) -> Iterator[int]:
+    """Yield where the data of a list, and of those that follow it, stand."""
+    while True:
+        yield from filter(None, block.links[1:])
+        if not block.link(0):
+            return
+        block = blocks.read_block(block.link(0), b"##DL", whole=False)
+
+
+def _read_stored(stream: BinaryIO, block: _Mdf4Block) -> Iterator[bytes]:
     place, end = block.start, block.start + block.length
     while place < end:
         stream.seek(place)
@@ -339,7 +363,7 @@ def _stored(stream: BinaryIO, block: _Block) -> Iterator[bytes]:
         place += len(data)
 
 
-def _unpacked(stream: BinaryIO, block: _Block) -> bytes:
+def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
     stream.seek(block.start)
     head = stream.read(24)
     if len(head) < 24:

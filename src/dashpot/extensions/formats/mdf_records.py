@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import BinaryIO, TypeAlias
+from typing import BinaryIO, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,8 @@ class MdfGroup:
     sizes : mapping
         Bytes of every kind of record in the same data, None of one that says its own length; empty
         where all records are of this group.
+    total : int
+        Records of all groups in the same data.
     id_size, id_after : int
         Bytes of the number before a record, and behind it.
     big : bool
@@ -86,6 +88,7 @@ class MdfGroup:
     pieces: Callable[[BinaryIO], Iterator[bytes]]
     number: int = 0
     sizes: dict[int, int | None] = field(default_factory=dict)
+    total: int = 0
     id_size: int = 0
     id_after: int = 0
     big: bool = False
@@ -158,8 +161,8 @@ def _records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
 def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
     """Yield those records among others that bear the number of the group."""
     kept, size, number = b"", group.id_size, group.number
-    order = "big" if group.big else "little"
-    along = np.arange(group.size)
+    order: Literal["big", "little"] = "big" if group.big else "little"
+    along, seen = np.arange(group.size), 0
     for piece in group.pieces(stream):
         data, place, found = kept + piece, 0, []
         end = len(data)
@@ -167,8 +170,8 @@ def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
             kind = data[place] if size == 1 else int.from_bytes(data[place : place + size], order)
             if kind not in group.sizes:
                 raise ReadError(
-                    f"a record bears the number {kind}, which no group of the file has: the file is "
-                    "damaged"
+                    f"a record bears the number {kind}, which no group of the file has: the file "
+                    "is damaged"
                 )
             length = group.sizes[kind]
             start = place + size
@@ -179,6 +182,12 @@ def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
             after = start + length + group.id_after
             if after > end:
                 break
+            seen += 1
+            if seen > group.total:
+                raise ReadError(
+                    f"its groups say {group.total} records together, and their data holds more: "
+                    "the file is damaged, or was not finished"
+                )
             if kind == number:
                 found.append(start)
             place = after

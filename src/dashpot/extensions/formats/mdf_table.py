@@ -17,13 +17,15 @@ from dashpot.base.provenance import Caution
 from dashpot.extensions.formats import mdf3, mdf4
 from dashpot.extensions.formats.mdf_records import MdfGroup, read_channels
 from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import Column, FileTable, LoadedColumns
 
 WHOLE = 1 << 22
 """Numbers of a table that is handed over with all of its columns."""
-_ROLES = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
+_ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
 _SURE = 2.0
 """How well the name of a channel says a role of a test, at least."""
 _APART = 10.0
@@ -63,7 +65,7 @@ class MdfTable:
             for group in content.groups
             if group.rows and any(not channel.clock for channel in group.channels)
         ]
-        self._choose(_renamed(groups), sheet)
+        self._choose(_name_groups_apart(groups), sheet)
 
     def _choose(self, groups: list[MdfGroup], sheet: str | None) -> None:
         names = [group.name for group in groups]
@@ -73,7 +75,8 @@ class MdfTable:
             groups = [groups[names.index(sheet)]]
         if not groups:
             raise ReadError("this MDF file holds no samples of numeric channels")
-        self._groups, self._lined_up = groups, {}
+        self._groups = groups
+        self._lined_up: dict[int, FloatArray] = {}
         kinds = {tuple((c.name, c.unit) for c in group.channels) for group in groups}
         if len(kinds) == 1:
             self._base, self._segments = groups[0], tuple(range(len(groups)))
@@ -173,6 +176,7 @@ class MdfTable:
 
     def load(self, indexes: Sequence[int]) -> LoadedColumns:
         """Return the numbers of some columns, NaN where the file says that they are invalid."""
+        check_value_count(self.rows * len(indexes), "the channels hold")
         values = np.empty((self.rows, len(indexes)))
         notes: list[str] = []
         by_group: dict[tuple[int, ...], list[int]] = {}
@@ -257,8 +261,9 @@ def _interpolate(
         return np.where(own == ticks[0], column[0], np.nan)
     share = (own - ticks[place]) / (ticks[place + 1] - ticks[place])
     low, high = column[place], column[place + 1]
-    between = low + share * (high - low)
-    return np.where(share == 0, low, np.where(share == 1, high, between))
+    between: FloatArray = low + share * (high - low)
+    between[share == 0], between[share == 1] = low[share == 0], high[share == 1]
+    return between
 
 
 def _find_base(groups: Sequence[MdfGroup]) -> int:
@@ -281,7 +286,7 @@ def _roles(group: MdfGroup) -> set[str]:
     }
 
 
-def _renamed(groups: Sequence[MdfGroup]) -> list[MdfGroup]:
+def _name_groups_apart(groups: Sequence[MdfGroup]) -> list[MdfGroup]:
     """Return the groups, each with a name of its own."""
     counts = Counter(group.name for group in groups)
     return [

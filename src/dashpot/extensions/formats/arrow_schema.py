@@ -1,0 +1,69 @@
+"""Metadata of the fields of an Arrow schema, as Parquet and Arrow files keep it."""
+
+from __future__ import annotations
+
+import base64
+import struct
+
+_SCHEMA_HEADER, _FIELDS, _NAME, _METADATA = 2, 1, 0, 6
+"""Places of a message's header, of a schema's fields, and of a field's name and metadata."""
+_MOST = 10_000
+_CONTINUES = b"\xff\xff\xff\xff"
+
+
+def read_field_metadata(message: bytes) -> dict[str, dict[str, str]]:
+    """Return what the schema in an encapsulated message says of each field, by its name.
+
+    References
+    ----------
+    Apache Arrow columnar format, Message.fbs and Schema.fbs.
+    """
+    start = 8 if message.startswith(_CONTINUES) else 4
+    data = message[start:]
+    try:
+        root = struct.unpack_from("<I", data, 0)[0]
+        schema = _follow(data, _member(data, root, _SCHEMA_HEADER))
+        fields = {}
+        for field in _vector(data, _member(data, schema, _FIELDS)):
+            pairs = _vector(data, _member(data, field, _METADATA))
+            entries = {_text(data, _member(data, pair, 0)): _text(data, _member(data, pair, 1))
+                       for pair in pairs}  # fmt: skip
+            fields[_text(data, _member(data, field, _NAME))] = entries
+    except (struct.error, IndexError):
+        return {}
+    return fields
+
+
+def decode_parquet_schema(text: str) -> bytes:
+    """Return the message that a Parquet file keeps as base64 under ARROW:schema."""
+    return base64.b64decode(text)
+
+
+def _member(data: bytes, table: int, place: int) -> int:
+    """Return where a member of a table stands, 0 of one that is left out."""
+    members = table - struct.unpack_from("<i", data, table)[0]
+    size = struct.unpack_from("<H", data, members)[0]
+    entry = 4 + 2 * place
+    offset = struct.unpack_from("<H", data, members + entry)[0] if entry < size else 0
+    return table + offset if offset else 0
+
+
+def _follow(data: bytes, place: int) -> int:
+    return place + int(struct.unpack_from("<I", data, place)[0])
+
+
+def _vector(data: bytes, place: int) -> list[int]:
+    """Return where the tables of a vector stand."""
+    if not place:
+        return []
+    start = _follow(data, place)
+    count = min(struct.unpack_from("<I", data, start)[0], _MOST)
+    return [_follow(data, start + 4 + 4 * i) for i in range(count)]
+
+
+def _text(data: bytes, place: int) -> str:
+    if not place:
+        return ""
+    start = _follow(data, place)
+    size = struct.unpack_from("<I", data, start)[0]
+    return data[start + 4 : start + 4 + size].decode("utf-8", "replace")

@@ -1,0 +1,78 @@
+"""WAV files against SciPy, their full scale asked; formats that are named and not read."""
+
+from __future__ import annotations
+
+import gzip
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.foreign.files import press_and_hold
+from scipy.io import wavfile
+
+from dashpot.base.errors import ReadError
+from dashpot.reading.formats import read_table
+from dashpot.reading.raw_file import RawFile
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.relaxation import read_relaxation
+
+RATE = 20
+TIME, MOVED, FORCE = press_and_hold(RATE)
+PARTS = np.column_stack([MOVED / 10, FORCE / 50])
+
+
+@pytest.mark.parametrize("kind", ["i2", "i4", "f4", "f8"])
+def test_samples_are_parts_of_full_scale(tmp_path: Path, kind: str) -> None:
+    size = 8 * np.dtype(kind).itemsize
+    stored = PARTS * 2 ** (size - 1) if kind[0] == "i" else PARTS
+    wavfile.write(tmp_path / "a.wav", RATE, stored.astype(kind))
+    options = ReadOptions(
+        displacement="2", force="3", units={"displacement": "10mm", "force": "50N"}
+    )
+    test = read_relaxation(tmp_path / "a.wav", options=options)
+    np.testing.assert_allclose(test.force, FORCE, atol=50 / 2**15)
+    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, atol=0.01 / 2**15)
+    np.testing.assert_allclose(test.time, TIME, atol=1e-12)
+
+
+def test_without_a_full_scale_it_is_asked(tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "a.wav", RATE, PARTS)
+    with pytest.raises(ReadError, match="--units"):
+        read_relaxation(tmp_path / "a.wav", options=ReadOptions(displacement="2", force="3"))
+
+
+def wav(data: bytes, *, bits: int = 24, kind: int = 1, size: int | None = None) -> bytes:
+    form = struct.pack("<HHIIHH", kind, 1, 100, 100 * bits // 8, bits // 8, bits)
+    size = len(data) if size is None else size
+    body = b"WAVEfmt " + struct.pack("<I", 16) + form + b"data" + struct.pack("<I", size) + data
+    return b"RIFF" + struct.pack("<I", len(body)) + body
+
+
+def numbers(data: bytes) -> np.ndarray:
+    return read_table(RawFile("a.wav", None, data), ReadOptions()).load([1]).values[:, 0]
+
+
+def test_24_bits_and_8_bits() -> None:
+    packed = b"".join(value.to_bytes(3, "little", signed=True) for value in (0, 1 << 22, -1 << 23))
+    np.testing.assert_array_equal(numbers(wav(packed)), [0, 0.5, -1])
+    np.testing.assert_array_equal(numbers(wav(bytes([128, 192, 0]), bits=8)), [0, 0.5, -1])
+
+
+REFUSED = {
+    "cut": (wav(bytes(30), size=300), "says 300 bytes of samples and holds 30"),
+    "never finished": (wav(bytes(30), size=0xFFFFFFFF), "never wrote its length"),
+    "packed": (wav(bytes(30), kind=2), "coding 2"),
+    "another RIFF": (b"RIFF\x10\0\0\0AVI " + bytes(16), "RIFF file of the kind b'AVI '"),
+    "no samples": (wav(b"")[:36], "without samples"),
+    "FAMOS": (b"|CF,2,1,1;|CK,1,3,1,1;" + bytes(9), "imc FAMOS file .* TDMS, HDF5 or MDF 4"),
+    "catman": (struct.pack("<hI", 5012, 90) + bytes(90), "catman file .* MDF 4 or TDMS"),
+    "zs2": (gzip.compress(b"\xaf\xbe\xad\xde" + bytes(90)), "testXpert file .*zs2.* row of units"),
+    "gzip": (gzip.compress(b"t [s],F [N]\n0,1\n"), "a packed file .gzip., .* unpack it"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_read_is_named(data: bytes, says: str) -> None:
+    with pytest.raises(ReadError, match=says):
+        read_table(RawFile("a", None, data), ReadOptions())
