@@ -14,6 +14,8 @@ from typing import NamedTuple
 import click
 import pytest
 from click.testing import CliRunner
+from kit.foreign.files import press_and_hold
+from kit.mdf_files import Channel, Group, mdf4
 
 from dashpot import workflow
 from dashpot.cli import COMMANDS, main
@@ -113,6 +115,13 @@ def example(tmp_path_factory):
     for name, made in workflow.EXAMPLES.items():
         (folder / name).write_text(made(), encoding="utf-8")
     fit = fit_tests(read_relaxation(folder / "seal_8mm.csv"))
+    time, moved, force = press_and_hold()
+    made = [
+        Channel("t", time, "s", kind=2, sync=1),
+        Channel("Travel", moved, "mm"),
+        Channel("Force", force, "N"),
+    ]
+    (folder / "bench.mf4").write_bytes(mdf4([Group(made, "bench")], how="HL"))
     (folder / "fit.json").write_text(to_json(fit), encoding="utf-8")
     return folder
 
