@@ -214,11 +214,24 @@ def test_mdf_3_of_both_byte_orders(tmp_path: Path, order: str) -> None:
     np.testing.assert_allclose(test.displacement, MOVED * 1e-3, atol=1e-9)
 
 
+def test_numbers_of_the_other_byte_order_than_the_blocks() -> None:
+    data = bytearray(mdf3([Channel("t", TIME, "s", sync=1), Channel("Force", FORCE, "N")]))
+    data[24] = 1
+    read = columns(bytes(data))["Force"]
+    np.testing.assert_array_equal(read, FORCE.astype("<f8").view(">f8"))
+
+
+def test_a_clock_that_is_not_stored() -> None:
+    made = Channel("t", [], "s", "", kind=3, sync=1, conversion=(1, [-0.5, 0.05], []))
+    read = columns(mdf4([Group([made, Channel("Force", FORCE, "N")])]))
+    np.testing.assert_allclose(read["t"], TIME - 0.5, atol=1e-12)
+
+
 MDF3 = {
     "polynomial": ((6, [0, 2, 1, 0, 0, 0], ()), lambda x: 2 / x),
     "rational": ((9, [0, 2, 1, 0, 0, 4], ()), lambda x: (2 * x + 1) / 4),
-    "exponential": ((7, [1, 2, 0, 0, 0, 1, 0], ()), lambda x: np.log(x) / 2),
-    "logarithmic": ((8, [1, 2, 0, 0, 0, 1, 0], ()), lambda x: np.exp(x) / 2),
+    "exponential": ((7, [1, 2, 0, 0, 0, 1, 0], ()), lambda x: np.exp(x) / 2),
+    "logarithmic": ((8, [1, 2, 0, 0, 0, 1, 0], ()), lambda x: np.log(x) / 2),
     "table": ((1, [0, 0, 10, 20], ()), lambda x: 2 * x),
     "keys of a table": ((2, [1, 5, 2, 6, 3, 9], ()), lambda x: np.array([5.0, 6, 9])),
 }
@@ -228,15 +241,21 @@ MDF3 = {
 def test_conversions_of_mdf_3(conversion, expected) -> None:
     raw = np.array([1.0, 2, 3])
     made = [Channel("Force", raw, "N", "<u1", conversion=conversion), Channel("x", raw, "mm")]
-    read = columns(mdf3(made, step=0.5))
-    np.testing.assert_allclose(read["Force"], expected(raw))
-    np.testing.assert_array_equal(read["time"], [0, 0.5, 1])
+    np.testing.assert_allclose(columns(mdf3(made))["Force"], expected(raw))
 
 
 def test_a_table_of_mdf_3_is_not_asked_between_its_keys() -> None:
     made = [Channel("Force", [1, 2, 3], "N", "<u1", conversion=(2, [1, 5, 3, 9], ()))]
     with pytest.raises(ReadError, match=r"'Force': a table of MDF 3 .* two ways"):
-        columns(mdf3(made, step=0.5))
+        columns(mdf3(made))
+
+
+def test_a_step_beside_channels_without_a_clock_is_a_hint() -> None:
+    data = mdf3([Channel("Force", [1, 2, 3], "N", "<u1")], step=0.5)
+    table = MdfTable(BytesIO(data), None).table()
+    assert table.hints == (
+        "the file says that 'Force' has a sample each 0.5 s; if that is right, add --rate 2Hz",
+    )
 
 
 WHOLE = mdf4([bench()])

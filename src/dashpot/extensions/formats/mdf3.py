@@ -33,8 +33,8 @@ _MAKERS: dict[int, Callable[[list[float]], Conversion]] = {
     1: conversions.interpolated_table,
     2: conversions.exact_table,
     6: conversions.mdf3_polynomial,
-    7: partial(conversions.mdf3_exponential, logarithm=True),
-    8: partial(conversions.mdf3_exponential, logarithm=False),
+    7: partial(conversions.mdf3_exponential, logarithm=False),
+    8: partial(conversions.mdf3_exponential, logarithm=True),
     9: conversions.rational,
 }
 
@@ -42,8 +42,8 @@ _MAKERS: dict[int, Callable[[list[float]], Conversion]] = {
 class _Mdf3Blocks:
     """Blocks of an open file, in its own byte order."""
 
-    def __init__(self, stream: BinaryIO, order: str) -> None:
-        self._stream, self.order = stream, order
+    def __init__(self, stream: BinaryIO, order: str, numbers: str) -> None:
+        self._stream, self.order, self.numbers = stream, order, numbers
         self._count = 0
 
     def read_block(self, address: int, kind: bytes, least: int) -> bytes:
@@ -91,8 +91,11 @@ def read_blocks(stream: BinaryIO) -> Content:
         If a block is missing or broken.
     """
     stream.seek(24)
-    order = "<" if stream.read(2) == b"\0\0" else ">"
-    blocks = _Mdf3Blocks(stream, order)
+    numbers = "<" if stream.read(2) == b"\0\0" else ">"
+    stream.seek(66)
+    # some programs keep their blocks little-endian whatever the numbers are
+    order = "<" if stream.read(2)[1:] == b"\0" else ">"
+    blocks = _Mdf3Blocks(stream, order, numbers)
     header = blocks.read_block(64, b"HD", 164)
     content = Content()
     lines = blocks.text(blocks.link(header, 8)).splitlines()
@@ -127,17 +130,16 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
         comment = blocks.text(blocks.link(group, 12)).partition("\n")[0]
         name = comment.strip() or f"group {len(content.groups) + 1}"
         channels = []
-        step = 0.0
+        steps: dict[str, float] = {}
         for block in blocks.chain(blocks.link(group, 8), b"CN", 218):
-            step = step or blocks.unpack("d", block, 210)[0]
             label = _name(blocks, block)
+            steps[label] = blocks.unpack("d", block, 210)[0]
             try:
                 channels.append(_channel(blocks, block, label, size))
             except NoNumbersError as error:
                 content.passed[label] = str(error)
-        if step > 0 and not any(channel.clock for channel in channels):
-            convert = conversions.linear([0.0, step])
-            channels.insert(0, MdfChannel("time", "s", "row", convert=convert, clock=True))
+        if not any(channel.clock for channel in channels):
+            content.hints |= _rate_hints(steps)
         content.groups.append(
             MdfGroup(
                 name=name, rows=rows, size=size, channels=tuple(channels), pieces=pieces,
@@ -145,6 +147,16 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
                 total=total, id_after=max(numbers - 1, 0),
             )
         )  # fmt: skip
+
+
+def _rate_hints(steps: dict[str, float]) -> dict[str, str]:
+    """Return what channels without a clock say of their steps, by the rate."""
+    return {
+        f"{1 / step:.10g}": f"the file says that '{label}' has a sample each {step:g} s; if that "
+        f"is right, add --rate {1 / step:.10g}Hz"
+        for label, step in reversed(steps.items())
+        if step > 0
+    }
 
 
 def _name(blocks: _Mdf3Blocks, block: bytes) -> str:
@@ -163,13 +175,19 @@ def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChan
     form, (byte, bit) = _KINDS[stored], divmod(start, 8)
     byte += more
     unit, convert = _conversion(blocks, blocks.link(block, 8))
+    if kind == 1 and not bits:
+        step = blocks.unpack("d", block, 210)[0]
+        if not step > 0:
+            raise ReadError("damaged: a clock that is not stored says no step")
+        clock = conversions.linear([0.0, float(step)])
+        return MdfChannel(name, unit or "s", "row", convert=clock, clock=True)
     if form == "f" and (bit or bits not in {32, 64}):
         raise NoNumbersError(f"floating numbers of {bits} bits")
     if not 0 < bits <= 64 or bit + bits > 64:
         raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
     if byte + (bit + bits + 7) // 8 > size:
         raise ReadError(f"damaged: '{name}' stands outside its record")
-    big = stored in _BIG or (stored not in _LITTLE and blocks.order == ">")
+    big = stored in _BIG or (stored not in _LITTLE and blocks.numbers == ">")
     return MdfChannel(name, unit, form, byte, bit, bits, big, convert, clock=kind == 1)
 
 

@@ -61,11 +61,14 @@ class Content:
     passed : dict of str to str
         Channels that are passed over, each with what it holds.
     header : list of str
+    hints : dict of str to str
+        What is said of the rate of channels without a clock, by that rate.
     """
 
     groups: list[MdfGroup] = field(default_factory=list)
     passed: dict[str, str] = field(default_factory=dict)
     header: list[str] = field(default_factory=list)
+    hints: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

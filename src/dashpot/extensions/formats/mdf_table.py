@@ -59,6 +59,7 @@ class MdfTable:
         self.format = f"MDF {version}"
         content = (mdf4 if version[:1] == "4" else mdf3).read_blocks(stream)
         self.header = tuple(content.header)
+        self.hints = tuple(content.hints.values())
         self.notes: list[str] = _passed_notes(content.passed)
         groups = [
             group
@@ -226,6 +227,7 @@ class MdfTable:
         """Return the table without its numbers."""
         return FileTable(
             format=self.format, columns=self.columns, notes=tuple(self.notes), header=self.header,
+            hints=self.hints,
             load=lambda indexes: LoadedColumns(np.empty((0, len(indexes)))),
             simulated=any("simulated" in line.casefold() for line in self.header),
         )  # fmt: skip
