@@ -19,6 +19,7 @@ import traceback
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -168,20 +169,21 @@ class _Parsers:
     apart: bool = False
     kept: dict[object, object] = field(default_factory=dict)
 
-    def __call__(self, what, function, raw, options):
-        key = function, options.sheet, options.segment
+    def __call__(self, what, function, raw, options, *, columns=None):
+        key = function, options.sheet, options.segment, columns and tuple(columns)
         if key not in self.kept:
-            self.kept[key] = self._parsed(what, function, raw, options)
+            self.kept[key] = self._parsed(what, function, raw, options, columns)
         if isinstance(self.kept[key], ReadError):
             raise self.kept[key]
         return self.kept[key]
 
-    def _parsed(self, what, function, raw, options):
+    def _parsed(self, what, function, raw, options, columns):
         from dashpot.reading.sandbox import child_process, message_protocol
 
         try:
             if self.apart:
-                return self.child(what, function, raw, options)
+                return self.child(what, function, raw, options, columns=columns)
+            function = function if columns is None else partial(function, columns=columns)
             narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
             found = child_process.run_parser(what, function, raw, narrow)
             with Path(os.devnull).open("wb") as out:

@@ -264,7 +264,6 @@ def one_of_each(folder: Path) -> dict[str, bytes]:
     from scipy.io import savemat, wavfile
 
     from dashpot.extensions.formats.write_uff import frf_uff
-    from dashpot.registry import FORMATS
 
     tdms(folder / "tdms", hits=2)
     (folder / "uff frf").write_bytes(frf_uff(frf(n=10)))
@@ -292,15 +291,12 @@ def one_of_each(folder: Path) -> dict[str, bytes]:
         Channel("force", np.arange(9.0), "N"),
     ]
     (folder / "mdf").write_bytes(mdf4([Group(made)], how="HL"))
-    (folder / "mdf unfinished").write_bytes(mdf4([Group(made)], mark=b"UnFinMF "))
     (folder / "mdf unsorted").write_bytes(mdf4([Group(made), Group(made, "b", 1)], id_size=1))
     (folder / "mdf 3").write_bytes(mdf3(made))
     wavfile.write(folder / "wav", 100, np.eye(5))
     frame = pl.DataFrame(arrays)
     frame.write_parquet(folder / "parquet")
     frame.write_ipc(folder / "arrow")
-    for i, mark in enumerate(FORMATS["unread"].marks):
-        (folder / f"unread {i}").write_bytes(mark + b"\0" * 9)
     (folder / "lvm").write_text(lvm(segments=2))
     (folder / "lvm clocks").write_text(lvm(x_columns="Multi", decimal=","))
     return {path.name: path.read_bytes() for path in folder.iterdir()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from functools import partial
 from io import BytesIO
 
 import pytest
@@ -16,10 +17,11 @@ CHILDREN = {"test_bombs", "test_child"}
 """Whose subject is the child itself."""
 
 
-def parsed_here(what, function, raw, options):
+def parsed_here(what, function, raw, options, *, columns=None):
     """Return what the parent receives from a child, without its limits."""
     asked = ReadOptions(sheet=options.sheet, segment=options.segment, format=options.format)
     pipe = BytesIO()
+    function = function if columns is None else partial(function, columns=columns)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as a child does
         try:

@@ -26,6 +26,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.registry import FORMATS
 
 
 def same(test) -> None:
@@ -465,7 +466,9 @@ def test_every_format_is_found_by_its_bytes(tmp_path: Path) -> None:
     made = one_of_each(tmp_path) | {
         "trios": b'[{"Results": []}]',
         "text": b"t [s],F [N]\n0,1\n1,2\n",
+        "unfinished": b"UnFinMF 4.10    ",
     }
+    made |= {f"unread {i}": mark + bytes(9) for i, mark in enumerate(FORMATS["unread"].marks)}
     found = {format_of(RawFile(name, None, content)) for name, content in made.items()}
     modules = {
         path.stem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import struct
 import subprocess
@@ -320,7 +321,7 @@ def test_a_cut_file_is_refused_or_lacks_nothing(name: str, data: st.DataObject) 
     cut = whole[: data.draw(st.integers(64, len(whole) - 1))]
     try:
         read = columns(cut)
-    except (ReadError, struct.error):
+    except ReadError:
         return
     for key, values in columns(whole).items():
         np.testing.assert_array_equal(read[key], values)
@@ -329,16 +330,13 @@ def test_a_cut_file_is_refused_or_lacks_nothing(name: str, data: st.DataObject) 
 @pytest.mark.parametrize("name", FILES)
 @given(data=st.data())
 @settings(max_examples=60, deadline=None)
-def test_a_damaged_link_or_length_is_refused_or_harmless(name: str, data: st.DataObject) -> None:
-    """A link is 8 bytes that hold a place in the file: put to another place, or to a random one."""
+def test_a_damaged_word_ends_in_a_table_or_in_a_sentence(name: str, data: st.DataObject) -> None:
+    """Of 8 bytes: a link, a length, a count or numbers."""
     whole = bytearray(FILES[name])
     at = 8 * data.draw(st.integers(8, len(whole) // 8 - 2))
     struct.pack_into("<Q", whole, at, data.draw(st.integers(1, 1 << 62)))
-    with_limits = bytes(whole)
-    try:
-        columns(with_limits)
-    except (ReadError, struct.error, UnicodeDecodeError):
-        return
+    with contextlib.suppress(ReadError):
+        columns(bytes(whole))
 
 
 def test_a_file_is_read_in_a_child_process(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.extensions.formats.mdf_table import describe, read_columns
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.sandbox.parent_process import run_in_child
+from dashpot.reading.sandbox import parent_process
 from dashpot.reading.table import FileTable, LoadedColumns
 
 _KEPT = 8
@@ -29,7 +29,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ReadError
         If the file is damaged, cut or unfinished, or stores its numbers in a way not known here.
     """
-    table: FileTable = run_in_child("mdf", describe, raw, options)
+    table: FileTable = parent_process.run_in_child("mdf", describe, raw, options)
     if len(table.load([0]).values):
         return table
     kept: dict[int, LoadedColumns] = {}
@@ -37,13 +37,13 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     def load(indexes: Sequence[int]) -> LoadedColumns:
         lacking = [index for index in dict.fromkeys(indexes) if index not in kept]
         if lacking:
-            part = run_in_child("mdf", read_columns, raw, options, columns=lacking)
+            part = parent_process.run_in_child("mdf", read_columns, raw, options, columns=lacking)
             loaded = part.load(range(len(lacking)))
             for place, index in enumerate(lacking):
                 named = f"'{table.columns[index].name}'"
                 kept[index] = replace(
                     loaded,
-                    values=loaded.values[:, place].copy(),
+                    values=loaded.values[:, place],
                     notes=tuple(note for note in part.notes if named in note),
                 )
         columns = [kept[index] for index in indexes]
@@ -51,7 +51,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             del kept[index]
         return replace(
             columns[0],
-            values=np.column_stack([column.values for column in columns]),
+            values=np.array([column.values for column in columns]).T,
             notes=tuple(dict.fromkeys(note for column in columns for note in column.notes)),
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -57,7 +58,10 @@ class MdfTable:
             raise ReadError(f"an MDF file of version '{version}'; 2, 3 and 4 are read")
         self._stream = stream
         self.format = f"MDF {version}"
-        content = (mdf4 if version[:1] == "4" else mdf3).read_blocks(stream)
+        try:
+            content = (mdf4 if version[:1] == "4" else mdf3).read_blocks(stream)
+        except struct.error:
+            raise ReadError("damaged: a block is shorter than its kind") from None
         self.header = tuple(content.header)
         self.hints = tuple(content.hints.values())
         self.notes: list[str] = _passed_notes(content.passed)
