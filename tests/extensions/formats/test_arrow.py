@@ -14,6 +14,8 @@ from kit.foreign.files import press_and_hold
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.arrow_schema import read_field_metadata
+from dashpot.reading.formats import read_table
+from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
@@ -57,6 +59,16 @@ def test_without_units_it_is_asked(tmp_path: Path) -> None:
         read_relaxation(tmp_path / "a")
     options = ReadOptions(units={"time": "s", "displacement": "mm", "force": "N"})
     assert read_relaxation(tmp_path / "a", options=options).force.max() > 1
+
+
+@pytest.mark.parametrize("kind", ["parquet", "ipc"])
+def test_twelve_million_numbers_fit(tmp_path: Path, kind: str) -> None:
+    many = pl.DataFrame({"time_s": np.arange(4e6)}).with_columns(
+        pl.col("time_s").alias("travel_mm"), pl.col("time_s").alias("force_N"),
+    )  # fmt: skip
+    (many.write_parquet if kind == "parquet" else many.write_ipc)(tmp_path / "a")
+    table = read_table(open_raw(tmp_path / "a"), ReadOptions())
+    assert table.load([2]).values[-1, 0] == 4e6 - 1
 
 
 def test_too_many_numbers_are_refused_before_they_are_read(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import ReadError
@@ -35,13 +36,14 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             'Parquet and Arrow files need the package polars; install it with pip install "dashpot'
             '[batch]"'
         ) from None
-    with raw.open() as stream:
-        data = stream.read()
-    arrow = data.startswith(_ARROW)
+    arrow = raw.head(len(_ARROW)) == _ARROW
     if arrow:
-        stated, frame = _read_arrow_metadata(data), pl.read_ipc(BytesIO(data))
+        stated = read_field_metadata(raw.head(_LARGEST_SCHEMA)[8:])
+        with raw.open() as stream:
+            frame = pl.read_ipc(stream)
     else:
-        stated, lazy = _read_parquet_metadata(pl, data), pl.scan_parquet(BytesIO(data))
+        stated = _read_parquet_metadata(pl.read_parquet_metadata(_source(raw)))
+        lazy = pl.scan_parquet(_source(raw))
         rows = lazy.select(pl.len()).collect().item()
         check_value_count(rows * len(lazy.collect_schema()), "the columns hold")
         frame = lazy.collect()
@@ -61,12 +63,11 @@ def _read_column(column: Any, stated: dict[str, str]) -> NamedArray | None:
     kind, unit = column.dtype, next((stated[key] for key in _UNITS if stated.get(key)), None)
     start = "".join(f"{key} = {value}" for key, value in stated.items() if names_start(key))
     if kind.is_temporal():
-        if str(kind).startswith(("Date(", "Date")) and not str(kind).startswith("Datetime"):
+        word = str(kind).partition("(")[0]
+        if word not in {"Datetime", "Duration"}:  # a day, or a time of an unknown day
             return None
-        if str(kind).startswith("Datetime"):
-            column = column - column.drop_nulls().min()
-        if str(kind).startswith("Time"):
-            return None
+        if word == "Datetime":
+            column -= column.min()
         seconds = column.dt.total_nanoseconds().cast(float) * 1e-9
         return NamedArray(column.name, seconds.to_numpy(), "s")
     if not kind.is_numeric():
@@ -75,11 +76,11 @@ def _read_column(column: Any, stated: dict[str, str]) -> NamedArray | None:
     return NamedArray(column.name, values, unit, factor=factors_among(stated), start=start)
 
 
-def _read_parquet_metadata(polars: Any, data: bytes) -> dict[str, dict[str, str]]:
-    entries = polars.read_parquet_metadata(BytesIO(data))
+def _source(raw: RawFile) -> Path | BytesIO:
+    """Return what polars reads: the path of a large file, which is not held in memory."""
+    return raw.path if raw.path is not None and not raw.held else BytesIO(raw.held)
+
+
+def _read_parquet_metadata(entries: dict[str, str]) -> dict[str, dict[str, str]]:
     schema = entries.get("ARROW:schema", "")
     return read_field_metadata(decode_parquet_schema(schema)) if schema else {}
-
-
-def _read_arrow_metadata(data: bytes) -> dict[str, dict[str, str]]:
-    return read_field_metadata(data[8 : 8 + _LARGEST_SCHEMA])
