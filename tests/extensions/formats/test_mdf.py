@@ -184,6 +184,12 @@ def test_nothing_is_interpolated_across_a_pause_nor_an_invalid_number() -> None:
     np.testing.assert_array_equal(np.isnan(read), lost)
 
 
+def test_a_group_without_samples_is_named() -> None:
+    table = MdfTable(BytesIO(mdf4([bench()], [replace(bench(), name="gone", rows=0)])), None)
+    assert table.notes == ["no samples stand in 'gone'"]
+    assert len(table.columns) == 3
+
+
 def test_a_hammer_with_another_clock_is_a_caution() -> None:
     time = np.arange(400) * 1e-3
     hammer = Group([clock(time), Channel("Hammer", np.zeros(400), "N")], "hammer")

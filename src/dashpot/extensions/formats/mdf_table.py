@@ -65,6 +65,9 @@ class MdfTable:
         self.header = tuple(content.header)
         self.hints = tuple(content.hints.values())
         self.notes: list[str] = _passed_notes(content.passed)
+        empty = [group.name for group in content.groups if not group.rows]
+        if empty:
+            self.notes.append(f"no samples stand in {_list(empty)}")
         groups = [
             group
             for group in content.groups
