@@ -350,7 +350,7 @@ def test_a_file_is_read_in_a_child_process(tmp_path: Path) -> None:
     table = read_table(raw, ReadOptions())
     assert table.format == "MDF 4.10"
     assert read_table(RawFile("pipe", None, WHOLE), ReadOptions()).columns == table.columns
-    with pytest.raises(ReadError, match="--part sheet=x: the groups are 'group 1'"):
+    with pytest.raises(ReadError, match="--file-part sheet=x: the groups are 'group 1'"):
         read_table(raw, ReadOptions(sheet="x"))
 
 

@@ -79,7 +79,7 @@ class MdfTable:
         names = [group.name for group in groups]
         if sheet is not None:
             if sheet not in names:
-                raise ReadError(f"--part sheet={sheet}: the groups are {_list(names)}")
+                raise ReadError(f"--file-part sheet={sheet}: the groups are {_list(names)}")
             groups = [groups[names.index(sheet)]]
         if not groups:
             raise ReadError("this MDF file holds no samples of numeric channels")
@@ -144,7 +144,7 @@ class MdfTable:
                 return True
             self.notes.append(
                 f"group '{group.name}' has no clock in common with '{base.name}' and was passed "
-                f'over (--part sheet="{group.name}" reads it)'
+                f'over (--file-part sheet="{group.name}" reads it)'
             )
             return False
         ticks, own = self._ticks(i), self._ticks(self._segments[0])
@@ -165,7 +165,7 @@ class MdfTable:
         says = (
             f"group '{group.name}'{_rate(ticks)} has a clock of its own: its channels were "
             f"interpolated to the {within} of {base.rows} instants of '{base.name}'"
-            f'{_rate(own)} within it; --part sheet="{group.name}" reads it alone'
+            f'{_rate(own)} within it; --file-part sheet="{group.name}" reads it alone'
         )
         moving = _roles(group) | _roles(base)
         # straight lines dull what is near half the sampling rate
