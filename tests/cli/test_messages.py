@@ -157,6 +157,12 @@ _SPEAK_PYTHON = (
     ),
 )
 """What no command calls."""
+_MARKUP = (
+    "plot/",
+    "report/",
+    *(f"extensions/solver_inputs/{name}" for name in ("fmi/", "modelica")),
+)
+"""What writes SVG, HTML, XML and Modelica."""
 _OPTION = re.compile(
     r"(?:dashpot (?P<command>\w+) (?:[A-Z]+ )?)?(?<![\w-])(?P<word>--[a-z][a-z-]+)"
 )
@@ -270,8 +276,8 @@ def test_no_message_of_a_command_speaks_python() -> None:
     wrong = []
     for message in messages():
         plain = _PYTHON.sub("", message.text)
-        if " " not in plain or message.file.startswith(("plot/", "report/", *_SPEAK_PYTHON)):
-            continue  # no sentence; the attributes of SVG and HTML; or what only Python shows
+        if " " not in plain or message.file.startswith((*_MARKUP, *_SPEAK_PYTHON)):
+            continue  # no sentence; words of other languages; or what only Python shows
         for word in _ARGUMENT.findall(re.sub(r"--units \S+|\"[^\"]*\"", "", plain)):
             if word not in keys() and (message.file, word) not in PYTHON_ONLY:
                 wrong.append(f"{message.file}:{message.line}: {word}= in '{plain[:80]}'")

@@ -339,6 +339,8 @@ def golden_decks(fit: Fit) -> dict[str, str]:
         fit, units="mm-t-s", tolerance=0.01, frequency_range=(1.0, 30.0),
         line=SealLine([(0, 0, 0), (0.5, 0, 0), (0.5, 0.25, 0)]).stations(0.25),
     )  # fmt: skip
+    for name in ("fmu-fmi2.fmu", "fmu-fmi3.fmu"):  # of which each digit counts in this one
+        decks[name] = re.sub('(?<=TOKEN ").*(?=")', "{}", decks[name])
     for target in CARRIERS:
         decks[f"{target}-levels.{SUFFIXES[target]}"] = write(target, a_level_fit())
     return decks

@@ -76,6 +76,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "numerics/test_whitening.py::test_the_fall_of_the_deviance_under_slow_noise_is_chance": 0,
     "export/test_at_temperature.py::test_a_deck_of_an_asked_temperature_is_that_of_the_solid_there": 6,
     "extensions/solver_inputs/test_calculix.py::test_frf_within_1e_4_of_the_model": 2,
+    "extensions/solver_inputs/test_procedures.py::test_every_procedure_is_as_the_table_says": 12,
     "extensions/solver_inputs/test_calculix.py::test_pressed_far_it_pushes_as_the_model_does": 0,  # test_frf_within_1e_4_of_the_model
     "export/test_decks.py::test_a_file_name_cannot_break_out_of_its_comment": 2,
     "export/test_decks.py::test_a_fit_without_its_conditions_is_refused": 9,

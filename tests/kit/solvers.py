@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -37,6 +38,21 @@ def printed(dat: str, block: str, node: int) -> np.ndarray:
     return np.array(found)
 
 
+def receptance(dat: str, node: int) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies, in full, and U1 of a node: real block, then imaginary block, at each."""
+    frequency, blocks = [], []
+    for line in dat.splitlines():
+        if "F O R   F R E Q U E N C Y" in line:
+            frequency.append(float(re.findall(r"([\d.E+-]+) \(CYCLES", line)[0]))
+        elif line.lstrip().startswith("displacements"):
+            blocks.append(None)
+        elif blocks and blocks[-1] is None and line.split()[:1] == [str(node)]:
+            blocks[-1] = float(line.split()[1])
+    real, imaginary = np.array(blocks[::2]), np.array(blocks[1::2])
+    assert len(real) == len(imaginary) == len(frequency)
+    return np.array(frequency), real + 1j * imaginary
+
+
 RUN = """
 import json, sys
 task = json.load(sys.stdin)
@@ -50,7 +66,8 @@ ops.node(1, 0.0)
 ops.node(2, 0.0)
 ops.fix(1, 1)
 exec(task["deck"])
-ops.element("zeroLength", 1, 1, 2, "-mat", task["material"], "-dir", 1)
+if task["material"]:  # and 0 of a network, which brings its elements
+    ops.element("zeroLength", 1, 1, 2, "-mat", task["material"], "-dir", 1)
 ops.timeSeries("Path", 1, "-time", *task["path_time"], "-values", *task["path_value"])
 ops.pattern("Plain", 1, 1)
 ops.sp(2, 1, 1.0)
@@ -64,7 +81,8 @@ ops.analysis("Transient")
 force = []
 for _ in range(task["steps"]):
     assert ops.analyze(1, task["dt"]) == 0
-    force.append(ops.eleResponse(1, "material", 1, "stress")[0])
+    moving = [each for each in ops.getEleTags() if 2 in ops.eleNodes(each)]
+    force.append(sum(ops.eleResponse(each, "material", 1, "stress")[0] for each in moving))
 print(json.dumps({"force": force}))
 """
 

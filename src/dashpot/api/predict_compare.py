@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 Records: TypeAlias = RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold]
 To: TypeAlias = Literal[
     "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
-    "statespace", "csv",
+    "statespace", "csv", "fmu", "modelica",
 ]  # fmt: skip
 
 
@@ -401,7 +401,8 @@ def export(
     if path is not None:
         from dashpot.base.file_writing import write_atomic
 
-        write_atomic(Path(path), str(deck).encode())
+        content = deck.file_content
+        write_atomic(Path(path), content if isinstance(content, bytes) else content.encode())
     return str(deck)
 
 

@@ -78,7 +78,7 @@ ALL = "all"
             opt("--tolerance", type=float, metavar="NUMBER",
                 help="Largest relative error of a table, e.g. 1e-3."),
             opt("--mass", type=WithUnit("mass"), metavar="MASS",
-                help="CalculiX: a complete model with this mass."),
+                help="CalculiX, FMU: a model with this mass on it."),
             opt("--nominal", type=WithUnit("frequency"), metavar="FREQUENCY",
                 help="Nastran, CalculiX: of one stiffness for modes."),
             opt("--line", type=File(), metavar="FILE",
@@ -142,11 +142,15 @@ def command(
         allow=allow,
         **choices,
     )
-    write(output, deck)
+    if output == "-" and not deck.printable:
+        raise ExportError(
+            f"the file of {target} is an archive, which is not printed; name it: -o FILE"
+        )
+    write(output, deck.file_content)
     for mark in deck.overrides:
         to_stderr(f"OVERRIDE: {mark}")
     written = (None, deck) if output == "-" else (output, None)
-    text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
+    text = Text([f"{output}: {target} deck, {units}, {deck.summary}"])
     made = Exported(target, units, deck.overrides, *written)
     return CommandResult(made, text, deck.checks, verdict=deck.verdict)
 

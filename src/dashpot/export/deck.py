@@ -38,7 +38,7 @@ CARRIERS = MappingProxyType(
         "ansys": ("arms",),
         "calculix": ("arms",),
         "lsdyna": ("arms",),
-        "opensees": ("python", "tcl"),
+        "opensees": ("network", "network-tcl", "python", "tcl"),
     }
 )
 """The forms that hold springs whose force is not linear, of each target that has any."""
@@ -270,6 +270,18 @@ class DeckText(str):
     verdict: Verdict | None
     checks: tuple[Check, ...]
     overrides: tuple[str, ...]
+    printable = True
+    """Whether its file is the text itself, and no archive of it."""
+
+    @property
+    def summary(self) -> str:
+        """What its file holds, in a few words."""
+        return f"{len(self.splitlines())} lines"
+
+    @property
+    def file_content(self) -> str | bytes:
+        """What its file holds: the text itself, or an archive whose source is the text."""
+        return str(self)
 
 
 @dataclass(frozen=True)

@@ -58,27 +58,28 @@ def held_to_the_elements(x: np.ndarray, force: np.ndarray) -> None:
         assert secant == pytest.approx(ends, rel=1e-3)
 
 
-def opensees_path(fit, x, dt, units="mm-t-s"):
+def opensees_path(fit, x, dt, units="mm-t-s", form="python"):
     """Force, N, along displacements, m, one each dt, s."""
     unit = UNIT_SYSTEMS[units]
     task = {
-        **material(fit, units), "dt": dt / unit.time, "steps": len(x),
+        **material(fit, units, form), "dt": dt / unit.time, "steps": len(x),
         "path_time": (dt / unit.time * np.arange(len(x) + 2)).tolist(),
         "path_value": [0.0, *(x / unit.length).tolist(), 0.0],
     }  # fmt: skip
     return run_opensees(task) * unit.force
 
 
-def material(fit, units):
-    """The commands, and the tag of what they end in."""
-    deck = TARGETS["opensees"](fit, units=units)
-    return {"deck": deck, "material": int(re.findall(r"'Parallel', (\d+)", deck)[0])}
+def material(fit, units, form="python"):
+    """The commands, and the tag of what they end in: 0 of a network."""
+    deck = TARGETS["opensees"](fit, units=units, form=form)
+    (tag,) = re.findall(r"'Parallel', (\d+)", deck) or [0]
+    return {"deck": deck, "material": int(tag)}
 
 
-@pytest.mark.parametrize("units", ["SI", "mm-kg-ms"])
-def test_opensees_follows_the_loops(units):
+@pytest.mark.parametrize(("units", "form"), [("SI", "network"), ("mm-kg-ms", "python")])
+def test_opensees_follows_the_loops(units, form):
     x = cycles()
-    held_to_the_elements(x, opensees_path(a_level_fit(spring(ARMS.k_inf)), x, 1e-3, units))
+    held_to_the_elements(x, opensees_path(a_level_fit(spring(ARMS.k_inf)), x, 1e-3, units, form))
 
 
 def march(fit, t, x):
@@ -87,12 +88,13 @@ def march(fit, t, x):
     return whole.path_force(np.r_[0.0, t], np.r_[0.0, x])[1:]
 
 
-def test_opensees_marches_arms_and_sliders():
+@pytest.mark.parametrize("form", ["network", "python"])
+def test_opensees_marches_arms_and_sliders(form):
     dt, fit = 1 / 13 / 800, a_level_fit()
     t = dt * np.arange(1, 2401)
     x = 1e-3 * np.sin(2 * np.pi * 13 * t)
     exact = march(fit, t, x)
-    off = np.abs(opensees_path(fit, x, dt) - exact).max() / exact.max()
+    off = np.abs(opensees_path(fit, x, dt, form=form) - exact).max() / exact.max()
     print(f"largest error of the force {off:.1e}")
     assert off < 1e-3
 

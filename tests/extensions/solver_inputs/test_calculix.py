@@ -2,32 +2,15 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
-from kit.solvers import needs_ccx, printed, run_ccx
+from kit.solvers import needs_ccx, printed, receptance, run_ccx
 
 from dashpot.export import TARGETS, UNIT_SYSTEMS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.mass_on_seals import predict_frf
 
 pytestmark = needs_ccx
-
-
-def receptance(dat: str, node: int) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies, in full, and U1 of a node: real block, then imaginary block, at each."""
-    frequency, blocks = [], []
-    for line in dat.splitlines():
-        if "F O R   F R E Q U E N C Y" in line:
-            frequency.append(float(re.findall(r"([\d.E+-]+) \(CYCLES", line)[0]))
-        elif line.lstrip().startswith("displacements"):
-            blocks.append(None)
-        elif blocks and blocks[-1] is None and line.split()[:1] == [str(node)]:
-            blocks[-1] = float(line.split()[1])
-    real, imaginary = np.array(blocks[::2]), np.array(blocks[1::2])
-    assert len(real) == len(imaginary) == len(frequency)
-    return np.array(frequency), real + 1j * imaginary
 
 
 SEALS = {

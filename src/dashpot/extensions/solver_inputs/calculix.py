@@ -25,13 +25,13 @@ CYCLED = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; loops of several amplitudes "
     "have the energy and the secant of the model within 1e-3"
 )
-VERIFIED = (
-    "verified: CalculiX (ccx) runs such a deck in dashpot's tests; its FRF is within 1e-4 of the "
-    "model, and its force within 1e-5 when it is pressed by 8 mm with NLGEOM"
-)
 RUN = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; the modes of a door on its seal "
     "alone are within 1e-6 of the model"
+)
+_ARMS_ACT = (
+    "arms act in *DYNAMIC and steady state only: in *STATIC and *VISCO they carry nothing, and ccx "
+    "says nothing"
 )
 _PADDING = 100
 _INNER_MASS = 2e-5
@@ -63,10 +63,11 @@ def calculix(
     ``*DYNAMIC`` steps; ccx has no spring that slips. A mass is then refused: the steady-state
     step is linear.
 
-    Three things about ccx shape the deck. Inner nodes need a mass, which is made so small that
+    Four things about ccx shape the deck. Inner nodes need a mass, which is made so small that
     the arm does not feel it. Its eigensolver returns zeros for models of a few degrees of
-    freedom, so stiff dummies that touch nothing are added. Its modal dynamics step ignores
-    dashpots: use the steady-state step written here, or ``*DYNAMIC`` with small increments.
+    freedom, so stiff dummies that touch nothing are added. Its static and visco steps take no
+    dashpot, without a word, and its modal dynamics step is wrong with inner nodes: use the
+    steady-state step written here, or ``*DYNAMIC, DIRECT`` with small increments.
 
     Parameters
     ----------
@@ -85,6 +86,8 @@ def calculix(
     line, shear, first_id
         As in :func:`dashpot.export.nastran`.
     """
+    from dashpot.extensions.solver_inputs.procedures import format_procedures
+
     mass, frequency_range = convert_to_si(mass, "mass"), si_range(frequency_range, "frequency")
     low, high = frequency_range
     if not 0 < low < high:
@@ -119,8 +122,10 @@ def calculix(
             "U1 of node 2 under a unit force: the receptance, real block then",
             "imaginary block at each frequency; the dummies only keep the eigensolver busy",
         ]
-    verified = CYCLED if deck.beside.parts else VERIFIED
-    remarks += slider_remarks(deck)
+    verified, *more = (
+        [CYCLED] if deck.beside.parts else [*format_procedures("calculix", "arms"), _ARMS_ACT]
+    )
+    remarks = [*more, *remarks, *slider_remarks(deck)]
     return deck.written("**", title, cards, verified=verified, remarks=remarks)
 
 

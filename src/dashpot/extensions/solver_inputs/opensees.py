@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.unit_systems import text
 
-FORMS = ("python", "tcl")
+FORMS = ("network", "network-tcl", "python", "tcl")
 SUFFIX = "txt"
-VERIFIED = (
-    "verified: OpenSeesPy runs these commands in dashpot's tests; the force of a ramp and hold is "
-    "within 1e-5 of the model"
-)
 CYCLED = (
     "verified: OpenSeesPy runs these commands in dashpot's tests; loops of several amplitudes have "
     "the energy and the secant of the model within 1e-3"
 )
+_INNER = 10
+"""Inner nodes are numbered so many after the first tag."""
+
+Command = list[str]
 
 
 @target(*FORMS)
@@ -24,66 +26,162 @@ def opensees(
     *,
     first_tag: int = 1,
 ) -> DeckText:
-    r"""OpenSees uniaxial materials: Elastic, Maxwell and Viscous, joined by Parallel.
+    r"""OpenSees network of springs and dashpots, or one uniaxial material.
+
+    ``"network"`` (Python) and ``"network-tcl"`` are zeroLength elements between two nodes: one of
+    k_inf, and in each arm an Elastic and a Viscous one round an inner node. It is right under every
+    integrator that the tests run. ``"python"`` and ``"tcl"`` are Elastic, Maxwell and Viscous,
+    joined by Parallel: one material, the last, without nodes of its own. Under HHT and
+    GeneralizedAlpha each relaxation time of Maxwell is 1/alpha too long, whatever the step, for it
+    takes the step that these scale. (A Series of Elastic and Viscous is not a Maxwell arm in
+    OpenSees: its answer is wrong.)
 
     Sliders are ElasticPP, a cubic spring is ElasticMultiLinear.
-
-    The Parallel material, which comes last, is the solid: give it to a zeroLength element. (A
-    Series of Elastic and Viscous is not a Maxwell arm in OpenSees: its answer is wrong.)
 
     Parameters
     ----------
     solid, units, specimen, allow
         As in :func:`dashpot.export.nastran`.
     form : str
-        ``"python"`` for OpenSeesPy, ``"tcl"`` for the interpreter.
+        For OpenSeesPy (``"network"``, ``"python"``) or the interpreter.
     first_tag : int
-        Tag of the first material; the others follow.
+        Tag of the first material and element; the others follow, and inner nodes from ten after it.
     """
+    from dashpot.extensions.solver_inputs.procedures import format_procedures
+
+    network = deck.form.startswith("network")
+    tcl = deck.form.endswith("tcl")
+    cards = (
+        _write_network(deck, first_tag, tcl=tcl)
+        if network
+        else _write_material(deck, first_tag, tcl=tcl)
+    )
+    right, *more = (
+        [CYCLED]
+        if deck.beside.parts
+        else format_procedures("opensees", deck.form, with_dashpot=deck.b > 0)
+    )
+    tag = first_tag + len(_list_materials(deck))
+    where = _NODES if network else (f"material {tag} is the solid; {_MATERIAL[0]}", _MATERIAL[1])
+    return deck.written(
+        "#",
+        f"{'network of zeroLength elements' if network else 'uniaxial material'} for OpenSees",
+        cards,
+        verified=right,
+        remarks=[*more, *where],
+    )
+
+
+def _list_linear_materials(deck: Deck) -> list[Command]:
+    """Materials that need no inner node: k_inf, b, sliders and a cubic spring."""
     materials = []
     if deck.k_inf > 0:
         materials.append(["Elastic", text(deck.k_inf)])
     if deck.b > 0:
         materials.append(["Viscous", text(deck.b), "1."])
-    # stiffness, viscosity, exponent of the dashpot, length
-    materials += [["Maxwell", text(k), text(b), "1.", "1."] for k, _, b in deck.arms]
-    materials += [["ElasticPP", text(k), text(x)] for k, _, x in deck.beside.sliders]
+    return materials
+
+
+def _list_nonlinear_materials(deck: Deck) -> list[Command]:
+    materials = [["ElasticPP", text(k), text(x)] for k, _, x in deck.beside.sliders]
     if deck.beside.k3:
         x, F = zip(*deck.beside.both_ways(), strict=True)
         materials.append(
             ["ElasticMultiLinear", "0.", "-strain", *map(text, x), "-stress", *map(text, F)]
         )
+    return materials
+
+
+def _list_materials(deck: Deck) -> list[Command]:
+    # stiffness, viscosity, exponent of the dashpot, length
+    arms = [["Maxwell", text(k), text(b), "1.", "1."] for k, _, b in deck.arms]
+    return [*_list_linear_materials(deck), *arms, *_list_nonlinear_materials(deck)]
+
+
+def _write_material(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
+    materials = _list_materials(deck)
     tags = [str(first_tag + i) for i in range(len(materials) + 1)]
     materials.append(["Parallel", *tags[:-1]])
-    head, command = _WRITTEN[deck.form]
-    commands = [
-        *head,
-        *(command(kind, tag, values) for tag, (kind, *values) in zip(tags, materials, strict=True)),
+    write = _tcl if tcl else _python
+    return [
+        *([] if tcl else _IMPORT),
+        *(
+            write("uniaxialMaterial", [kind, tag, *values])
+            for tag, (kind, *values) in zip(tags, materials, strict=True)
+        ),
     ]
-    return deck.written(
-        "#",
-        "uniaxial material for OpenSees",
-        commands,
-        verified=CYCLED if deck.beside.parts else VERIFIED,
-        remarks=[
-            f"material {tags[-1]} is the solid; in a zeroLength element it acts along one",
-            "direction, force against displacement",
-        ],
-    )
+
+
+def _write_network(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
+    """Return a material and an element of each spring and dashpot; of an arm a node between."""
+    write = _tcl if tcl else _python
+    ground, moving, direction = ("$ground", "$moving", "$direction") if tcl else _NAMES
+    parts = [
+        (material, ground, moving)
+        for material in (*_list_linear_materials(deck), *_list_nonlinear_materials(deck))
+    ]
+    nodes = [str(first_tag + _INNER + j) for j in range(len(deck.arms))]
+    for node, (k, _, b) in zip(nodes, deck.arms, strict=True):
+        parts += [
+            (["Viscous", text(b), "1."], ground, node),
+            (["Elastic", text(k)], node, moving),
+        ]
+    cards = [*(_TCL_HEAD if tcl else _PYTHON_HEAD)]
+    cards += [f"add_inner_node {node}" if tcl else f"add_inner_node({node})" for node in nodes]
+    for tag, ((kind, *values), low, high) in enumerate(parts, start=first_tag):
+        cards += [
+            write("uniaxialMaterial", [kind, str(tag), *values]),
+            write(
+                "element", ["zeroLength", str(tag), low, high, "-mat", str(tag), "-dir", direction]
+            ),
+        ]
+    return cards
+
+
+_NODES = (
+    "give ground, moving and direction of your own: two nodes at one place, which exist, and",
+    "the direction of the force between them; inner nodes are held in all others",
+)
+_MATERIAL = (
+    "in a zeroLength element it acts along one",
+    "direction, force against displacement",
+)
+_NAMES = ("ground", "moving", "direction")
+_IMPORT = ("import openseespy.opensees as ops", "")
+_PYTHON_HEAD = (
+    *_IMPORT,
+    "ground, moving, direction = 1, 2, 1",
+    "",
+    "",
+    "def add_inner_node(tag):",
+    "    ops.node(tag, *ops.nodeCoord(moving))",
+    "    ops.fix(tag, *(int(i != direction) for i in range(1, ops.getNDF()[0] + 1)))",
+    "",
+    "",
+)
+_TCL_HEAD = (
+    "set ground 1",
+    "set moving 2",
+    "set direction 1",
+    "proc add_inner_node {tag} {",
+    "    global moving direction",
+    "    eval node $tag [nodeCoord $moving]",
+    "    set held {}",
+    "    for {set i 1} {$i <= [getNDF]} {incr i} { lappend held [expr {$i != $direction}] }",
+    "    eval fix $tag $held",
+    "}",
+)
 
 
 def _argument(value: str) -> str:
-    """As Python writes it: a flag is a text."""
-    return repr(value) if value in {"-strain", "-stress"} else value
+    """As Python writes it: names of kinds and flags are texts, numbers and names are not."""
+    plain = value in _NAMES or value[0].isdigit() or (value[0] == "-" and value[1:2].isdigit())
+    return value if plain else repr(value)
 
 
-def _python(kind: str, tag: str, values: list[str]) -> str:
-    return f"ops.uniaxialMaterial({', '.join([repr(kind), tag, *map(_argument, values)])})"
+def _python(command: str, values: Sequence[str]) -> str:
+    return f"ops.{command}({', '.join(map(_argument, values))})"
 
 
-def _tcl(kind: str, tag: str, values: list[str]) -> str:
-    return " ".join(["uniaxialMaterial", kind, tag, *values])
-
-
-_WRITTEN = {"python": (("import openseespy.opensees as ops", ""), _python), "tcl": ((), _tcl)}
-"""Of each form: what stands first, and how a material is written."""
+def _tcl(command: str, values: Sequence[str]) -> str:
+    return " ".join([command, *values])

@@ -11,5 +11,7 @@ EXTENSION = Extension(
         SolverInput("calculix", "dashpot.extensions.solver_inputs.calculix", order=5),
         SolverInput("opensees", "dashpot.extensions.solver_inputs.opensees", order=6),
         SolverInput("adams", "dashpot.extensions.solver_inputs.adams", order=7),
+        SolverInput("fmu", "dashpot.extensions.solver_inputs.fmu", order=10),
+        SolverInput("modelica", "dashpot.extensions.solver_inputs.modelica", order=11),
     ),
 )  # fmt: skip

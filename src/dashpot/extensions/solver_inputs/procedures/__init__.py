@@ -1,0 +1,78 @@
+"""Under which procedures of a solver a deck was run, and how far its answer was off."""
+
+from __future__ import annotations
+
+import csv
+from functools import cache
+from importlib.resources import files
+from typing import NamedTuple
+
+RIGHT = 1e-3
+"""Largest difference to the model, over the peak, of an answer that is called right."""
+READ_ONLY = "only read"
+
+
+class Run(NamedTuple):
+    """One procedure of a solver that a test runs.
+
+    Attributes
+    ----------
+    target, form, solver : str
+        The deck, and the program that took it, with its version.
+    procedure : str
+        Step and integrator.
+    case : str
+        What was done to the seal.
+    deviation : float
+        Largest difference to the model over the peak.
+    """
+
+    target: str
+    form: str
+    solver: str
+    procedure: str
+    case: str
+    deviation: float
+
+    @property
+    def is_right(self) -> bool:
+        """Whether the answer is that of the model."""
+        return self.deviation <= RIGHT
+
+
+@cache
+def read_runs() -> tuple[Run, ...]:
+    """Return all that was run: ``python tests/kit/procedures.py`` writes it."""
+    table = files(__name__).joinpath("runs.csv").read_text(encoding="utf-8")
+    return tuple(
+        Run(**row | {"deviation": float(row["deviation"])})  # type: ignore[arg-type]
+        for row in csv.DictReader(table.splitlines())
+    )
+
+
+_MEASURED = "the largest difference to the model, over the peak:"
+WITH_DASHPOT = "with b"
+"""How the name of a case ends that is of solids with a parallel dashpot."""
+
+
+def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> list[str]:
+    """Return what the header of a deck says: where it was right, and where it was wrong.
+
+    Cases of a parallel dashpot stand in the place of the others where there is one.
+    """
+    own = [run for run in read_runs() if (run.target, run.form) == (target, form)]
+    damped = [run for run in own if run.case.endswith(WITH_DASHPOT)]
+    runs = damped if with_dashpot and damped else [run for run in own if run not in damped]
+    if not runs:
+        return [f"not solver-verified: only read. No solver here runs the form {form}"]
+    solvers = " and ".join(dict.fromkeys(run.solver for run in runs))
+    lines = [f"verified: {solvers} runs such a deck in dashpot's tests; {_MEASURED}"]
+    for word in ("right", "WRONG"):
+        found: dict[str, list[str]] = {}
+        for run in runs:
+            if run.is_right == (word == "right"):
+                case = run.case.partition(",")[0]
+                found.setdefault(run.procedure, []).append(f"{run.deviation:.1e} {case}")
+        said = "; ".join(f"{procedure}: {', '.join(each)}" for procedure, each in found.items())
+        lines += [f"  {word} under {said}"] * bool(found)
+    return lines
