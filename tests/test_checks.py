@@ -1205,6 +1205,19 @@ def sharing(overlap: float) -> list[ModeShape]:
 
 
 MODAL = [
+    Case("channels_not_clipped", lambda x: modal.channels_not_clipped(held_at(int(x))), 1, 2),
+    Case(
+        "segments_resolve",
+        lambda x: modal.segments_resolve(measured(), replace(MODE, damping_ratio=x / 200)),
+        6.01,
+        5.99,
+    ),
+    Case(
+        "modes_within_band",
+        lambda x: modal.modes_within_band([MODE] * 2, (MODE.frequency + x, 99.0)),
+        0.0,
+        1e-6,
+    ),
     Case("modes_stable", whole(lambda n: modal.modes_stable([shape(1.0)], charted(n))), 5, 4),
     Case(
         "modes_explain_lines",
@@ -1327,25 +1340,12 @@ IMPACT = [
     ),
     Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 2.99, 3.01),
     Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 0.34, 0.33),
-    Case("channels_not_clipped", lambda x: impact.channels_not_clipped(held_at(int(x))), 1, 2),
-    Case(
-        "segments_resolve",
-        lambda x: impact.segments_resolve(measured(), replace(MODE, damping_ratio=x / 200)),
-        6.01,
-        5.99,
-    ),
     Case("line_errors_stated", lambda _: impact.line_errors_stated(), None, 0),
     Case(
         "coherence",
         lambda x: impact.coherence(measured(coherence=np.full(150, x)), 75),
         0.9001,
         0.8999,
-    ),
-    Case(
-        "softening_detectable",
-        lambda x: impact.softening_detectable(trend(stiffness_found=x)),
-        0.0099,
-        0.0101,
     ),
     *(
         Case(
@@ -1364,12 +1364,6 @@ IMPACT = [
         )
     ),
     Case("resonance", lambda x: impact.resonance(measured(), MODE if x else None), 10.0, 0),
-    Case(
-        "modes_within_band",
-        lambda x: impact.modes_within_band([MODE] * 2, (MODE.frequency + x, 99.0)),
-        0.0,
-        1e-6,
-    ),
     Case(
         "record_long_enough",
         lambda x: impact.record_long_enough(measured(record=x / MODE.decay), MODE),
@@ -1544,6 +1538,12 @@ HYPERELASTIC = [
 ]
 
 LEVEL = [
+    Case(
+        "softening_detectable",
+        lambda x: level.softening_detectable(trend(stiffness_found=x)),
+        0.0099,
+        0.0101,
+    ),
     Case(
         "amplitude_dependence_detected",
         lambda x: level.amplitude_dependence_detected(x, (1e-4, 1e-3), "m", "friction"),
@@ -2038,6 +2038,7 @@ LIMITS = {
         "one_solid_explains_lines": 1.5,
     },
     "extensions/amplitude": {
+        "softening_detectable": 0.01,
         "amplitude_dependence_detected": 20, "amplitudes_spread": 3, "softening_seen": 2,
         "law_residual_small": 0.03,
         "levels_residual_small": 1.4, "loss_residual_small": 0.12, "no_hidden_cubic_spring": 0.1,
@@ -2069,13 +2070,13 @@ LIMITS = {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5,
         "window_decay_determined": 0.1,
         "hammer_excites": -10,
-        "frf_dissipates": -0.3, "mass_over_base": 3, "segments_resolve": 6,
-        "channels_not_clipped": 1, "modes_within_band": 0,
-        "hits_agree": 0.1, "amplitude_linear": 1, "softening_detectable": 0.01,
+        "frf_dissipates": -0.3, "mass_over_base": 3,
+        "hits_agree": 0.1, "amplitude_linear": 1,
         "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "high_frequency_mass_agrees": 0.05,
     },
     "extensions/modes": {
+        "segments_resolve": 6, "channels_not_clipped": 1, "modes_within_band": 0,
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
     },
     "extensions/projects": {
@@ -2148,8 +2149,9 @@ GRADES = {
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_error"},
         "vibration/impact": {
-            "resonance", "frf_dissipates", "mass_over_base", "channels_not_clipped",
+            "resonance", "frf_dissipates", "mass_over_base",
         },
+        "extensions/modes": {"channels_not_clipped"},
         "extensions/projects": {
             "history_present", "history_whole", "history_expected", "history_unchanged",
             "file_present", "file_unchanged", "inputs_listed", "result_recomputed",

@@ -140,23 +140,6 @@ class Range(WithUnit):
         self.name = "range"
 
 
-class LowHigh(click.ParamType[Any]):
-    """Two numbers, ``LOW:HIGH``."""
-
-    name = "LOW:HIGH"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if not isinstance(value, str):
-            return value
-        try:
-            low, high = map(float, value.split(":"))
-        except ValueError:
-            self.fail(f"'{value}': expected LOW:HIGH, such as 0.7:1.5", param, ctx)
-        if not 0 < low < high:
-            self.fail(f"'{value}': expected 0 < LOW < HIGH, such as 0.7:1.5", param, ctx)
-        return low, high
-
-
 class Wlf(click.ParamType[Any]):
     """Law of Williams, Landel and Ferry: ``C1,C2,T_r``, such as ``6.94,129.6K,23degC``."""
 

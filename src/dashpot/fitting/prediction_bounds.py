@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
-from dashpot.base.errors import DataError, FitError
+from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
@@ -115,22 +115,6 @@ def _build_solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
     return GeneralizedMaxwell(
         k[0], tuple(k[1 + i] for i in order), tuple(tau[order].tolist()), fit.model.b
     )
-
-
-def memory_of(solid: GeneralizedMaxwell) -> GeneralizedMaxwell:
-    """Return the arms of a solid over its stiffness at rest: a solid whose k_inf is 1.
-
-    Raises
-    ------
-    FitError
-        If it has no stiffness at rest.
-    """
-    if not solid.k_inf > 0:
-        raise FitError(
-            "the relaxation test found no stiffness at rest, so that its memory has no scale; "
-            "hold it longer"
-        )
-    return solid * (1 / solid.k_inf)
 
 
 DRAWS = 400

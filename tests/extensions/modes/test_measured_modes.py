@@ -12,14 +12,13 @@ from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.formats.write_uff import frf_uff
-from dashpot.extensions.modes.checks import STABLE
+from dashpot.extensions.modes.checks import STABLE, modes_within_band
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.write import write_frf
-from dashpot.vibration.impact.checks import modes_within_band
 from dashpot.workflow.measured_frf import format_modes_headline
 
 # undamped natural frequency, Hz, damping ratio, mass, kg: two bodies seen at one point

@@ -10,10 +10,10 @@ from kit.shell import ran, told
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.extensions.modes.base_transmissibility import estimate_transmissibility
+from dashpot.extensions.modes.checks import channels_not_clipped
 from dashpot.extensions.modes.shaken_base import read_shaken
 from dashpot.reading.read_options import ReadOptions
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
-from dashpot.vibration.impact.checks import channels_not_clipped
 from dashpot.workflow.measured_frf import modes_of_hits
 
 pytestmark = pytest.mark.once

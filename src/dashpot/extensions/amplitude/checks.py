@@ -8,6 +8,8 @@ import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import convert_to_unit, get_display_unit
+from dashpot.vibration.impact.amplitude_trend import Trend
+from dashpot.vibration.impact.checks import ENOUGH, SOFTENING
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
@@ -204,4 +206,23 @@ def amplitude_in_tested_range(
         instead=f"{says}, {factor:.3g} times outside the {range_}",
         because="Friction there was not measured",
         remedy="Test at that level.",
+    )
+
+
+@criterion(
+    "change of stiffness per doubling that 4 of 5 such tests find",
+    "<=",
+    SOFTENING,
+    "a change that matters",
+)
+def softening_detectable(trend: Trend | None) -> Finding:
+    """The hits differ enough in force to detect a change of stiffness that matters."""
+    if trend is None:
+        return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
+    return Finding(
+        f"A change of {100 * trend.stiffness_found:.2g} % of stiffness or "
+        f"{100 * trend.damping_found:.2g} % of damping per doubling is found in four of five tests",
+        trend.stiffness_found,
+        "A smaller change stays unseen",
+        "Hit from soft to hard.",
     )

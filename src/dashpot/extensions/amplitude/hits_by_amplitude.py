@@ -14,12 +14,12 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF
+from dashpot.extensions.amplitude.checks import softening_detectable
 from dashpot.vibration.impact.amplitude_trend import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
     high_frequency_mass_agrees,
     hits_enough,
-    softening_detectable,
 )
 
 _ROUNDS = 20

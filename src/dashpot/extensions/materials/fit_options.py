@@ -2,15 +2,37 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from dashpot.cli._command import CommandOption, build_options, group, opt
 from dashpot.cli._options import VIBRATION
-from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, LowHigh, Range
+from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range
 from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.slam.options import SlamOptions
 from dashpot.workflow.job import RodChoices
+
+
+class LowHigh(click.ParamType[Any]):
+    """Two numbers, ``LOW:HIGH``."""
+
+    name = "LOW:HIGH"
+
+    def convert(  # noqa: D102
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            low, high = map(float, value.split(":"))
+        except ValueError:
+            self.fail(f"'{value}': expected LOW:HIGH, such as 0.7:1.5", param, ctx)
+        if not 0 < low < high:
+            self.fail(f"'{value}': expected 0 < LOW < HIGH, such as 0.7:1.5", param, ctx)
+        return low, high
+
 
 _CLD, _STRAIN, _BALL, _SLAM = "cld", "stress-strain", "indentation", "slam"
 

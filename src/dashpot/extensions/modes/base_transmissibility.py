@@ -12,7 +12,8 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.vibration_tests import ShakenTest
-from dashpot.vibration.impact.checks import channels_not_clipped, resonance, segments_resolve
+from dashpot.extensions.modes.checks import channels_not_clipped, segments_resolve
+from dashpot.vibration.impact.checks import resonance
 from dashpot.vibration.impact.estimators import Estimator, Spectra, coherence, estimate
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import add_frf_checks, as_measured, refuse_choices_of_hits

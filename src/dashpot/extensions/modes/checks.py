@@ -10,8 +10,11 @@ import numpy as np
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.structure import ModeShape
+from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.extensions.modes.stabilisation import Stabilisation
+from dashpot.vibration.impact.checks import count_clipped_runs
 
 STABLE = 5
 MISSED = 4.0
@@ -105,3 +108,59 @@ def _chi_quantile(count: int) -> float:
     """What the root of so many squared standard errors exceeds once in a hundred tests."""
     z, share = NormalDist().inv_cdf(SURE), 2 / (9 * count)
     return float((count * (1 - share + z * share**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931
+
+
+@criterion("modes outside", "<=", 0.0, "a pole outside the lines represents modes that lie there")
+def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Finding:
+    """The modes lie within the measured band."""
+    outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
+    listed = ", ".join(f"{frequency:.4g}" for frequency in outside)
+    return Finding(
+        f"Every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
+        float(len(outside)),
+        instead=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
+        f"{band[1]:.4g} Hz",
+        because="It stands for what lies beyond them",
+        remedy=Remedy("Widen the band.", "band"),
+    )
+
+
+@criterion(
+    "runs of 3 samples at an end of the range", "<=", 1.0, "by definition; chance", grade="stop"
+)
+def channels_not_clipped(test: ShakenTest) -> Finding:
+    """No channel of a shaken base is clipped."""
+    runs = {
+        name: count_clipped_runs(signal)
+        for name, signal in (("base", test.base), ("mass", test.mass))
+    }
+    worst = max(runs, key=lambda name: runs[name])
+    return Finding(
+        "Neither channel stays at the end of its range",
+        runs[worst],
+        instead=f"The acceleration of the {worst} is clipped {runs[worst]} times, so the damping "
+        "is wrong",
+        remedy="Use a larger range, or shake less.",
+    )
+
+
+@criterion(
+    "lines in the half-power band", ">=", 6.0, "measured: the peak reads 3 % low there, 7 % at 4"
+)
+def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
+    """The segments of a shaken base are long enough to resolve the resonance."""
+    if main is None:
+        return Finding("No resonance was found, so the resolution is not judged")
+    spacing = float(np.median(np.diff(frf.frequency)))
+    lines = main.bandwidth / spacing
+    return Finding(
+        f"The half-power band has {lines:.2g} lines; at least 6 are needed. The frequency "
+        f"resolution is {spacing:.3g} Hz",
+        lines,
+        "The peak is flattened",
+        Remedy(
+            f"Use segments of {8 / main.bandwidth:.2g} s, and record eight times as long.",
+            "hit-length",
+            f"{8 / main.bandwidth:.2g}s",
+        ),
+    )

@@ -13,17 +13,17 @@ from dashpot.base.errors import DataError
 from dashpot.base.option_fields import OverBase
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape
-from dashpot.extensions.modes.checks import modes_explain_lines, modes_stable, points_share_modes
+from dashpot.extensions.modes.checks import (
+    modes_explain_lines,
+    modes_stable,
+    modes_within_band,
+    points_share_modes,
+)
 from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.extensions.modes.stabilisation import Stabilisation, stabilisation
 from dashpot.reading.read_options import ReadOptions
-from dashpot.vibration.impact.checks import (
-    lines_in_half_power_band,
-    modes_within_band,
-    record_long_enough,
-    resonance,
-)
+from dashpot.vibration.impact.checks import lines_in_half_power_band, record_long_enough, resonance
 from dashpot.vibration.modal.modes import select_mode_band, shapes_of
 from dashpot.vibration.modal.pole_fit import mac
 from dashpot.workflow.measured_frf import (

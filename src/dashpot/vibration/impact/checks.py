@@ -12,7 +12,6 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.number_format import with_error
 from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.frf import FRF, Kind, Mode
-from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.numerics.inference.covariance_estimate import estimate as estimate_optimum
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.least_squares import solve_ordinary
@@ -282,21 +281,6 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     )
 
 
-@criterion("modes outside", "<=", 0.0, "a pole outside the lines represents modes that lie there")
-def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Finding:
-    """The modes lie within the measured band."""
-    outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
-    listed = ", ".join(f"{frequency:.4g}" for frequency in outside)
-    return Finding(
-        f"Every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
-        float(len(outside)),
-        instead=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
-        f"{band[1]:.4g} Hz",
-        because="It stands for what lies beyond them",
-        remedy=Remedy("Widen the band.", "band"),
-    )
-
-
 @criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
 def record_long_enough(frf: FRF, main: Mode) -> Finding:
     """The record contains the whole decay."""
@@ -378,51 +362,13 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     )
 
 
-@criterion(
-    "runs of 3 samples at an end of the range", "<=", 1.0, "by definition; chance", grade="stop"
-)
-def channels_not_clipped(test: ShakenTest) -> Finding:
-    """No channel of a shaken base is clipped."""
-    runs = {name: _stays(signal) for name, signal in (("base", test.base), ("mass", test.mass))}
-    worst = max(runs, key=lambda name: runs[name])
-    return Finding(
-        "Neither channel stays at the end of its range",
-        runs[worst],
-        instead=f"The acceleration of the {worst} is clipped {runs[worst]} times, so the damping "
-        "is wrong",
-        remedy="Use a larger range, or shake less.",
-    )
-
-
-def _stays(signal: FloatArray) -> int:
+def count_clipped_runs(signal: FloatArray) -> int:
     """How often three samples in a row are the highest of all, or the lowest."""
     count = 0
     for end in (signal.max(), signal.min()):
         held = np.convolve(signal == end, np.ones(3), "valid") == 3
         count += int(np.count_nonzero(held & ~np.append(False, held[:-1])))
     return count
-
-
-@criterion(
-    "lines in the half-power band", ">=", 6.0, "measured: the peak reads 3 % low there, 7 % at 4"
-)
-def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
-    """The segments of a shaken base are long enough to resolve the resonance."""
-    if main is None:
-        return Finding("No resonance was found, so the resolution is not judged")
-    spacing = float(np.median(np.diff(frf.frequency)))
-    lines = main.bandwidth / spacing
-    return Finding(
-        f"The half-power band has {lines:.2g} lines; at least 6 are needed. The frequency "
-        f"resolution is {spacing:.3g} Hz",
-        lines,
-        "The peak is flattened",
-        Remedy(
-            f"Use segments of {8 / main.bandwidth:.2g} s, and record eight times as long.",
-            "hit-length",
-            f"{8 / main.bandwidth:.2g}s",
-        ),
-    )
 
 
 @criterion("level of the force at the peak, dB", ">=", -10.0)
@@ -482,25 +428,6 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
         max(stiffness, damping),
         "The seals are not linear at these amplitudes, so the average peak is too broad",
         "Hit alike, as hard as in use.",
-    )
-
-
-@criterion(
-    "change of stiffness per doubling that 4 of 5 such tests find",
-    "<=",
-    SOFTENING,
-    "a change that matters",
-)
-def softening_detectable(trend: Trend | None) -> Finding:
-    """The hits differ enough in force to detect a change of stiffness that matters."""
-    if trend is None:
-        return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
-    return Finding(
-        f"A change of {100 * trend.stiffness_found:.2g} % of stiffness or "
-        f"{100 * trend.damping_found:.2g} % of damping per doubling is found in four of five tests",
-        trend.stiffness_found,
-        "A smaller change stays unseen",
-        "Hit from soft to hard.",
     )
 
 

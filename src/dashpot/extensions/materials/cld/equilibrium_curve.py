@@ -24,8 +24,9 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, Branch, RelaxedLaw
 from dashpot.extensions.materials.cld.local_stiffness import WINDOW, fit_local_slope, taken_later
+from dashpot.extensions.materials.relaxation_model import normalise_relaxation
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.prediction_bounds import memory_of, off_by_error
+from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate
 from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.solids.elastic import ElasticLaw
@@ -56,7 +57,7 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     """
     fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
     fit = find_nearest_fit(cld, fits)
-    memory = memory_of(fit.model)
+    memory = normalise_relaxation(fit.model)
     time = clock_of(cld)
     e = memory.displacement(time, cld.force)
     cycle = cld.cycle
@@ -69,7 +70,7 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     knots = np.asarray(law.knots)
     # what it rests on, one standard error off: the memory along each axis, both zeros, the clock
     force, late = cld.force, taken_later(time, cld.force, cld.delay_sd)
-    off = [(0.0, memory_of(other.maxwell), force) for other in off_by_error(fit)]
+    off = [(0.0, normalise_relaxation(other.maxwell), force) for other in off_by_error(fit)]
     off += [(cld.contact_se, memory, force), (0.0, memory, force + cld.zero_se)]
     # of a force that is late the contact is, too
     off += [(-cld.met_later, memory, late)] * (cld.delay_sd > 0)
@@ -122,7 +123,7 @@ def _compare_memories(fits: Sequence[Fit], stroke: float | None) -> float | None
     if stroke is None:
         return None
     t = np.geomspace(stroke / 20, stroke, 12)
-    curves = np.stack([memory_of(fit.model).relaxation(t) for fit in fits])
+    curves = np.stack([normalise_relaxation(fit.model).relaxation(t) for fit in fits])
     return float((curves.max(axis=0) / curves.min(axis=0) - 1).max())
 
 

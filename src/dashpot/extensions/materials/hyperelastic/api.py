@@ -27,14 +27,14 @@ def fit_stress_strain(
 ) -> HyperelasticFit:
     """Fit an elastic law to tests of stress over strain."""
     from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
-    from dashpot.fitting.prediction_bounds import memory_of
+    from dashpot.extensions.materials.relaxation_model import normalise_relaxation
 
     return fit_hyperelastic(
         records,
         law=model,
         terms=terms,
         poisson=poisson,
-        memory=None if memory is None else memory_of(memory.model),
+        memory=None if memory is None else normalise_relaxation(memory.model),
         cycle=cycle,
         stretches=stretches,
         temperature=convert_to_si(temperature, "temperature"),

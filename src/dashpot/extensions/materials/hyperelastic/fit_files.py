@@ -13,7 +13,7 @@ from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
 from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
-from dashpot.fitting.prediction_bounds import memory_of
+from dashpot.extensions.materials.relaxation_model import normalise_relaxation
 from dashpot.reading.read_options import ReadOptions
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def hyperelastic_files(
             law=law,
             terms=terms,
             poisson=poisson,
-            memory=None if memory is None else memory_of(memory.model),
+            memory=None if memory is None else normalise_relaxation(memory.model),
             cycle=None if options is None else options.cycle,
             stretches=stretches,
             temperature=temperature,

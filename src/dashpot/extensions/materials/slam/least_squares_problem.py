@@ -12,10 +12,11 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import parameter_names
+from dashpot.extensions.materials.relaxation_model import normalise_relaxation
 from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
 from dashpot.extensions.materials.slam.motion import Masses, integrate_impact
 from dashpot.extensions.materials.slam.preprocess import RecordedSlam
-from dashpot.fitting.prediction_bounds import get_solid_parameters, memory_of
+from dashpot.fitting.prediction_bounds import get_solid_parameters
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
 STEPS = 240
@@ -59,7 +60,7 @@ class Memory:
         """Those of a fit: of a relaxation test, or with the law of a load deflection test."""
         if fit is None:
             return cls()
-        solid = memory_of(fit.model)
+        solid = normalise_relaxation(fit.model)
         g, tau, arms = np.array(solid.k), np.array(solid.tau), solid.arms
         names, _, covariance = get_solid_parameters(fit)
         if names != parameter_names(arms) or not np.isfinite(covariance).all() or not arms:
