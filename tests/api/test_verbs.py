@@ -115,7 +115,7 @@ WRONG = {
     "fit a list": (lambda test, hits: dp.fit([test, test]), r"dp\.fit\(one, two\)"),
     "fit a path": (lambda test, hits: dp.fit("seal_8mm.csv"), r"Read a file first: dp\.read"),
     "fit a number": (lambda test, hits: dp.fit(3), "a int is no record"),
-    "a mass is missing": (dp.fit, "Give the mass"),
+    "a mass is missing": (dp.fit, "Give the test mass"),
     "arms of hits": (lambda test, hits: dp.fit(hits, arms=2), r"arms= does not suit hits"),
     "a mass of a test": (lambda test, hits: dp.fit(test, mass="1g"), r"mass= does not suit tests"),
     "a word misspelt": (lambda test, hits: dp.fit(test, arm=2), r"arm= does not suit"),

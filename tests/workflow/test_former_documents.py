@@ -80,12 +80,23 @@ def test_a_former_document_reads_as_its_value(name: str) -> None:
     assert json.loads(to_json(from_json(to_json(result)))) == json.loads(to_json(result))
 
 
+def without_texts(value: Any) -> Any:
+    """Return plain values without their sentences, which an edition may word otherwise."""
+    if isinstance(value, dict):
+        return {key: without_texts(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [without_texts(item) for item in value]
+    return "" if isinstance(value, str) and " " in value else value
+
+
 def test_a_former_fit_equals_the_one_that_is_made_now(tmp_path: Path) -> None:
     head, *rows = files()["seal.csv"][0].splitlines()
     (tmp_path / "s.csv").write_text("\n".join([head, *rows[::3]]) + "\n")
     former = to_document(from_json(read_text("fit")))
     present = to_document(dp.fit(dp.read(tmp_path / "s.csv")))
-    worst, where = find_largest_difference(without_digest(former), without_digest(present))
+    worst, where = find_largest_difference(
+        without_texts(without_digest(former)), without_texts(without_digest(present))
+    )
     assert worst < 1e-6, where
 
 

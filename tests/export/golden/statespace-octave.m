@@ -1,4 +1,4 @@
-% dashpot 0.1.0: state space of the solid: displacement x in, force F out
+% dashpot 0.1.0: state space of the model: displacement x in, force F out
 % USE: From 0.004 to 0.32 Hz the stiffness is known to +/-0.12 %, the loss factor to +/-0.47 %. Outside this band a linear seal is assumed: add a hammer test.
 % UNITS: mm-t-s: mm, t, s, N, MPa; frequency in Hz
 % model: k_inf = 0.1965 N/mm

@@ -395,7 +395,7 @@ def test_what_is_downloaded_is_what_the_command_prints(visit, files):
     page.at.keyboard.press("2")
     page.at.locator("#command").filter(has_text="--arms 2").wait_for()
     page.done()
-    page.at.get_by_role("button", name="Take away").click()
+    page.at.get_by_role("button", name="Export").click()
     with page.at.expect_download() as taken:
         page.at.get_by_role("button", name="The model fit.json").click()
     page.at.get_by_role("status").filter(has_text="saved fit.json").wait_for()
@@ -408,7 +408,7 @@ def test_what_is_downloaded_is_what_the_command_prints(visit, files):
 def test_a_refused_deck_says_why(visit, files):
     page = visit(files / "seal_8mm.csv")
     page.done()
-    page.at.get_by_role("button", name="Take away").click()
+    page.at.get_by_role("button", name="Export").click()
     page.at.get_by_role("button", name="Abaqus").click()
     page.at.get_by_role("alert").filter(has_text="temperature").wait_for()
 
@@ -450,7 +450,7 @@ def test_a_lot_of_the_command_line_is_opened_and_a_test_of_it_kept_as_a_project(
         page = Page(browser, address, fresh=False)
         open_row(page)
         shown = page.at.locator("#solid").inner_text()
-        page.at.get_by_role("button", name="Take away").click()
+        page.at.get_by_role("button", name="Export").click()
         page.at.get_by_label("Folder", exact=True).fill(str(lot.parent / "door"))
         page.at.get_by_role("button", name="Save to this folder").click()
         page.at.get_by_role("status").filter(has_text="kept in").wait_for()
@@ -540,7 +540,7 @@ def test_kinds_that_stand_alone_are_judged(visit, tmp_path):
     page.at.locator("[data-ask=compression]").press("Enter")
     page.at.locator("#command").filter(has_text="--compression 6mm").wait_for()
     page.done()
-    assert page.at.get_by_role("button", name="Take away").is_disabled()
+    assert page.at.get_by_role("button", name="Export").is_disabled()
     assert "Force at nominal" in page.at.locator("#answers").inner_text()
     with page.at.expect_download() as taken:
         page.at.get_by_role("button", name="Save the numbers").click()
@@ -935,7 +935,7 @@ def test_a_newcomer_goes_from_files_by_a_wrong_mass_to_a_deck_without_a_wrong_gr
     verdict.get_by_text("Use", exact=True).wait_for()
     page.done()
     assert shown() == {"bad", "open", "good"}
-    page.at.get_by_role("button", name="Take away").click()
+    page.at.get_by_role("button", name="Export").click()
     with page.at.expect_download() as taken:
         page.at.get_by_role("button", name="Nastran bush, PBUSHT").click()
     deck = taken.value.path().read_text()

@@ -20,7 +20,7 @@ from dashpot.extensions.solver_inputs.fmi.model_description import (
     OUTPUT,
     RATE,
     TIME,
-    Description,
+    ModelDescription,
     Variable,
     format_c_array,
 )
@@ -39,11 +39,11 @@ class ModelUnit(DeckText):
     Attributes
     ----------
     form : str
-    description : Description
+    description : ModelDescription
     """
 
     form: str
-    description: Description
+    description: ModelDescription
     printable = False
 
     @property
@@ -133,7 +133,7 @@ def _find_intervals(deck: Deck) -> dict[str, tuple[float, float]]:
     return {name: (low * by, high * by) for name, ((low, high), by) in ends.items()}
 
 
-def _describe(deck: Deck, weight: float, *, with_mass: bool) -> Description:
+def _describe(deck: Deck, weight: float, *, with_mass: bool) -> ModelDescription:
     length, _, _, force, _ = deck.units.words
     arms, parameters = len(deck.arms), _list_parameters(deck, weight)
     own = 2 * with_mass
@@ -185,7 +185,7 @@ def _describe(deck: Deck, weight: float, *, with_mass: bool) -> Description:
     name = "a mass on a viscoelastic mount" if with_mass else "a viscoelastic mount"
     summary = f"{name}: k_inf, {arms} Maxwell arms and b in parallel, {deck.units.name}"
     identifier = "mass_on_mount" if with_mass else "mount"
-    return Description(identifier, name, summary, tuple(variables), deck.units)
+    return ModelDescription(identifier, name, summary, tuple(variables), deck.units)
 
 
 _ABOUT_RATE = (
@@ -200,7 +200,7 @@ def _find_sources(form: str) -> dict[str, str]:
     return {name: folder.joinpath(name).read_text(encoding="ascii") for name in names}
 
 
-def _find_token(form: str, description: Description, body: list[str]) -> str:
+def _find_token(form: str, description: ModelDescription, body: list[str]) -> str:
     """Return what ties the description to the binary: a digest of both, without date or version."""
     described = description.format_xml(form, "").replace(__version__, "")
     parts = [form, described, *body, *_find_sources(form).values()]

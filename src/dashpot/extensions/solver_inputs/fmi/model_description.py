@@ -45,7 +45,7 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Description:
+class ModelDescription:
     """All that modelDescription.xml says.
 
     Attributes
