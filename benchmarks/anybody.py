@@ -60,8 +60,8 @@ def spent_by(run: Callable[[], T]) -> tuple[T, float]:
 
 def optimum_alone(record: dp.RampHold, solid: dp.GeneralizedMaxwell, seed: int) -> None:
     """What SciPy takes for k_inf, k and tau of eq. 5 and nothing else."""
-    since = record.time[record.settled] - record.ramp_end
-    force, ramp, depth = record.force[record.settled], record.ramp_time, record.depth
+    since = record.time[record.settled_samples] - record.ramp_end
+    force, ramp, depth = record.force[record.settled_samples], record.ramp_time, record.depth
     arms, truth = len(solid.k), np.array((solid.k_inf, *solid.k, *solid.tau))
 
     def left(p: np.ndarray) -> np.ndarray:
@@ -81,9 +81,9 @@ def held(one: Record, found: dp.Fit, hold: float) -> dict[str, bool]:
     `hold`, s, is the T of k(T) as the record was understood: a rounded ramp ends where one says.
     """
     solid, inside = one.seal.solid, {}
-    if found.left_open is not None:
+    if found.stiffness_limits is not None:
         for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
-            low, high = found.left_open[name]
+            low, high = found.stiffness_limits[name]
             inside[f"{name} left open"] = low <= one.seal.secant(times * hold) <= high
     bounds = found.intervals()
     inside["k_inf"] = bounds["k_inf"][0] <= solid.k_inf <= bounds["k_inf"][1]

@@ -36,7 +36,7 @@ def covered(noise: Noise, seed: int, *, method: str = "hold", rate: float = 1000
     found = fit(test, arms=2, method=method, nuisance=nuisance)  # type: ignore[arg-type]
     if found.model.arms != SEAL.arms:
         return np.zeros(5, dtype=bool)
-    bounds = found.estimate.noise_alone.intervals(found.model, 0.95)
+    bounds = found.estimate.noise_only.intervals(found.model, 0.95)
     truth = (SEAL.k_inf, *SEAL.k, *SEAL.tau)
     ends = (bounds["k_inf"], *bounds["k"], *bounds["tau"])
     return np.array([low <= true <= high for true, (low, high) in zip(truth, ends, strict=True)])

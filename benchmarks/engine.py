@@ -246,8 +246,8 @@ def doors() -> None:
         return p[0] * x + q @ p[1:3] - record.force
 
     theirs = rival(whole, 2, 3)
-    held = record.force[record.settled]
-    after = record.time[record.settled] - record.ramp_end
+    held = record.force[record.settled_samples]
+    after = record.time[record.settled_samples] - record.ramp_end
     of_hold = rival(lambda p: hold(after, p) - held, 2, 5)
     for method, target, other in (("hold", (5, 25), of_hold), ("full", (10, 45), theirs)):
         call = partial(dashpot.fit, record, method=method)

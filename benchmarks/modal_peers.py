@@ -89,7 +89,7 @@ def shapes_by_dashpot(points: FRFSet) -> tuple[Told, tuple[ModeShape, ...]]:
     found = points.modes(band=BAND)
     stabilisation(points, band=BAND)
     seconds = process_time() - start
-    told = [(one.mode.frequency, one.mode.damping_ratio, one.normalised) for one in found]
+    told = [(one.mode.frequency, one.mode.damping_ratio, one.normalised_residues) for one in found]
     return Told(told, seconds), found
 
 

@@ -122,7 +122,7 @@ def made(folder: Path, tests: int) -> tuple[dict[str, float], dict[str, str]]:
 def judge(lot: dp.Lot, sound: dict[str, float], spoilt: dict[str, str]) -> None:
     table = lot.table.with_columns(pl.col("file").str.split("/").list.last().alias("name"))
     rows = {row["name"]: row for row in table.iter_rows(named=True)}
-    used = {file.rsplit("/", 1)[-1] for file in lot.used["file"]}
+    used = {file.rsplit("/", 1)[-1] for file in lot.rows_in_statistics["file"]}
     print(f"{len(rows)} rows of {len(sound) + len(spoilt)} files: {lot.outcomes}, {lot.verdicts}")
     for way in SPOILT:
         ours = [name for name, one in spoilt.items() if one == way]

@@ -112,7 +112,7 @@ def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]
         ("peak_height", one.seal.peak(mass, SEALS)[1], bound.peak_height),
     ):
         limits[name] = (np.nan, truth, np.nan) if pair is None else (pair[0], truth, pair[1])
-    opened = found.left_open
+    opened = found.stiffness_limits
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
         low, high = (np.nan, np.nan) if opened is None else opened[name]
         truth = float(one.seal.secant(times * record.hold_time))
@@ -144,7 +144,7 @@ def judged_conditioned(one: conditioning.Conditioned) -> dict[str, object]:
     except dp.DashpotError as error:
         said: dict[str, object] = {"use": "refused", "because": [str(error)]}
     else:
-        limits = conditioning.limits_of(one, found.left_open or {}, record.hold_time)
+        limits = conditioning.limits_of(one, found.stiffness_limits or {}, record.hold_time)
         said = {
             **_said(found.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
@@ -486,7 +486,7 @@ def _late_creep(one: Sheet) -> Answer:
     """Force over displacement at the end of the hold, by the limits."""
     test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
     found = dp.fit(test)
-    low, high = found.left_open["k_end"]
+    low, high = found.stiffness_limits["k_end"]
     truth = over_displacement(one.truth["solid"], found.evidence.end_of_hold.time)
     return found.verdict, WITHIN * abs(truth - (low + high) / 2) / ((high - low) / 2)
 

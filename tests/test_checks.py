@@ -2269,11 +2269,11 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
     check = solid.optimum_found(stationary=False)
     assert check.ends is Status.NOT_CONVERGED
     assert check == replace(check, ends=None)
-    assert list(check.document) == [
+    assert list(check.to_dict()) == [
         "name", "passed", "grade", "value", "limit", "message", "remedy"
     ]  # fmt: skip
     kept = json.loads(to_json(a_fit(arm(), checks=(check,))))["checks"]
-    assert kept == [check.document]
+    assert kept == [check.to_dict()]
 
 
 @pytest.mark.parametrize(
@@ -2627,7 +2627,7 @@ def test_advice_follows_only_where_a_check_fails() -> None:
     falling = replace(agreeing().predicted, value=1 / (1 + agreeing().predicted.frequency) + 0j)
     away = held(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)
     assert comparison.stiffness_agrees(away).says.startswith("The prediction has no peak from")
-    assert comparison.stiffness_agrees(away).told.endswith("length and the preload.")
+    assert comparison.stiffness_agrees(away).message_with_remedy.endswith("length and the preload.")
     assert "damping" not in comparison.peak_agrees(away).says
     assert "ratio 1.5" in comparison.damping_agrees(
         held(predicted_damping=0.03, measured_damping=0.02), peak(10)

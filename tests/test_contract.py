@@ -68,7 +68,7 @@ test, hits = dp.read("seal_8mm.csv"), dp.read("hammer.csv")
 test = dp.RelaxationTest(time=t, displacement=x, force=f, units="s, mm, N")
 fit = dp.fit(test, arms=2)
 intervals = fit.intervals(level=0.95)
-assert fit.verdict and fit.left_open and fit.certificate and fit.elastic_law
+assert fit.verdict and fit.stiffness_limits and fit.evidence.certificate and fit.elastic_law
 assert fit.model_at(2.6e-3) == fit.model
 loss_factor = fit.model.loss_factor(frequency="12.71Hz")
 modes = dp.fit(hits)

@@ -19,6 +19,7 @@ from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.base.units import find_unit, parse_column_title
+from dashpot.datamodel.fit import list_arm_values, list_known_values
 from dashpot.extensions.amplitude import page as level
 from dashpot.extensions.amplitude import text as amplitude_text
 from dashpot.extensions.amplitude.fit_files import level_files
@@ -136,7 +137,7 @@ def table(lines):
     return found
 
 
-def held(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.called):
+def held(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.label):
     for fact in facts_:
         assert name(fact) in rows, f"{fact.name} is missing"
         cells = rows[name(fact)]
@@ -147,13 +148,13 @@ def held(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.called):
 
 
 def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
-    names = [fact.name for fact in fit.known]
+    names = [fact.name for fact in list_known_values(fit)]
     assert len(set(names)) == len(names)
-    assert ("k_end" in names) == (fit.end_of_hold is not None)
+    assert ("k_end" in names) == (fit.evidence.end_of_hold is not None)
     if fit.family == "fractional":
         assert names[-4:] == ["k_inf", "k_0", "tau", "alpha"]
-    elif fit.parameters:
-        assert {name for name in fit.parameters if name[:2] != "ln"} <= set(names)
+    elif fit.estimate.parameters:
+        assert {name for name in fit.estimate.parameters if name[:2] != "ln"} <= set(names)
         assert sum(name[:2] == "b_" for name in names) == fit.model.arms
     else:
         assert names[-4:] == ["k_inf", "k_0", "tau from", "tau to"]
@@ -166,11 +167,14 @@ def in_the_terminal(fit):
 
 
 def test_the_text_has_every_fact(fit):
-    held(fit.known, in_the_terminal(fit))
+    held(list_known_values(fit), in_the_terminal(fit))
 
 
 def test_the_row_of_an_arm_holds_what_is_known_of_it(fit):
-    rows, known = table(results.fit(fit).lines), {fact.name: fact for fact in fit.known}
+    rows, known = (
+        table(results.fit(fit).lines),
+        {fact.name: fact for fact in list_known_values(fit)},
+    )
     for j in range(1, fit.model.arms + 1):
         arm = [known.get(f"{name}_{j}") for name in ("k", "tau", "b")]
         if all(arm):
@@ -180,15 +184,15 @@ def test_the_row_of_an_arm_holds_what_is_known_of_it(fit):
 
 def test_the_page_has_every_fact(fit):
     rows = {name: cells for name, *cells in tables.coefficients(fit, None).rows}
-    held(fit.known, rows, name=lambda fact: fact.symbol)
+    held(list_known_values(fit), rows, name=lambda fact: fact.symbol)
 
 
 def test_page_and_terminal_print_the_same_cells(fit):
     terminal = in_the_terminal(fit)
     for (_, value, between, unit), fact in zip(
-        tables.coefficients(fit, None).rows, fit.known, strict=True
+        tables.coefficients(fit, None).rows, list_known_values(fit), strict=True
     ):
-        cells = terminal[fact.called]
+        cells = terminal[fact.label]
         assert fact.cells.ascii.value == cells[0]
         assert value.startswith(fact.cells.value)
         assert between == fact.cells.interval
@@ -197,7 +201,7 @@ def test_page_and_terminal_print_the_same_cells(fit):
 
 def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     """b = k tau says of an arm what k and tau say."""
-    shown = [fact for fact in fit.known if fact.name[:2] != "b_"]
+    shown = [fact for fact in list_known_values(fit) if fact.name[:2] != "b_"]
     rows = {one.name: (one.value, one.unit) for one in view_models.terms(fit)}
     assert len(rows) == len(shown)
     held(shown, rows, name=lambda fact: fact.symbol)
@@ -214,7 +218,7 @@ def test_the_document_has_every_fact_in_si(fit):
     error, between = whole["standard_error"], whole["interval_95"]
     if fit.family != "maxwell":
         error, between = solid["standard_error"], solid["interval_95"]
-    for fact in fit.facts:
+    for fact in fit.reported_values:
         kind, _, place = fact.name.partition("_")
         if place.isdecimal() and fit.family == "maxwell":
             j = int(place) - 1
@@ -224,15 +228,15 @@ def test_the_document_has_every_fact_in_si(fit):
             continue
         else:
             there = solid[fact.name], error[fact.name], between[fact.name]
-        low = 0.0 if fact.topped else fact.low  # an end that the data leave open
+        low = 0.0 if fact.is_at_most else fact.low  # an end that the data leave open
         ends = [one if math.isfinite(one) else None for one in (low, fact.high)]
         known = fact.error is not None and math.isfinite(fact.error)
         size = fact.error if known else None
         assert there == (fact.value, size, ends), fact
-    for fact in fit.known:
+    for fact in list_known_values(fit):
         if fact.name == "k_end":
             assert tuple(whole["end_of_hold_limits"]["k_end"]) == (fact.low, fact.high)
-    assert whole["unit"] == fit.known[0].unit
+    assert whole["unit"] == list_known_values(fit)[0].unit
 
 
 def test_the_frame_has_every_fact_but_dashpots(fit):
@@ -244,7 +248,7 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
             strict=True,
         )
     }
-    shown = [fact for fact in fit.facts if fact.name[0] != "b"]
+    shown = [fact for fact in fit.reported_values if fact.name[0] != "b"]
     assert len(found) == len(shown)
     for one in shown:
         error = math.nan if one.error is None else one.error
@@ -256,7 +260,7 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
 def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
     room = fit.model.arms
     row_of = row._build_fit_columns(fit, 40.0, room) | row._build_uncertainty_columns(fit, room)
-    for one in fit.arm_facts:
+    for one in list_arm_values(fit):
         if one.name[0] == "b":
             continue
         column = row._column(one)
@@ -273,29 +277,29 @@ def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
 
 def test_what_a_fit_needed_is_told_alike(fits, bench):
     for fit in fits.values():
-        if not fit.nuisance:
+        if not fit.estimate.nuisance:
             continue
         text = results.fit(fit)
         (line,) = [one for one in (*text.lines, *text.details) if "  nuisance    " in one]
-        told = [term.fact for term in fit.nuisance]
-        each = ", ".join(f"{fact.called} {fact.cells.ascii.with_unit}" for fact in told)
+        told = [term.fact for term in fit.estimate.nuisance]
+        each = ", ".join(f"{fact.label} {fact.cells.ascii.with_unit}" for fact in told)
         assert re.sub(r" +nuisance +", "", line) == each
         for fact, (name, value, unit) in zip(told, tables.nuisances(fit).rows, strict=True):
             assert (name, value) == (fact.symbol, fact.cells.with_error)
             assert same(fact, value, unit)
-    assert any(fit.nuisance for fit in fits.values())
+    assert any(fit.estimate.nuisance for fit in fits.values())
 
 
 def test_compliances_and_shifts_are_told_as_they_are(fits):
     found = fits["creep"]
     (line,) = [one for one in results.fit(found).lines if one.startswith("  creep ")]
-    for fact in found.creep.facts("1/Pa"):
+    for fact in found.evidence.creep.list_values("1/Pa"):
         assert fact.cells.ascii.with_unit in line
         assert same(fact, fact.cells.value, fact.cells.unit)
     moved = fits["temperatures"].temperatures
     lines = results.fit(fits["temperatures"]).lines
     (law,) = [one for one in lines if one.startswith("  law ")]
-    assert all(f"{one.called} {one.cells.ascii.with_unit}" in law for one in moved.constants)
+    assert all(f"{one.label} {one.cells.ascii.with_unit}" in law for one in moved.constants)
     rows = table(lines)
     for shift in moved.shifts:
         along, across = shift.facts
@@ -310,7 +314,7 @@ def test_compliances_and_shifts_are_told_as_they_are(fits):
 def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
     ball = indent_file(bench / "hit.csv", indenter=indenter)
-    plain = ball.document
+    plain = ball.to_dict()
     held(ball.found, table(indentation_text.indentation(ball).lines))
     piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
@@ -380,7 +384,7 @@ def test_modes_say_the_same_in_text_and_app(bench):
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
     facts = list_mode_facts([("1", found.modes[0].mode)])
     app = {one.name: one for one in map(view_models.term, facts)}
-    frequency, ratio, residue = found.modes[0].mode.facts
+    frequency, ratio, residue = found.modes[0].mode.reported_values
     assert "Hz, damping ratio" in line
     for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):
         assert fact.cells.ascii.with_error in text
@@ -414,7 +418,7 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
     found = summary(lot, limits=asked)
     shell = "\n".join(found.lines)
     text = unescape(re.sub(r"<[^>]+>", " ", page.html(lot, found=found)))
-    said = found.main.gauge.says
+    said = found.main.gauge.summary
     assert said in text
     assert said in shell
     ndc = int(re.search(r"ndc (\d+)", said)[1])
@@ -470,7 +474,7 @@ def test_the_frame_says_the_same_as_the_document(bench, name):
     if name == "door":
         workflow.fit_files((str(bench / "seal_8mm.csv"),))[0].save(bench / "fit.json")
     found = find_it(lambda file: str(bench / file))
-    rows, told = frame(found), json.loads(json.dumps(found.document))
+    rows, told = frame(found), json.loads(json.dumps(found.to_dict()))
     assert len({len(column) for column in rows.columns.values()}) == 1
     assert set(rows.units) == set(rows.columns)
     assert of_frame(rows.columns) == of_document(told)

@@ -325,15 +325,15 @@ def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
 
 def of_one_reading(said: BatchOptions) -> BatchOptions:
     """A batch has one set of reading options: what is said of the hammer's files by theirs."""
-    bench = said.reading.without(OF_HAMMER_ALONE)
-    impact = replace(said.reading_impact.only(OF_HAMMER), frequency=bench.frequency)
+    bench = said.reading.drop_fields(OF_HAMMER_ALONE)
+    impact = replace(said.reading_impact.select_fields(OF_HAMMER), frequency=bench.frequency)
     return replace(said, reading=bench, reading_impact=replace(impact, units=dict(bench.units)))
 
 
 def of_its_files(job: Job) -> Job:
     """Nothing is said of a hammer's file where there is none, nor of hits in a bench's."""
-    bench = job.reading.without(OF_HAMMER)
-    impact = job.reading_impact if job.impact else bench.only(("units",))
+    bench = job.reading.drop_fields(OF_HAMMER)
+    impact = job.reading_impact if job.impact else bench.select_fields(("units",))
     job = replace(job, reading=bench, reading_impact=impact)
     usual = Job(job.relaxation)
     if not job.impact:
@@ -430,7 +430,7 @@ def batch_choices(draw: st.DrawFn) -> BatchOptions:
 
 @given(batch_choices())
 def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchOptions) -> None:
-    beside = said.reading_impact.only([name for name in OF_HAMMER if name != "frequency"])
+    beside = said.reading_impact.select_fields([name for name in OF_HAMMER if name != "frequency"])
     typed = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
     told = heard(batch_run, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
     assert told.heard[0].choices == said

@@ -10,11 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.fits import solid_errors, solid_intervals
 from kit.foreign.slow_arms import SlowPair, slow_pairs
 from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.datamodel.fit import (
+    list_arm_values,
+    list_known_values,
+)
 from dashpot.reading.read_options import ReadOptions
 from dashpot.report.result_page import kind_page
 from dashpot.text_output import results as text_of
@@ -61,23 +66,23 @@ def results(tmp_path_factory):
 @pytest.mark.parametrize("name", [*FILES, *OTHERS])
 def test_every_output_states_the_same_limit_of_k_inf(results, name):
     fit = results[name]
-    fact = next(one for one in fit.known if one.name == "k_inf")
+    fact = next(one for one in list_known_values(fit) if one.name == "k_inf")
     most = fact.high
-    assert fact.topped
+    assert fact.is_at_most
     assert most >= fit.model.k_inf
     # Python
     assert fit.intervals()["k_inf"] == (0, pytest.approx(most))
-    assert fit.solid_intervals()["k_inf"] == (0, pytest.approx(most))
+    assert solid_intervals(fit)["k_inf"] == (0, pytest.approx(most))
     assert math.isnan(fit.standard_error["k_inf"])
-    assert math.isnan(fit.solid_standard_error["k_inf"])
-    if fit.left_open is not None:
-        assert fit.left_open["k_inf"] == (0, pytest.approx(most))
+    assert math.isnan(solid_errors(fit)["k_inf"])
+    if fit.stiffness_limits is not None:
+        assert fit.stiffness_limits["k_inf"] == (0, pytest.approx(most))
     # documents, and what is read back
     document = json.loads(to_json(fit))
     assert document["standard_error"]["k_inf"] is None
     assert document["interval_95"]["k_inf"] == [0, pytest.approx(most)]
     again = from_json(to_json(fit))
-    assert again.arm_facts[0] == fit.arm_facts[0]
+    assert list_arm_values(again)[0] == list_arm_values(fit)[0]
     # text and page
     printed = f"{fact.cells.interval}"
     assert printed in "\n".join(text_of.fit(fit).lines)
@@ -86,7 +91,7 @@ def test_every_output_states_the_same_limit_of_k_inf(results, name):
         rows = [row for group in page.groups for row in group.rows]
         (stated,) = [row for row in rows if row.name in {"At rest, k∞", "Below the band"}]
         assert stated.low == "unknown"
-        assert float(stated.high) == pytest.approx(fact.shown(most), rel=2e-3)
+        assert float(stated.high) == pytest.approx(fact.to_display_unit(most), rel=2e-3)
     # solver inputs
     given = dp.Specimen(temperature=fit.specimen.temperature or 296.15, length=0.1)
     for solver, form in DECKS:
@@ -103,7 +108,9 @@ def test_an_arm_slower_than_the_tests_leaves_k_inf_inside_its_limit(number, tmp_
     for fit in fits_of(pair, tmp_path):
         low, high = fit.intervals()["k_inf"]
         assert low <= pair.seal.solid.k_inf <= high
-        now = {one.name: one.now for one in fit.moved}.get("k_inf", fit.facts[0])
+        now = {one.name: one.now for one in fit.evidence.parameter_changes}.get(
+            "k_inf", fit.reported_values[0]
+        )
         assert now.error is None
         assert now.high == pytest.approx(high)
         assert not any("with a standard error" in one.says for one in fit.checks)
@@ -125,11 +132,15 @@ def test_a_fit_for_use_is_written_and_its_notes_are_no_failed_checks(results):
 
 def test_the_limit_moves_with_temperature_and_stiffness(results):
     cold, warm = results["temperatures"], results["warmer"]
-    ends = cold.end_of_hold, warm.end_of_hold
+    ends = cold.evidence.end_of_hold, warm.evidence.end_of_hold
     if ends[0] is None:
         assert ends[1] is None
         return
     b_t = warm.model.k_inf / cold.model.k_inf
     assert ends[1].k_inf[1] >= 0.999 * b_t * ends[0].k_inf[1]
-    assert np.isclose(ends[1].of(warm.model), b_t * ends[0].of(cold.model), rtol=1e-3)
+    assert np.isclose(
+        ends[1].compute_stiffness(warm.model),
+        b_t * ends[0].compute_stiffness(cold.model),
+        rtol=1e-3,
+    )
     assert ends[1].time == pytest.approx(ends[0].time * cold.temperatures.law.a_t(288.15))

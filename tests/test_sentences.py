@@ -316,12 +316,12 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
     study = characterise(bench, estimate_frf(hammer, mass=mass), block=BlockOnSeals(mass, 2))
     assert study.verdict.use == "do not use"
     # what the page shows of both tests is of the one cause that explains them
-    assert study.joint.explanations[0].explains
+    assert study.joint.evidence.explanations[0].explains
     assert abs(study.joint_comparison.frequency_error) < 2e-3
-    assert not wrong(check.says for check in (*study.weighed, *study.every_check))
+    assert not wrong(check.says for check in (*study.verdict_checks, *study.every_check))
     said = [study.verdict.says, study.comparison.says]
-    said += [one.says for one in study.joint.explanations]
-    assert study.joint.explanations
+    said += [one.says for one in study.joint.evidence.explanations]
+    assert study.joint.evidence.explanations
     assert not [one for one in map(format_typographic, said) if CODE.search(one)]
 
 

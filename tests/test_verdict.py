@@ -116,7 +116,7 @@ def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     clean = answer(PAPER)
     wave = 0.7 * np.sin(np.linspace(0, 60, len(clean))) * (np.arange(len(clean)) > 200)
     found = fit_tests(prepared(clean + wave), arms=2)
-    assert found.residual.rms > 0.4
+    assert found.estimate.residual.rms > 0.4
     assert found.verdict.use == "do not use"
     assert "force_residual_small" in {check.name for check in found.verdict.because}
     assert not found.ok
@@ -129,11 +129,11 @@ def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> 
     low, high = found.intervals()["k_inf"]
     assert low == 0
     assert high > 93
-    (k_inf,) = [fact for fact in found.facts if fact.name == "k_inf"]
+    (k_inf,) = [fact for fact in found.reported_values if fact.name == "k_inf"]
     assert k_inf.error is None
-    assert k_inf.topped
-    assert found.left_open is not None
-    low, high = found.left_open["k_end"]
+    assert k_inf.is_at_most
+    assert found.stiffness_limits is not None
+    low, high = found.stiffness_limits["k_end"]
     assert 0.9 * flowing.relaxation(4.0) < low < flowing.relaxation(4.0) < high
     assert high < 1.1 * flowing.relaxation(4.0)
     # of an arm of 60 s a hold of 4 s shows the loss nowhere: the stiffness alone is known

@@ -43,10 +43,10 @@ def test_numbers_are_those_of_si_and_what_is_none_is_said():
     said = FormData.from_fields((MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"})
     assert said.number("mass", "mass") == pytest.approx(0.1148)
     assert said.range("between", "length") == pytest.approx((4e-3, 8e-3))
-    assert said.bare("density") is None
-    assert FormData.from_fields((DENSITY,), {"density": "1100"}).bare("density") == 1100.0
+    assert said.get_number("density") is None
+    assert FormData.from_fields((DENSITY,), {"density": "1100"}).get_number("density") == 1100.0
     with pytest.raises(DataError, match="moving mass is not given: type it beside the files"):
         FormData.from_fields((MASS,), {}).require_quantity("mass", "mass")
     for typed in ("heavy", "1.1 g/cm3"):
         with pytest.raises(DataError, match=f"density is '{typed}'; expected a number of kg/m"):
-            FormData.from_fields((DENSITY,), {"density": typed}).bare("density")
+            FormData.from_fields((DENSITY,), {"density": typed}).get_number("density")

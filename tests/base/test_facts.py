@@ -23,7 +23,7 @@ def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
     assert found.cells == ("k_1", "17.43", "0.20", "17.00 to 17.86", "N/mm")
     assert found.cells.with_error == "17.43 ± 0.20"
     assert found.symbol == "k₁"
-    assert found.says == "k_1 17.43 ± 0.20 N/mm, 95 % 17.00 to 17.86"
+    assert found.text == "k_1 17.43 ± 0.20 N/mm, 95 % 17.00 to 17.86"
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> Non
 
 def test_what_is_known_to_be_at_least_so_much_says_no_value() -> None:
     found = ReportedValue("life", math.nan, 3.6e6, math.inf, "s", read="h")
-    assert found.says == "life at least 1000 h"
+    assert found.text == "life at least 1000 h"
     assert found.cells[1:] == ("", "", "at least 1000", "h")
     assert found.ends == ("unknown", "1000", "no limit")
     # a value of an infinite interval is known
@@ -50,12 +50,12 @@ def test_what_is_known_to_be_at_least_so_much_says_no_value() -> None:
 
 def test_a_bound_alone_says_no_value() -> None:
     found = ReportedValue("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
-    assert found.says == "viscous time below 22.0 ms"
+    assert found.text == "viscous time below 22.0 ms"
 
 
 def test_a_value_that_is_at_most_so_much_says_both_and_no_error() -> None:
     found = ReportedValue("k_inf", 204.4, math.nan, 208.6, "N/m")
-    assert found.says == "k_inf 0.2044 N/mm, at most 0.2086"
+    assert found.text == "k_inf 0.2044 N/mm, at most 0.2086"
     assert found.cells[1:] == ("0.2044", "", "at most 0.2086", "N/mm")
     # one that meets its bound has the digits of a thousandth of it
     assert ReportedValue("k_inf", 204.4, math.nan, 204.4, "N/m").cells.interval == "at most 0.20440"
@@ -78,7 +78,7 @@ class Result(Serialisable):
 
 
 def test_a_document_is_a_list_of_attributes() -> None:
-    found = Result("linear", Part(math.inf), {"k": 2.0}).document
+    found = Result("linear", Part(math.inf), {"k": 2.0}).to_dict()
     assert found == {
         "schema": "dashpot/result@0", "law": "linear", "length": "Infinity", "high": "Infinity",
         "k": 2.0, "part": {"length": "Infinity", "inside": None},
@@ -95,12 +95,12 @@ class Whole(Serialisable):
     nothing: Part | None = None
 
     @property
-    def digested(self) -> bool:
+    def _has_digest(self) -> bool:
         return True
 
 
 def test_what_is_not_known_is_null_and_what_is_not_there_is_left_out() -> None:
-    found = Whole(Part(math.nan)).document
+    found = Whole(Part(math.nan)).to_dict()
     seal = found.pop(DIGEST)
     assert found == {
         "part": {"length": "NaN", "inside": None}, "result": None, "high": None,
@@ -119,8 +119,8 @@ class Taken(Serialisable):
 
 
 def test_what_takes_in_a_sealed_document_is_sealed_as_a_whole() -> None:
-    found = Taken(Whole(Part(1.0))).document
-    assert found[DIGEST] == compute_document_digest(found) != Whole(Part(1.0)).document[DIGEST]
+    found = Taken(Whole(Part(1.0))).to_dict()
+    assert found[DIGEST] == compute_document_digest(found) != Whole(Part(1.0)).to_dict()[DIGEST]
 
 
 def test_the_fields_go_back_the_way_they_came() -> None:

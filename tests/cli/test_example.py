@@ -124,9 +124,9 @@ def test_fit_takes_every_example_or_says_why_not(folder, monkeypatch, name):
     if name in NO_FIT:
         assert done.exit_code == 2
         (sentence,) = done.stderr.strip().splitlines()
-        assert sentence.startswith(f"dashpot: {name} is {seen.what}: ")
+        assert sentence.startswith(f"dashpot: {name} is {seen.kind_title}: ")
     else:
-        assert done.stderr.startswith(f"recognised {name}: {seen.what}\n")
+        assert done.stderr.startswith(f"recognised {name}: {seen.kind_title}\n")
         # a test that cannot be used is not fitted, and it is said why
         assert done.exit_code == (2 if name == "clipped.csv" else 0), done.output
         assert "Traceback" not in done.output

@@ -249,8 +249,8 @@ def test_a_pattern_that_matches_no_file_is_refused(flag: str) -> None:
 
 def test_a_job_of_several_files_reads_each_by_its_own() -> None:
     said = ReadOptions(force="F", own=(("h*.csv", ReadOptions(hammer="H")),))
-    assert (said.of("lab/h1.csv").hammer, said.of("lab/seal.csv").hammer) == ("H", None)
-    assert said.of("lab/h1.csv").force == "F"
+    assert (said.for_file("lab/h1.csv").hammer, said.for_file("lab/seal.csv").hammer) == ("H", None)
+    assert said.for_file("lab/h1.csv").force == "F"
 
 
 # -- what a file is, and what suits it ------------------------------------------------------------

@@ -177,7 +177,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
     fit = handmade.two_arms()
     wide = fit.covariance.copy()
     for name in ("k_1", "ln_tau_1"):
-        row = fit.parameters.index(name)
+        row = fit.estimate.parameters.index(name)
         wide[row, row] *= 1e8
     text = results.fit(altered(fit, covariance=wide, profiles=()))
     rows = {line.split()[0]: line for line in text.lines if line.strip()}
@@ -401,7 +401,7 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
         DepthStiffness(8e-3, 200.0, 202.0, (100.0, 0.0), (1.0, 1.0)),
         DepthStiffness(4e-3, 150.0, 152.0, (80.0, 20.0), (1.0, 1.0)),
     )
-    lines = "\n".join(results.fit(a_fit(solid, by_depth=depths)).lines)
+    lines = "\n".join(results.fit(a_fit(solid, stiffness_by_depth=depths)).lines)
     assert "k_2" in lines
     assert "0.0200" in lines
 

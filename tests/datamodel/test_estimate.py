@@ -9,6 +9,7 @@ from kit.fits import a_fit
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.parameter_estimate import Profile
+from dashpot.extensions.materials.csr.lifetime_prediction import scale_for_aging
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_json
 
@@ -31,10 +32,10 @@ def test_errors_hold_noise_and_rig_and_the_noise_alone_stays():
     of_noise = (noise["b"][0] / 58.75) ** 2
     rig = (2 / 117.5) ** 2 + (3 / 117.5 + 0.04) ** 2
     assert error["b"][0] == pytest.approx(58.75 * np.sqrt(of_noise + rig))
-    assert fit.estimate.noise_alone == quiet.estimate
-    assert quiet.estimate.noise_alone is quiet.estimate
+    assert fit.estimate.noise_only == quiet.estimate
+    assert quiet.estimate.noise_only is quiet.estimate
     # a second rig leaves the noise as it is
-    assert fit.estimate.with_rig(MOVED).noise_alone == quiet.estimate
+    assert fit.estimate.with_rig(MOVED).noise_only == quiet.estimate
 
 
 def test_either_side_of_a_profile_grows_by_what_the_rig_may_have_done():
@@ -57,10 +58,10 @@ def test_what_scales_a_fit_scales_both():
     twice = fit.in_parallel(2)
     assert twice.standard_error["k"] == pytest.approx(2 * np.array(fit.standard_error["k"]))
     assert twice.standard_error["tau"] == pytest.approx(fit.standard_error["tau"])
-    quiet, before = (one.estimate.noise_alone for one in (twice, fit))
+    quiet, before = (one.estimate.noise_only for one in (twice, fit))
     assert quiet.errors(twice.solid)["k_1"] == pytest.approx(2 * before.errors(SEAL)["k_1"])
-    aged = fit.aged(ReportedValue("left", 0.5, error=0.1), "after a year")
-    of_noise = aged.estimate.noise_alone.errors(aged.solid)["k_1"]
+    aged = scale_for_aging(fit, ReportedValue("left", 0.5, error=0.1), "after a year")
+    of_noise = aged.estimate.noise_only.errors(aged.solid)["k_1"]
     assert of_noise == pytest.approx(np.hypot(0.5 * 1.175, 0.1 * 117.5))
     assert aged.standard_error["k"][0] == pytest.approx(
         np.sqrt((0.5 * fit.standard_error["k"][0]) ** 2 + 11.75**2)
@@ -71,9 +72,9 @@ def test_a_document_keeps_both():
     fit = doubted()
     again = from_json(to_json(fit))
     assert again == fit
-    assert again.estimate.noise_alone == fit.estimate.noise_alone
+    assert again.estimate.noise_only == fit.estimate.noise_only
     # one of no doubted rig has one covariance
-    assert "of_noise" not in a_fit(SEAL).document
+    assert "of_noise" not in a_fit(SEAL).to_dict()
 
 
 def test_each_covariance_has_a_row_a_parameter():

@@ -64,11 +64,11 @@ def test_a_shell_shows_a_few_lines(nouns, name):
 
 def test_a_long_description_is_cut():
     class Long(HasSummary):
-        described = tuple(f"line {i}" for i in range(40))
+        summary_lines = tuple(f"line {i}" for i in range(40))
 
     assert len(repr(Long()).splitlines()) == LINES
     assert repr(Long()).endswith("\n...")
-    Long.described = Long.described[:LINES]
+    Long.summary_lines = Long.summary_lines[:LINES]
     assert repr(Long()).endswith(f"line {LINES - 1}")
 
 
@@ -150,11 +150,13 @@ def test_every_noun_that_offers_a_table_has_one() -> None:
     given = {
         kind
         for kind in offered
-        if kind.series is not HasSummary.series
+        if kind.table_columns is not HasSummary.table_columns
         or frame.dispatch(kind) is not frame.dispatch(object)
     }
     facts = {
-        kind for kind in offered if getattr(kind, "facts", None) not in {None, HasVerdict.facts}
+        kind
+        for kind in offered
+        if getattr(kind, "reported_values", None) not in {None, HasVerdict.reported_values}
     }
     assert offered == given | facts
 

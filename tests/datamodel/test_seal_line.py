@@ -25,7 +25,7 @@ def test_the_stations_carry_the_whole_line(pitch, at, length, factor):
     """The sum of factor times length is the length of the line, with what its joints add."""
     line = SealLine(DOOR, joints=(Joint(at, length, factor),))
     stations = line.stations(pitch)
-    assert line.closed
+    assert line.is_closed
     assert stations.length.sum() == pytest.approx(4.6)
     carried = float(stations.factor @ stations.length)
     assert carried == pytest.approx(4.6 + (factor - 1) * length, rel=1e-9)
@@ -60,7 +60,7 @@ def test_no_cell_reaches_over_a_corner_a_joint_or_the_end_of_a_long_straight_pie
     line = SealLine(points, joints=(Joint(0.2, 0.02, 3.0),))
     stations = line.stations(0.025)
     # 0.19 m before the joint, its 0.02 m, 0.29 m behind it; 0.157 m of curve; 0.5 m
-    cells = [(0.19, 4), (0.02, 1), (0.29, 6), (float(line.along[-2]) - 0.5, 3), (0.5, 10)]
+    cells = [(0.19, 4), (0.02, 1), (0.29, 6), (float(line.arc_length[-2]) - 0.5, 3), (0.5, 10)]
     halves = np.concatenate([np.full(2 * count, span / count / 2) for span, count in cells])
     assert stations.length == pytest.approx(halves)
     assert stations.factor[stations.along < 0.19] == pytest.approx(1)
@@ -115,16 +115,18 @@ def test_a_section_is_what_was_tested_over_its_length():
     """Force and tangent of a metre are those of the piece over its length, at any compression."""
     law = ElasticLaw((0.0, 0.004, 0.008), (0.5, 0.9, 1.7), 200.0)
     fit = altered(a_fit(BROAD), elastic_law=law, specimen=Specimen(length=0.1))
-    section = SealSection.of(fit)
+    section = SealSection.from_fit(fit)
     x = np.array([0.0, 0.002, 0.006, 0.008])
     assert section.solid.k_inf == pytest.approx(10 * fit.solid.k_inf)
     assert section.factor(x) == pytest.approx(law.factor(x))
     assert section.factor(-1e-9) == section.force(-1e-9) == 0
-    assert SealSection.of(fit, length="50mm").solid.k_inf == pytest.approx(20 * fit.solid.k_inf)
+    assert SealSection.from_fit(fit, length="50mm").solid.k_inf == pytest.approx(
+        20 * fit.solid.k_inf
+    )
     slope = (section.force(x + 1e-7) - section.force(x - 1e-7))[1:3] / 2e-7
     assert slope == pytest.approx(section.solid.k_inf * section.factor(x[1:3]), rel=1e-6)
     with pytest.raises(DataError, match="was tested is not known"):
-        SealSection.of(altered(fit, specimen=Specimen()))
+        SealSection.from_fit(altered(fit, specimen=Specimen()))
 
 
 @pytest.mark.parametrize(

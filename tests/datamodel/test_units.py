@@ -102,7 +102,7 @@ def test_a_part_and_a_material_do_not_mix():
 
 def test_no_document_holds_the_word():
     test = RelaxationTest(T, X, F, units="s, mm, N")
-    assert "units" not in test.document
+    assert "units" not in test.to_dict()
     assert from_json(to_json(test)) == test
 
 

@@ -65,7 +65,11 @@ def test_a_point_estimate_knows_no_error_of_any_parameter():
     found = build_fit(SolidEstimate(PAPER, POINT), UNJUDGED, Provenance("full"))
     assert np.isinf(np.diag(found.covariance)).all()
     assert found.covariance.shape == (5, 5)
-    assert (found.residual.n, found.residual.sse, found.residual.rms) == (100, 25.0, 0.5)
+    assert (
+        found.estimate.residual.n,
+        found.estimate.residual.sse,
+        found.estimate.residual.rms,
+    ) == (100, 25.0, 0.5)
     assert found.status is Status.CONVERGED
     assert found.verdict.use == "use with care"
 

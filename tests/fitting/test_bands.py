@@ -62,7 +62,7 @@ def test_a_fit_of_too_few_arms_has_limits_although_it_leaves_no_degree_of_freedo
     """One arm for Table 1's two, no noise: what is left are some six slow swings."""
     test = prepare(simulate_relaxation(PAPER, rig=Rig().noise_free()).test)
     one = fit(test, arms=1)
-    assert one.dof < 1
+    assert one.estimate.dof < 1
     with np.errstate(all="raise", under="ignore"):
         band = unseen_arm_band(one, test, AT)
     truth = PAPER.complex_stiffness(omega=2 * np.pi * AT)
@@ -379,6 +379,6 @@ def test_over_a_base_every_limit_holds_what_it_should(broad_fit: Fit, broad_test
     # near the peak the motion is that of the accelerance, and so is its doubt
     forced = frf_band(broad_fit, broad_test, **words)
     assert band.peak_frequency == pytest.approx(forced.peak_frequency, rel=1e-12)
-    assert "m/m" in band.peak_says
+    assert "m/m" in band.peak_text
     with pytest.raises(DataError, match="expected accelerance or transmissibility"):
         frf_band(broad_fit, broad_test, kind="mobility", **words)

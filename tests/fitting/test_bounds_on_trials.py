@@ -32,7 +32,7 @@ def answers(kind: Kind, *, seed: int, bench: Bench) -> tuple[bool, bool, bool, b
     band = frf_band(found, test, mass=mass, seals=2, frequency=f[peak : peak + 1])
     (low,), (high,) = band.unseen
     least, most = band.peak_height or (0.0, np.inf)
-    left, T = found.left_open, test.hold_time
+    left, T = found.stiffness_limits, test.hold_time
     assert left is not None
     return (
         low <= magnitude[peak] <= high,

@@ -65,7 +65,7 @@ def test_a_clipped_force(test: RampHold) -> None:
     check = named(found, "force_not_clipped")
     assert check.failed
     assert "is clipped at 1.9 N" in check.says
-    assert "Use a larger range of the sensor" in check.told
+    assert "Use a larger range of the sensor" in check.message_with_remedy
     assert not found.ok
     assert record_checks.force_not_clipped(test).passed
     spring = record_of(GeneralizedMaxwell(200.0), noise=0.0)
@@ -80,7 +80,7 @@ def test_a_force_below_the_resolution(test: RampHold) -> None:
     assert check.failed
     assert check.value is not None
     assert check.value < 20
-    assert "cannot show a decay. Press deeper" in check.told
+    assert "cannot show a decay. Press deeper" in check.message_with_remedy
     fine = record_checks.force_resolved(np.round(test.force * 1280) / 1280)
     assert fine.passed
     assert fine.value == pytest.approx(np.ptp(test.force) * 1280, rel=0.01)
@@ -91,7 +91,7 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
     coarse = replace(test, displacement=np.round(test.displacement / 2e-4) * 2e-4)
     check = named(fit(coarse, arms=2), "depth_resolved")
     assert check.failed
-    assert "Use a finer encoder" in check.told
+    assert "Use a finer encoder" in check.message_with_remedy
     sharp, blunt = (np.sqrt(of_noise(fit(one, arms=2)).covariance[0, 0]) for one in (test, coarse))
     assert blunt > 2 * sharp
     assert blunt == pytest.approx(
@@ -113,7 +113,7 @@ def test_a_plate_that_creeps(test: RampHold) -> None:
 def test_a_hold_too_short_for_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
     check = named(fit(record_of(paper_seal, hold=6.0), arms=1), "hold_outlasts_ramp")
     assert check.failed
-    assert "Hold longer, or ramp faster." in check.told
+    assert "Hold longer, or ramp faster." in check.message_with_remedy
 
 
 def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) -> None:
@@ -129,7 +129,7 @@ def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) ->
 def test_a_ramp_with_too_few_samples(paper_seal: GeneralizedMaxwell) -> None:
     check = named(fit(record_of(paper_seal, rate=5.0), arms=1), "ramp_sampled")
     assert check.failed
-    assert "An arm as fast as the ramp cannot be seen. Sample faster." in check.told
+    assert "An arm as fast as the ramp cannot be seen. Sample faster." in check.message_with_remedy
 
 
 def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
@@ -163,7 +163,7 @@ def test_arms_that_merge() -> None:
     assert found.model.arms == 2
     check = named(found, "arms_distinct")
     assert check.failed
-    assert "cannot separate two arms. Use 1 arm." in check.told
+    assert "cannot separate two arms. Use 1 arm." in check.message_with_remedy
 
 
 def test_more_arms_than_the_data_support(test: RampHold) -> None:
@@ -173,7 +173,7 @@ def test_more_arms_than_the_data_support(test: RampHold) -> None:
     if found.model.arms > 2:
         assert check.failed
         assert "cannot be separated from noise" in check.says
-        assert "Use fewer arms" in check.told
+        assert "Use fewer arms" in check.message_with_remedy
 
 
 def test_an_arm_slower_than_the_hold() -> None:
@@ -232,7 +232,7 @@ def test_drift_that_hides_a_slow_arm() -> None:
     loose = replace(record_of(slow, noise=2e-2), machine=Machine(drift=1.0))
     check = named(fit(loose, arms=1), "drift_distinguished_from_arm")
     assert check.failed
-    assert "Record a longer baseline before contact" in check.told
+    assert "Record a longer baseline before contact" in check.message_with_remedy
     # eq. 5 has no ramp to tell them apart either
     assert named(fit(loose, arms=1, method="hold"), "drift_distinguished_from_arm").failed
     alone = fit(record_of(slow), arms=1, method="hold", nuisance=())
@@ -253,7 +253,7 @@ def test_rules_that_disagree_say_so() -> None:
 def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
     check = named(fit(test, max_arms=1), "order_agreed")
     assert check.failed
-    assert "That is the most that was tried. Ask for more than 1 arms." in check.told
+    assert "That is the most that was tried. Ask for more than 1 arms." in check.message_with_remedy
     assert named(fit(test), "order_agreed").passed
 
 
@@ -265,7 +265,7 @@ def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
     found = fit(replace(test, displacement=eased, force=seal.force(test.time, eased)), arms=2)
     check = named(found, "hold_and_full_agree")
     assert check.failed
-    assert "Use the fit of ramp and hold" in check.told
+    assert "Use the fit of ramp and hold" in check.message_with_remedy
     assert found.model.k[0] == pytest.approx(117.5, rel=1e-5)
     assert named(fit(test, arms=2), "hold_and_full_agree").passed
 
@@ -283,7 +283,7 @@ def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> Non
     found = fit(replace(test, force=noise, force_noise=1.0))
     check = named(found, "valid_band_exists")
     assert check.failed
-    assert "Reduce the noise, press deeper, or hold longer." in check.told
+    assert "Reduce the noise, press deeper, or hold longer." in check.message_with_remedy
     assert found.band[0] == found.band[1]
     whole = fit(test)
     assert (

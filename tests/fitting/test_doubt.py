@@ -8,12 +8,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from kit.fits import solid_intervals
 from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.rigs import RIGS, Record, read
 from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
@@ -53,8 +54,8 @@ def foreign(truth: int, rig: str) -> tuple[Record, RampHold, Fit]:
 
 def width(found: Fit) -> float:
     """Of k(T), N/m."""
-    assert found.end_of_hold is not None
-    low, high = found.end_of_hold.k_end
+    assert found.evidence.end_of_hold is not None
+    low, high = found.evidence.end_of_hold.k_end
     return high - low
 
 
@@ -67,7 +68,9 @@ def test_a_hold_bears_that_its_clocks_are_apart() -> None:
     for sync in (5e-3, 20e-3):
         record = prepare(simulate_relaxation(PAPER, seed=1).test, machine=Machine(sync=sync))
         found = fit(record, arms=2, method="hold")
-        errors[sync] = {name: fact.error for fact in found.known if (name := fact.name)}
+        errors[sync] = {
+            name: fact.error for fact in list_known_values(found) if (name := fact.name)
+        }
         (told,) = [one for one in found.checks if one.name == "arms_supported"]
         errors[sync]["told"] = told.value
         slope = np.asarray(found.model.k) / np.asarray(found.model.tau)
@@ -87,8 +90,8 @@ def test_a_profile_bears_it_as_well() -> None:
     for sync in (5e-3, 2.0):
         record = prepare(replace(test, force=test.force + noise), machine=Machine(sync=sync))
         found = fit(record, arms=2, method="hold")
-        assert "k_2" in {one.parameter for one in found.profiles}
-        (fact,) = [one for one in found.known if one.name == "k_2"]
+        assert "k_2" in {one.parameter for one in found.estimate.profiles}
+        (fact,) = [one for one in list_known_values(found) if one.name == "k_2"]
         ends.append(fact.high - fact.low)
         errors.append(fact.error)
     assert errors[1] > 1.15 * errors[0]
@@ -107,9 +110,9 @@ def test_intervals_of_arms_hold_what_a_rig_did_unseen(rig: str) -> None:
         for j, (k, tau) in enumerate(zip(one.seal.solid.k, one.seal.solid.tau, strict=True), 1)
         for name, value in (("k", k), ("tau", tau), ("b", k * tau))
     }
-    known = {fact.name: fact for fact in found.known}
+    known = {fact.name: fact for fact in list_known_values(found)}
     assert all(known[name].low < value < known[name].high for name, value in truth.items())
-    quiet = found.estimate.noise_alone.ends(found.solid, 0.95)
+    quiet = found.estimate.noise_only.ends(found.solid, 0.95)
     missed = [name for name, value in truth.items() if not quiet[name][0] < value < quiet[name][1]]
     assert len(missed) >= 3
     # a stiffness of which nothing is known would be held as well
@@ -125,7 +128,7 @@ def test_a_named_rig_leaves_little_but_the_noise(record: RampHold, method: str) 
     )
     unknown, known = (fit(one, arms=2, method=method) for one in (record, named))
     wide, narrow = (one.standard_error for one in (unknown, known))
-    quiet = known.estimate.noise_alone.standard_errors(known.model)
+    quiet = known.estimate.noise_only.standard_errors(known.model)
     for name in ("k", "tau", "b"):
         for j in range(2):
             assert quiet[name][j] <= narrow[name][j]
@@ -139,7 +142,7 @@ def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHol
     time = record.time - record.time[0]
     each = compute_unmeasured_effects(record, time, record.displacement, found.model)
     assert names <= set(each)
-    covariance = found.estimate.covariance - found.estimate.noise_alone.covariance
+    covariance = found.estimate.covariance - found.estimate.noise_only.covariance
     total = np.zeros_like(covariance)
     here = np.array([found.model.k_inf, *found.model.k, *np.log(found.model.tau)])
     for name in names:
@@ -190,7 +193,7 @@ def test_a_drift_grows_as_its_root_once_the_cell_is_warm() -> None:
 def test_a_baseline_and_a_cell_speak_together() -> None:
     """The product of two normal densities, the first wider by what a slope may change."""
     cell, final, duration = Machine(drift=2e-4), 1.5, 40.0
-    mean, sd, told = cell.drift_told((3e-4, 1e-4), final, duration)
+    mean, sd, told = cell.combine_drift((3e-4, 1e-4), final, duration)
     seen = 1e-8 + (1e-3 * final / duration) ** 2
     at = np.linspace(-2e-3, 2e-3, 40001)
     density = np.exp(-((at - 3e-4) ** 2) / 2 / seen - at**2 / 2 / 4e-8)
@@ -201,9 +204,9 @@ def test_a_baseline_and_a_cell_speak_together() -> None:
     # determined by the baseline where it leaves less than .7 of what was known
     edge = math.sqrt(1 / (1 / 0.7**2 - 1)) * 2e-4
     error = math.sqrt(edge**2 - (1e-3 * final / duration) ** 2)
-    assert cell.drift_told((0.0, 0.99 * error), final, duration)[2]
-    assert not cell.drift_told((0.0, 1.01 * error), final, duration)[2]
-    assert cell.drift_told((9.0, math.inf), final, duration) == (0.0, 2e-4, False)
+    assert cell.combine_drift((0.0, 0.99 * error), final, duration)[2]
+    assert not cell.combine_drift((0.0, 1.01 * error), final, duration)[2]
+    assert cell.combine_drift((9.0, math.inf), final, duration) == (0.0, 2e-4, False)
 
 
 def test_a_baseline_that_contradicts_the_data_sheet_is_not_averaged() -> None:
@@ -213,7 +216,7 @@ def test_a_baseline_that_contradicts_the_data_sheet_is_not_averaged() -> None:
     for slope in (2.9 * spread, -2.9 * spread, 3.1 * spread, -3.1 * spread):
         conflict = cell.drift_conflict((slope, 1e-5), final, duration)
         assert conflict == pytest.approx(abs(slope) / (3 * spread))
-        mean, sd, told = cell.drift_told((slope, 1e-5), final, duration)
+        mean, sd, told = cell.combine_drift((slope, 1e-5), final, duration)
         if conflict > 1:
             assert (mean, told) == (0.0, False)
             assert sd == pytest.approx(math.hypot(2e-4, slope))
@@ -249,7 +252,7 @@ def test_a_give_is_that_of_a_spring_in_series(record: RampHold) -> None:
 
 
 def test_a_crosshead_settles_where_no_reading_moves(record: RampHold) -> None:
-    assert record.readings_moved == 0
+    assert record.changed_readings == 0
     column, sd = columns(record)["settling"]
     assert sd == pytest.approx(1.25e-3 * record.depth)
     assert (column[: record.hold.start - 50] == 0).all()
@@ -291,10 +294,13 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
     """
     found = fit(record)
     wide = compute_end_limits(
-        [relaxation_data(record, found)], time=record.hold_time, own=found.model, dof=found.dof
+        [relaxation_data(record, found)],
+        time=record.hold_time,
+        own=found.model,
+        dof=found.estimate.dof,
     )
     for name in ("k_end", "k_3end", "k_inf"):
-        ends, others = getattr(wide, name), getattr(found.end_of_hold, name)
+        ends, others = getattr(wide, name), getattr(found.evidence.end_of_hold, name)
         np.testing.assert_allclose(ends, others, atol=0.07 * np.ptp(wide.k_end))
 
 
@@ -311,11 +317,11 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
 
 
 def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
-    end = fit(record).end_of_hold
+    end = fit(record).evidence.end_of_hold
     assert end is not None
     known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
     assert end.named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
-    assert "give the drift, compliance and creep of the machine" in end.says("N/m")
+    assert "give the drift, compliance and creep of the machine" in end.format_with_remedy("N/m")
     assert replace(end, named=0.79).remedy.startswith("Record a baseline")
     assert replace(end, named=0.81).remedy == "Hold longer."
     assert replace(end, named=math.nan).remedy == "Hold longer."
@@ -332,7 +338,7 @@ def test_a_rig_that_is_known_tells_the_end_of_the_hold_to_less_than_a_hundredth(
     for truth in TRUTHS[:3]:
         one = read(Seal(truth), protocol_of(truth), rig)
         test = RelaxationTest(one.time, one.displacement, one.force, units="SI")
-        end = fit(prepare(test, machine=Machine(**one.told))).end_of_hold
+        end = fit(prepare(test, machine=Machine(**one.told))).evidence.end_of_hold
         assert end is not None
         low, high = end.k_end
         assert low < one.seal.secant(end.time) < high
@@ -353,14 +359,14 @@ def test_several_tests_together_are_a_point(record: RampHold) -> None:
 def test_k_inf_is_at_most_and_k_of_t_lies_in_its_interval(record: RampHold) -> None:
     found = fit(record)
     low, high = found.intervals()["k_inf"]
-    assert found.end_of_hold is not None
-    assert (low, high) == (0.0, found.end_of_hold.k_inf[1])
-    assert found.solid_intervals()["k_inf"] == (low, high)
+    assert found.evidence.end_of_hold is not None
+    assert (low, high) == (0.0, found.evidence.end_of_hold.k_inf[1])
+    assert solid_intervals(found)["k_inf"] == (low, high)
     k = found.model.k_inf
     narrow, wide = found.intervals(0.68)["k_inf"][1], found.intervals(0.99)["k_inf"][1]
     assert k <= narrow < high < wide
     assert (wide - k) / (high - k) == pytest.approx(2.576 / 1.96, rel=1e-3)
-    first, second, *_ = found.known
+    first, second, *_ = list_known_values(found)
     assert first.name == "k_end"
     assert first.low <= first.value <= first.high
     assert second.cells.interval.startswith("at most")
@@ -371,7 +377,7 @@ def test_limits_hold_a_fit_that_the_record_would_not() -> None:
     """One arm for two: its k(T) lies outside what the record allows, and says so."""
     test = prepare(simulate_relaxation(PAPER, seed=2).test)
     poor = fit(replace(test, machine=KNOWN), arms=0)
-    end = poor.end_of_hold
+    end = poor.evidence.end_of_hold
     assert end is not None
     assert end.beyond > 0.25
     assert end.k_end[0] <= float(poor.model.relaxation(end.time)) <= end.k_end[1]
@@ -386,9 +392,11 @@ def test_a_named_compliance_carries_no_noise_of_the_force() -> None:
     # the encoder's readings are what they were
     steps = record.travel / record.displacement_quantum
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-3)
-    held = record.given[record.settled]
+    held = record.given[record.settled_samples]
     assert np.std(np.diff(held)) < 0.2 * 50e-6 * np.sqrt(2) * record.force_noise
-    assert np.mean(held) == pytest.approx(50e-6 * np.mean(record.force[record.settled]), rel=1e-3)
+    assert np.mean(held) == pytest.approx(
+        50e-6 * np.mean(record.force[record.settled_samples]), rel=1e-3
+    )
     mass = one.seal.mass_at(12.7, 2)
     bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
     assert bound.unseen[0, 0] <= bound.magnitude[0] <= bound.unseen[1, 0]
@@ -398,7 +406,7 @@ def test_a_named_compliance_carries_no_noise_of_the_force() -> None:
 def test_a_force_that_is_five_milliseconds_late_leaves_the_bound_right() -> None:
     """By its tangent at no delay the resonance of this seal was put below 12.69 Hz."""
     one, record, found = foreign(40, "skew 5 ms, 1 kHz")
-    late = next(n.value for n in found.nuisance if n.name == "delay")
+    late = next(n.value for n in found.estimate.nuisance if n.name == "delay")
     assert late == pytest.approx(5e-3, abs=1e-3)
     mass = one.seal.mass_at(12.7, 2)
     bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
@@ -482,7 +490,7 @@ HIDDEN = ("drift .2 mN/s", "compliance 50 um/N", "crosshead creep 20 um", "seal 
 
 def holds(truth: int, rig: str) -> bool:
     one, _, found = foreign(truth, rig)
-    end = found.end_of_hold
+    end = found.evidence.end_of_hold
     assert end is not None
     wanted = {n: one.seal.secant(times * end.time) for n, times in (("k_end", 1), ("k_3end", 3))}
     wanted["k_inf"] = one.seal.secant(np.inf)
@@ -507,10 +515,12 @@ def test_limits_hold_the_solid_that_is_shown():
     """A fractional solid's own k_inf lies above the bound of arms: it is not printed outside it."""
     record = prepare(simulate_relaxation(PAPER, hold_time=40.0, seed=1).test)
     found = fit(record, family="fractional")
-    (shown,) = [one for one in found.facts if one.name == "k_inf"]
+    (shown,) = [one for one in found.reported_values if one.name == "k_inf"]
     assert shown.value <= shown.high
-    limits = found.left_open
+    limits = found.stiffness_limits
     assert limits is not None
-    here, later = (float(found.model.relaxation(n * found.end_of_hold.time)) for n in (1, 3))
+    here, later = (
+        float(found.model.relaxation(n * found.evidence.end_of_hold.time)) for n in (1, 3)
+    )
     assert limits["k_end"][0] <= here <= limits["k_end"][1]
     assert limits["k_3end"][0] <= later <= limits["k_3end"][1]

@@ -12,7 +12,7 @@ from kit import hardening
 from kit.fits import a_fit
 
 from dashpot.base.errors import Status
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_fitted_mass, list_reported_nuisances
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.identification.discrepancy_causes import as_other_count
@@ -83,19 +83,19 @@ def told(found: Fit) -> str:
 
 def test_tests_that_agree_need_no_explanation() -> None:
     found = joint(1)
-    assert found.explanations == ()
+    assert found.evidence.explanations == ()
     assert found.verdict.use == "use"
     assert not any(check.failed and check.grade != "note" for check in found.checks)
 
 
 def test_what_is_free_anyway_explains_nothing_more() -> None:
     found = identify(hammer(1, scale=1.15), tests=pressed(1), fit=alone(1), seals=2)
-    assert "mass" not in {one.name for one in found.explanations}
+    assert "mass" not in {one.name for one in found.evidence.explanations}
 
 
 def test_a_fit_with_explanations_survives_its_json() -> None:
     found = stiffer()
-    assert found.explanations
+    assert found.evidence.explanations
     assert from_json(to_json(found)) == found
 
 
@@ -105,7 +105,7 @@ def test_a_fit_with_explanations_survives_its_json() -> None:
 @pytest.mark.parametrize("scale", [1.15, 0.9])
 def test_stiffer_seals_under_the_hammer_are_told_as_that(scale: float) -> None:
     found = joint(1, scale=scale)
-    lead = found.explanations[0]
+    lead = found.evidence.explanations[0]
     assert lead.name == "stiffness"
     assert lead.explains
     assert lead.value == pytest.approx(scale, abs=max(3 * lead.standard_error, 0.003))
@@ -126,21 +126,21 @@ def test_intervals_hold_the_doubt_of_which_is_right() -> None:
 
 def test_a_wrong_mass_and_a_wrong_gain_are_told_as_such() -> None:
     found = joint(1, mass=1.05 * MASS)
-    mass = found.explanations[0]
+    mass = found.evidence.explanations[0]
     assert (mass.name, mass.explains) == ("mass", True)
     # the cause leads, and what follows from it is no graver
     lead, *others = found.verdict.because
     assert lead.name == "tests_agree"
     assert {one.grade for one in others} <= {lead.grade}
     assert mass.value == pytest.approx(1.05 * MASS, rel=2e-3)
-    gain = joint(1, gain=1.08).explanations[0]
+    gain = joint(1, gain=1.08).evidence.explanations[0]
     assert (gain.name, gain.explains) == ("gain", True)
     assert gain.value == pytest.approx(1.08, rel=5e-3)
 
 
 def test_two_causes_at_once_are_not_explained_by_one() -> None:
     found = joint(1, scale=1.15, gain=1.3)
-    lead, *others = found.explanations
+    lead, *others = found.evidence.explanations
     assert (lead.name, lead.explains) == ("mass and stiffness", True)
     # of lines alone a gain looks like a mass and a stiffness: both are named
     assert "It is as well explained by another gain and stiffness of the seals" in lead.says
@@ -155,12 +155,12 @@ def test_two_causes_at_once_are_not_explained_by_one() -> None:
 def test_a_wrong_mass_is_found_whatever_else_is_held(seed: int, said: float) -> None:
     """Of a mass given a tenth off the truth lies within three standard errors, one value of it."""
     found = joint(seed, mass=MASS / said)
-    lead = found.explanations[0]
+    lead = found.evidence.explanations[0]
     assert lead.explains
     assert lead.name.startswith("mass")
     assert lead.value == pytest.approx(MASS / said, abs=3 * lead.standard_error)
     # the solid is the one that explains both: nothing else on the screen is of another
-    assert found.mass_found == lead.value
+    assert get_fitted_mass(found) == lead.value
     assert found.model.k_inf == pytest.approx(alone(seed).model.k_inf, rel=0.005)
     text = told_text(found)
     printed = {
@@ -175,9 +175,9 @@ def test_a_wrong_mass_is_found_whatever_else_is_held(seed: int, said: float) -> 
     lost = replace(
         found, evidence=replace(found.evidence, explanations=(replace(lead, explains=False),))
     )
-    assert found.also_fitted == found.nuisance
-    assert lost.also_fitted == ()
-    assert lost.mass_found is None
+    assert list_reported_nuisances(found) == found.estimate.nuisance
+    assert list_reported_nuisances(lost) == ()
+    assert get_fitted_mass(lost) is None
 
 
 @pytest.mark.slow
@@ -186,7 +186,7 @@ def test_of_twenty_wrong_masses_the_named_value_is_right() -> None:
     far = 0
     for seed in range(20):
         said = (0.85, 0.9, 0.93, 1.07, 1.1, 1.15)[seed % 6]
-        lead = joint(seed, mass=MASS / said).explanations[0]
+        lead = joint(seed, mass=MASS / said).evidence.explanations[0]
         right = lead.explains and lead.name.startswith("mass")
         far += not (right and abs(lead.value - MASS / said) < 3 * lead.standard_error)
     assert far <= 1
@@ -201,22 +201,22 @@ def test_another_mode_in_the_frf_is_no_disagreement() -> None:
         replace(frf, value=frf.value + other), tests=pressed(1), fit=alone(1), mass=MASS, seals=2
     )
     assert any(check.failed for check in found.checks if check.name == "lines_explained")
-    assert found.explanations == ()
+    assert found.evidence.explanations == ()
 
 
 def test_an_earlier_fit_alone_is_contradicted_too() -> None:
     found = identify(hammer(1, scale=1.15), fit=alone(1), mass=MASS, seals=2)
-    assert found.explanations[0].name == "stiffness"
-    assert found.explanations[0].value == pytest.approx(1.15, abs=0.005)
+    assert found.evidence.explanations[0].name == "stiffness"
+    assert found.evidence.explanations[0].value == pytest.approx(1.15, abs=0.005)
 
 
 @pytest.mark.slow
 def test_fifteen_per_cent_are_told_over_many_seeds() -> None:
-    leads = [joint(seed, scale=1.15).explanations[0] for seed in range(40)]
+    leads = [joint(seed, scale=1.15).evidence.explanations[0] for seed in range(40)]
     assert sum(one.name == "stiffness" and one.explains for one in leads) >= 38
     z = [(one.value - 1.15) / one.standard_error for one in leads]
     assert sum(abs(value) < 1.96 for value in z) >= 34
-    sound = [joint(seed).explanations for seed in range(40)]
+    sound = [joint(seed).evidence.explanations for seed in range(40)]
     assert sum(one == () for one in sound) >= 38
 
 
@@ -237,23 +237,23 @@ def test_seals_that_harden_agree_at_the_masss_own_compression() -> None:
     at = hardening.resting(MASS, SEALS)
     frf = hammer(1, scale=factor(at))
     found = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2)
-    assert found.explanations == ()
-    nuisance = {item.name: item for item in found.nuisance}["stiffness_factor"]
+    assert found.evidence.explanations == ()
+    nuisance = {item.name: item for item in found.estimate.nuisance}["stiffness_factor"]
     assert nuisance.value == pytest.approx(factor(at), abs=3 * nuisance.standard_error)
     assert found.model.k_inf == pytest.approx(196.5, abs=3 * np.sqrt(found.covariance[0, 0]))
     assert found.elastic_law is not None
     assert found.elastic_law.stiffness == found.model.k_inf
     # the straight law puts the mass where it is not
-    assert joint(1, scale=factor(at)).explanations[0].name == "stiffness"
+    assert joint(1, scale=factor(at)).evidence.explanations[0].name == "stiffness"
 
 
 def test_another_compression_is_named() -> None:
     frf = hammer(1, scale=factor(5e-3))
     found = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2)
-    assert found.explanations[0].name == "stiffness"
+    assert found.evidence.explanations[0].name == "stiffness"
     assert re.search(r"gives this at (4\.9\d|5) mm, not 3\.24 mm", told(found))
     agreed = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2, compression=5e-3)
-    assert agreed.explanations == ()
+    assert agreed.evidence.explanations == ()
 
 
 # -- the number of arms -------------------------------------------------------------------------
@@ -269,7 +269,7 @@ def voigt(seed: int = 0, b: float = 0.3) -> FRF:
 
 def test_no_arm_is_no_answer_where_something_dissipates() -> None:
     found = identify(voigt(), mass=0.1)
-    scores = {order.arms: order.bic for order in found.orders}
+    scores = {order.arms: order.bic for order in found.evidence.orders}
     assert scores[0] > scores[found.model.arms] + 50
     assert found.model.arms > 0
     told = next(check for check in found.checks if check.name == "dashpot_not_missed")
@@ -295,7 +295,7 @@ def test_a_spring_needs_no_arm_and_no_dashpot() -> None:
 
 def test_a_hand_made_fit_without_a_law_is_taken_as_it_is() -> None:
     found = identify(hammer(2), fit=a_fit(TABLE_1, relative=0.01), mass=MASS, seals=2)
-    assert "stiffness_factor" not in {item.name for item in found.nuisance}
+    assert "stiffness_factor" not in {item.name for item in found.estimate.nuisance}
 
 
 @pytest.mark.parametrize(

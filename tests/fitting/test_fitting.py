@@ -74,8 +74,8 @@ def test_table_1_comes_back_exactly(
     found = fit(ideal(paper_seal), arms=arms, method=method)  # type: ignore[arg-type]
     assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
     assert found.status is Status.CONVERGED
-    assert found.certificate is not None
-    assert found.residual.rms < 1e-9
+    assert found.evidence.certificate is not None
+    assert found.estimate.residual.rms < 1e-9
 
 
 def test_one_arm_on_the_hold_as_the_paper_compares(paper_seal: GeneralizedMaxwell) -> None:
@@ -91,16 +91,18 @@ def test_one_arm_on_the_full_history(paper_seal: GeneralizedMaxwell) -> None:
     assert found.model.k_inf == pytest.approx(202.2, abs=0.05)
     assert found.model.k[0] == pytest.approx(96.2, abs=0.05)
     assert found.model.tau[0] == pytest.approx(0.986, abs=0.0005)
-    assert found.nuisance == ()
+    assert found.estimate.nuisance == ()
 
 
 def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) -> None:
     found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
-    assert [order.arms for order in found.orders] == [0, 1, 2]
-    assert found.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
-    assert found.orders[2].model == found.model
-    assert found.orders[2].sse < found.orders[1].sse < found.orders[0].sse
-    assert found.residual.sse == pytest.approx(found.orders[2].sse, rel=1e-9)
+    assert [order.arms for order in found.evidence.orders] == [0, 1, 2]
+    assert found.evidence.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
+    assert found.evidence.orders[2].model == found.model
+    assert (
+        found.evidence.orders[2].sse < found.evidence.orders[1].sse < found.evidence.orders[0].sse
+    )
+    assert found.estimate.residual.sse == pytest.approx(found.evidence.orders[2].sse, rel=1e-9)
 
 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
@@ -158,7 +160,7 @@ def test_a_spring_is_a_model(noise: float, arms: int | str) -> None:
     found = fit(ideal(GeneralizedMaxwell(150.0), noise=noise), arms=arms)  # type: ignore[arg-type]
     assert found.model.arms == 0
     assert found.model.k_inf == pytest.approx(150.0, rel=1e-8 if noise == 0 else 1e-3)
-    assert found.parameters == ("k_inf",)
+    assert found.estimate.parameters == ("k_inf",)
     assert found.status is Status.CONVERGED
     assert found.intervals()["k"] == ()
     low, high = found.intervals()["k_inf"]
@@ -229,7 +231,7 @@ def test_tare_and_drift_are_found_and_do_no_harm(paper_seal: GeneralizedMaxwell)
     moved = replace(test, force=test.force + 0.05 + 2e-4 * (test.time - test.time[0]))
     found = fit(moved, arms=2)
     assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
-    offset, drift, delay = found.nuisance
+    offset, drift, delay = found.estimate.nuisance
     assert (offset.name, offset.unit) == ("offset", "N")
     assert offset.value == pytest.approx(0.05, rel=1e-6)
     assert (drift.name, drift.unit) == ("drift", "N/s")
@@ -285,7 +287,7 @@ def test_several_tests_share_one_solid(paper_seal: GeneralizedMaxwell) -> None:
     assert np.all(np.abs(np.subtract(five(both.model), TRUTH)) < 4 * errors)
     for one in (slow, fast):
         assert np.all(errors < five_errors(fit(one, arms=2)))
-    assert [nuisance.name for nuisance in both.nuisance] == [
+    assert [nuisance.name for nuisance in both.estimate.nuisance] == [
         "offset of test 1", "drift of test 1", "delay of test 1",
         "offset of test 2", "drift of test 2", "delay of test 2",
     ]  # fmt: skip
@@ -304,7 +306,7 @@ def test_intervals_are_asymmetric_in_tau_and_widen_with_level(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
     found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
-    assert found.profiles == ()
+    assert found.estimate.profiles == ()
     narrow, wide = found.intervals(0.68), found.intervals(0.99)
     for tau, (low, high), (lower, higher) in zip(
         found.model.tau, narrow["tau"], wide["tau"], strict=True
@@ -328,10 +330,10 @@ def test_b_is_known_better_than_k_for_an_arm_inside_the_ramp() -> None:
 def test_a_doubtful_arm_gets_a_profile() -> None:
     seal = GeneralizedMaxwell(196.5, (50.0,), (150.0,))
     found = fit(ideal(seal, noise=5e-3, seed=1), arms=1)
-    assert {profile.parameter for profile in found.profiles} == {
+    assert {profile.parameter for profile in found.estimate.profiles} == {
         "k_inf", "k_1", "ln_tau_1", "ln_b_1",
     }  # fmt: skip
-    for profile in found.profiles:
+    for profile in found.estimate.profiles:
         assert np.all(np.diff(profile.value) > 0)
         assert profile.deviance.min() == 0.0
     bounds = found.intervals(0.95)
@@ -386,7 +388,7 @@ def test_profile_and_covariance_agree_where_both_hold() -> None:
         profiled = fit(test, arms=1)
     finally:
         module.WALD_SUFFICES = before
-    assert len(profiled.profiles) == 4
+    assert len(profiled.estimate.profiles) == 4
     bounds = profiled.intervals()
     np.testing.assert_allclose(bounds["tau"][0], wald["tau"][0], rtol=1e-3)
     np.testing.assert_allclose(bounds["k"][0], wald["k"][0], rtol=1e-3)
@@ -460,7 +462,7 @@ def test_auto_tries_no_more_than_a_short_record_can_determine(
 ) -> None:
     for hold in (7.0, 9.0, 12.0):
         found = fit(ideal(paper_seal, rate=1.0, hold=hold))
-        assert len(found.orders) <= 1 + (found.residual.n - 4) // 2
+        assert len(found.evidence.orders) <= 1 + (found.estimate.residual.n - 4) // 2
     dense = fit(ideal(paper_seal, rate=1.0, hold=12.0), arms=5)
     assert dense.status is not Status.CONVERGED
 

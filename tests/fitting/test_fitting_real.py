@@ -94,8 +94,8 @@ def test_the_afm_record_is_fitted_with_its_own_motion(afm_test: RampHold) -> Non
     )
     stopped = fit(still, arms=2)
     # but for the samples before the tip may have moved
-    assert 0.99 * len(afm_test.time) < found.residual.n < len(afm_test.time) == 75_800
-    assert found.residual.rms < 0.02 * afm_test.force.max()
+    assert 0.99 * len(afm_test.time) < found.estimate.residual.n < len(afm_test.time) == 75_800
+    assert found.estimate.residual.rms < 0.02 * afm_test.force.max()
     # a plate taken to stand still turns its creep into relaxation that was not there
     assert stopped.model.k_inf != pytest.approx(found.model.k_inf, rel=0.02)
     check = next(check for check in found.checks if check.name == "hold_is_still")
@@ -112,8 +112,8 @@ def test_muscle_keeps_the_stiffness_of_its_hold(real_data: Path, ramp: float) ->
     found = fit(test)
     assert found.elastic_law is not None
     assert found.elastic_law.kind == "piecewise"
-    assert found.left_open is not None
-    low, high = found.left_open["k_end"]
+    assert found.stiffness_limits is not None
+    low, high = found.stiffness_limits["k_end"]
     last = float(test.force[test.hold][-1]) / test.depth
     assert 0.95 * low < last < 1.05 * high
     assert abs(float(found.model.relaxation(test.hold_time)) / last - 1) < 0.05 or (

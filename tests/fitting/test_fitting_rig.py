@@ -107,7 +107,7 @@ def test_a_profile_counts_the_noise_that_it_meets_on_its_way(seed: int) -> None:
     """
     test = coverage.record(coverage.SEAL, coverage.NOISES["ar500ms"], seed, rate=200.0)
     found = fit(test, arms=2)
-    low, high = found.estimate.noise_alone.intervals(found.model, 0.95)["k_inf"]
+    low, high = found.estimate.noise_only.intervals(found.model, 0.95)["k_inf"]
     assert low < coverage.SEAL.k_inf < high
     # the standard error at the optimum knows nothing of that
     error = np.sqrt(of_noise(found).covariance[0, 0])
@@ -122,7 +122,7 @@ def test_naive_intervals_would_not_cover() -> None:
         record = coverage.record(coverage.SEAL, noise, seed, rate=200.0)
         found = fit(record, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
         value, error = estimates(of_noise(found))
-        hits.append(np.abs(value - TRUTH) < 1.96 * error / np.sqrt(found.residual.kappa))
+        hits.append(np.abs(value - TRUTH) < 1.96 * error / np.sqrt(found.estimate.residual.kappa))
     assert np.mean(hits) < 0.75
 
 
@@ -145,7 +145,7 @@ def test_of_a_cell_that_is_not_named_any_drift_is_covered(name: str) -> None:
         drift = priors(test).doubt.sd * np.random.default_rng((seed, 7)).standard_normal()
         drifted = replace(test, force=test.force + drift * test.time)
         found = fit(drifted, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
-        bounds = found.estimate.noise_alone.intervals(found.model, 0.95)
+        bounds = found.estimate.noise_only.intervals(found.model, 0.95)
         ends = np.array((bounds["k_inf"], *bounds["k"], *bounds["tau"]))
         hits.append((ends[:, 0] <= TRUTH) & (ends[:, 1] >= TRUTH))
     share = np.mean(hits, axis=0)
@@ -169,7 +169,7 @@ def test_arms_as_fast_as_the_noise_are_counted_in_its_metric(seed: int) -> None:
     check = {check.name: check for check in found.checks}
     assert check["order_agreed"].passed
     assert "in its own metric" in check["order_agreed"].says
-    assert [score.significant for score in found.orders[1:4]] == [True] * 3
+    assert [score.significant for score in found.evidence.orders[1:4]] == [True] * 3
     # that an arm is needed is not that it is known
     located = bool(np.all(np.array(found.standard_error["tau"]) < 0.5 * np.array(found.model.tau)))
     assert check["arms_supported"].passed is located
@@ -264,10 +264,10 @@ def test_arms_asked_for_are_tried_beyond_what_auto_would() -> None:
     # a delay that may be 5 ms does for a fast arm
     prepared = prepare(simulate_relaxation(PAPER, seed=4).test, machine=Machine(sync=1e-3))
     auto, asked = fit(prepared), fit(prepared, arms=5)
-    tried = [order.arms for order in auto.orders]
+    tried = [order.arms for order in auto.evidence.orders]
     assert tried == [0, 1, 2, 3]
     assert asked.model.arms > max(tried)
-    assert asked.orders[-1].sse < auto.orders[-1].sse
+    assert asked.evidence.orders[-1].sse < auto.evidence.orders[-1].sse
 
 
 @pytest.mark.parametrize(("memory", "most"), [(1.0, 1.7), (3.0, 2.0)])

@@ -191,7 +191,7 @@ def test_mass_is_found_where_it_is_not_given(isolator_frf: FRF) -> None:
         arms=3,
         rig=HammerRig(gain_sd=0.0, delay_sd=0.0),
     )
-    mass = next(item for item in found.nuisance if item.name == "mass")
+    mass = next(item for item in found.estimate.nuisance if item.name == "mass")
     assert mass.value == pytest.approx(5.0, rel=0.01)
     assert abs(mass.value - 5.0) < 4 * mass.standard_error
 
@@ -208,7 +208,7 @@ def test_gain_and_delay_are_told() -> None:
         arms=1,
         rig=HammerRig(gain_sd=0.0, delay_sd=1e-3),
     )
-    delay = next(item for item in found.nuisance if item.name == "delay")
+    delay = next(item for item in found.estimate.nuisance if item.name == "delay")
     assert delay.value == pytest.approx(2e-4, abs=4 * delay.standard_error)
     assert delay.standard_error < 2e-5
     assert found.model.k == pytest.approx((3e4,), rel=0.05)
@@ -227,7 +227,7 @@ def test_arms_that_the_lines_reject_are_not_returned() -> None:
     spring = GeneralizedMaxwell(4e4, b=40.0)
     measured = noisy(predict_frf(spring, mass=2.0, frequency=np.linspace(3, 60, 115)), 0.01, 7)
     found = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, known=VOIGT)
-    assert found.model.arms < 3 or not found.orders[0].significant
+    assert found.model.arms < 3 or not found.evidence.orders[0].significant
     assert found.status in {Status.FEWER_ARMS, Status.NOT_IDENTIFIED, Status.TAU_AT_BOUND}
 
 

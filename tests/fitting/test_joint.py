@@ -13,7 +13,7 @@ from kit.foreign.truths import TRUTHS, Seal
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError, Status
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_error_label, get_hammer_stiffness_factor
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
@@ -51,7 +51,7 @@ def joint(broad_frf: FRF, broad_test: RampHold, broad_fit: Fit) -> Fit:
 
 
 def mass_of(fit: Fit) -> float:
-    return next(item.value for item in fit.nuisance if item.name == "mass")
+    return next(item.value for item in fit.estimate.nuisance if item.name == "mass")
 
 
 def held_against(frf: FRF, fit: Fit, mass: float):
@@ -79,7 +79,7 @@ def test_the_joint_fit_finds_the_stiffness_at_the_peak(joint: Fit) -> None:
 
 
 def test_the_mass_is_known_better_than_it_was_given(joint: Fit) -> None:
-    mass = next(item for item in joint.nuisance if item.name == "mass")
+    mass = next(item for item in joint.estimate.nuisance if item.name == "mass")
     assert mass.unit == "kg"
     assert mass.standard_error < 0.5 * 0.01 * BROAD_MASS
     # four arms stand for five, and the mass takes up a part of the difference
@@ -96,10 +96,10 @@ def test_no_mass_need_be_given(broad_frf: FRF, broad_test: RampHold, broad_fit: 
 
 
 def test_what_moved_is_told(joint: Fit, broad_fit: Fit) -> None:
-    moved = {item.name: item for item in joint.moved}
+    moved = {item.name: item for item in joint.evidence.parameter_changes}
     assert moved["k_inf"].before == broad_fit.model.k_inf
     assert moved["k_inf"].after == joint.model.k_inf
-    new = [item for item in joint.moved if item.before is None]
+    new = [item for item in joint.evidence.parameter_changes if item.before is None]
     assert {item.name for item in new} == {"k_1", "tau_1"}
     assert joint.model.arms == broad_fit.model.arms + 1
     slow = moved[f"tau_{joint.model.arms}"]
@@ -173,7 +173,7 @@ def test_tests_that_contradict_each_other_are_noticed(broad_frf: FRF, broad_test
     found = identify(broad_frf, tests=stiff, mass=BROAD_MASS, seals=2, arms=4)
     failed = {check.name for check in found.checks if check.failed}
     assert "tests_agree" in failed
-    assert found.under_hammer == pytest.approx(0.5, rel=0.02)
+    assert get_hammer_stiffness_factor(found) == pytest.approx(0.5, rel=0.02)
     assert found.model.k_inf == pytest.approx(2 * BROAD.k_inf, rel=0.05)
 
 
@@ -203,13 +203,15 @@ def test_the_jacobian_is_the_slope_of_the_residual(
     assert again.model.b == pytest.approx(solid.b)
     assert (again.mass, again.gain, again.delay) == pytest.approx((0.11, 1.01, 1e-5))
 
-    about = problem.about(theta)
-    slope = 2 * about.at(theta).gradient
+    about = problem.build_problem(theta)
+    slope = 2 * about.solve_linear(theta).gradient
     for i in range(len(theta)):
         move = np.zeros(len(theta))
         move[i] = 1e-4
         # rows turn with the relaxation times, their length does not
-        numeric = (about.at(theta + move).cost - about.at(theta - move).cost) / 2e-4
+        numeric = (
+            about.solve_linear(theta + move).cost - about.solve_linear(theta - move).cost
+        ) / 2e-4
         assert slope[i] == pytest.approx(numeric, rel=2e-4, abs=1e-4 * np.abs(slope).max())
 
 
@@ -241,7 +243,7 @@ def test_the_slope_of_every_line_and_prior(
     )
     solid = broad_fit.model + GeneralizedMaxwell(0.0, (30.0,), (0.01,), 0.3)
     theta = problem.pack(Parameters(solid, 0.11, 1.01, 1e-5, 1.05, 0.97))
-    hold_slopes(problem.about(theta), theta, np.zeros(0), rtol=1e-7, step=1e-3)
+    hold_slopes(problem.build_problem(theta), theta, np.zeros(0), rtol=1e-7, step=1e-3)
 
 
 def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
@@ -257,7 +259,7 @@ def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
         here = replace(problem, sought=Arms(2))
         theta = np.log([190.0, 30.0, 120.0, 0.01, 0.5])[order]
         theta = np.concatenate((theta, [np.log(0.11), 0.0, 0.0]))
-        told.append(_physical(Candidate(here, here.about(theta).at(theta))))
+        told.append(_physical(Candidate(here, here.build_problem(theta).solve_linear(theta))))
     for one, other in zip(*(each[1:] for each in told), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9)
 
@@ -269,17 +271,19 @@ def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
     start = problem.pack(
         Parameters(GeneralizedMaxwell(250.0, (60.0,), (0.02,), 1.0), 0.11, 1.0, 0.0)
     )
-    at = problem.at["b"]
+    at = problem.index["b"]
 
     def error(b: float) -> float:
         theta = start.copy()
         theta[at] = np.log(b)
-        return Candidate(problem, problem.about(theta).at(theta)).covariance[at, at]
+        return Candidate(problem, problem.build_problem(theta).solve_linear(theta)).covariance[
+            at, at
+        ]
 
     def felt(b: float) -> float:
         theta = start.copy()
         theta[at] = np.log(b)
-        size = np.linalg.norm(problem.about(theta).at(theta).jacobian, axis=0)
+        size = np.linalg.norm(problem.build_problem(theta).solve_linear(theta).jacobian, axis=0)
         return size[at] / size.max()
 
     # the column of ln b goes as b
@@ -323,7 +327,7 @@ def test_intervals_of_a_joint_fit_hold_what_a_rig_did_unseen(rig: str) -> None:
     frf = replace(clean, value=clean.value + sd * noise / np.sqrt(2), sd=sd)
     found = identify(frf, tests=held, mass=mass, seals=2, arms=2, rig=HammerRig(cable=0.0))
     truth = {"k_1": solid.k[0], "tau_1": solid.tau[0], "k_2": solid.k[1], "tau_2": solid.tau[1]}
-    known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_alone))
+    known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only))
     assert all(known[name][0] < value < known[name][1] for name, value in truth.items())
     assert not quiet["k_1"][0] < truth["k_1"] < quiet["k_1"][1]
     assert known["k_1"][1] - known["k_1"][0] < 0.15 * truth["k_1"]
@@ -348,11 +352,11 @@ def test_tests_at_several_temperatures_hold_what_a_rig_did_unseen() -> None:
         test = RelaxationTest(one.time, one.displacement, one.force, specimen=there, units="SI")
         records.append(prepare(test))
     found = fit(records, arms=2)
-    known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_alone))
+    known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only))
     for j, (k, tau) in enumerate(zip(seal.k, seal.tau, strict=True), start=1):
         assert known[f"k_{j}"][0] < k < known[f"k_{j}"][1]
         assert known[f"tau_{j}"][0] < tau < known[f"tau_{j}"][1]
     assert not quiet["k_1"][0] < seal.k[0] < quiet["k_1"][1]
     assert np.ptp(known["k_1"]) < 0.15 * seal.k[0]
-    assert found.error_beside == "± noise"
-    assert replace(found, estimate=found.estimate.noise_alone).error_beside == "± SE"
+    assert get_error_label(found) == "± noise"
+    assert get_error_label(replace(found, estimate=found.estimate.noise_only)) == "± SE"

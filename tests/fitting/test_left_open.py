@@ -39,7 +39,7 @@ def test_an_arm_slower_than_the_hold_is_left_open(tau: float, hold: float, metho
     solid, test = with_slow_arm(tau), pressed(with_slow_arm(tau), hold=hold)
     found = fit(test, method=method)
     assert found.model.k_inf > 1.005 * solid.k_inf
-    left, T = found.left_open, test.hold_time
+    left, T = found.stiffness_limits, test.hold_time
     assert left is not None
     assert left["k_inf"][0] == 0.0 < solid.k_inf < left["k_inf"][1]
     for (low, high), at in ((left["k_end"], T), (left["k_3end"], 3 * T)):
@@ -58,8 +58,8 @@ def test_a_known_drift_tells_the_end() -> None:
     """A free drift is what hides the end: the data sheet's narrows it."""
     test = pressed(PAPER)
     rigid = {"compliance": 0.0, "creep": 0.0, "rest": 1e5}
-    free = fit(replace(test, machine=Machine(**rigid))).left_open
-    known = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).left_open
+    free = fit(replace(test, machine=Machine(**rigid))).stiffness_limits
+    known = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).stiffness_limits
     assert free is not None
     assert known is not None
     assert np.ptp(known["k_end"]) < 0.7 * np.ptp(free["k_end"])
@@ -70,7 +70,7 @@ def test_no_weight_of_the_best_at_k_inf_is_no_limit_of_zero() -> None:
     """A power law flows on: the best spectrum has no spring, yet one may be there."""
     tau = np.geomspace(1e-3, 1e4, 40)
     solid = GeneralizedMaxwell(0.0, tuple(30 * tau**-0.15), tuple(tau))
-    left = fit(pressed(solid)).left_open
+    left = fit(pressed(solid)).stiffness_limits
     assert left is not None
     assert left["k_inf"][1] > 0.3 * left["k_end"][1]
     assert left["k_end"][0] < solid.relaxation(40.0) < left["k_end"][1]
@@ -78,7 +78,7 @@ def test_no_weight_of_the_best_at_k_inf_is_no_limit_of_zero() -> None:
 
 def test_several_tests_share_what_they_know() -> None:
     one, two = (pressed(BROAD, seed=seed) for seed in (1, 2))
-    alone, both = fit(one).left_open, fit([one, two]).left_open
+    alone, both = fit(one).stiffness_limits, fit([one, two]).stiffness_limits
     assert alone is not None
     assert both is not None
     assert np.ptp(both["k_end"]) < np.ptp(alone["k_end"])
@@ -95,9 +95,9 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
     found = fit(tests)
     assert found.elastic_law is not None
     assert found.elastic_law.kind == "piecewise"
-    left, truth = found.left_open, (1 + 4000.0 * 8e-3**2) * BROAD
+    left, truth = found.stiffness_limits, (1 + 4000.0 * 8e-3**2) * BROAD
     assert left is not None
-    T = found.end_of_hold.time  # type: ignore[union-attr]
+    T = found.evidence.end_of_hold.time  # type: ignore[union-attr]
     for name, t in (("k_end", T), ("k_3end", 3 * T)):
         for solid in (truth, found.model):
             assert left[name][0] < solid.relaxation(t) < left[name][1]  # type: ignore[literal-required]
@@ -106,26 +106,26 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
 
 def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
     again = from_json(to_json(broad_fit))
-    assert again.end_of_hold == broad_fit.end_of_hold
+    assert again.evidence.end_of_hold == broad_fit.evidence.end_of_hold
     kept = to_document(broad_fit)["end_of_hold_limits"]
-    assert kept["k_inf"] == list(broad_fit.left_open["k_inf"])
+    assert kept["k_inf"] == list(broad_fit.stiffness_limits["k_inf"])
     assert set(kept) == {
         "k_inf", "k_end", "k_at_3_end", "end_time", "slope_limit", "if_machine_named",
         "k_at_10_end", "test_kind",
     }  # fmt: skip
     pair = broad_fit.in_parallel(2)
-    assert pair.left_open["k_end"][1] == 2 * broad_fit.left_open["k_end"][1]
+    assert pair.stiffness_limits["k_end"][1] == 2 * broad_fit.stiffness_limits["k_end"][1]
 
 
 def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
-    assert end.says("N/m") == (
+    assert end.format_with_remedy("N/m") == (
         "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm. It may fall further, "
         "and ends at 0.1950 N/mm or below. Hold longer."
     )
     assert (
         replace(end, named=0.2)
-        .says("N/m")
+        .format_with_remedy("N/m")
         .endswith(
             "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
             "machine and the rest of the seal: k(40.0 s) is then known to about 0.8 % instead "
@@ -136,7 +136,7 @@ def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
 
 def test_a_verdict_is_no_surer_of_the_stiffness_than_the_limits_at_the_end_of_the_hold() -> None:
     found = a_fit(PAPER, band=(0.004, 0.32))
-    exact = replace(found.estimate, covariance=1e-12 * np.eye(len(found.parameters)))
+    exact = replace(found.estimate, covariance=1e-12 * np.eye(len(found.estimate.parameters)))
     k = float(found.model.relaxation(40.0))
     end = EndOfHold(40.0, (0.95 * k, 1.05 * k), (0.9 * k, k), (0.0, k), 0.1 * k)
     told = replace(found, estimate=exact, evidence=replace(found.evidence, end_of_hold=end))

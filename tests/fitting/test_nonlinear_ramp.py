@@ -98,7 +98,7 @@ def test_the_slope_is_the_derivative(knots: int, apart: bool) -> None:
     problem, shape = weighted.problem(2), np.array([0.8, 0.9, 1.0, 1.2])[:knots]
     for size in (1.0, 1.1):
         theta = solid.theta(np.log(PAPER.tau), size * shape / (solid.weights @ shape))
-        hold_slopes(problem, theta, problem.at(theta).beta)
+        hold_slopes(problem, theta, problem.solve_linear(theta).beta)
 
 
 def test_a_descent_leaves_less_than_noise() -> None:

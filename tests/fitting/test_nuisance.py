@@ -28,7 +28,9 @@ def late(samples: int, seed: int = 1) -> RampHold:
 
 
 def nuisance(found: dp.Fit, name: str) -> tuple[float, float]:
-    return next((one.value, one.standard_error) for one in found.nuisance if one.name == name)
+    return next(
+        (one.value, one.standard_error) for one in found.estimate.nuisance if one.name == name
+    )
 
 
 def test_what_is_known_before_the_fit() -> None:
@@ -176,7 +178,7 @@ def test_the_optimum_alone_is_that_of_the_whole_fit(method: str) -> None:
     test = late(0)
     whole, alone = (fit(test, arms=2, method=method, intervals=way) for way in (True, False))
     assert alone.model == whole.model
-    assert [n.value for n in alone.nuisance] == [n.value for n in whole.nuisance]
+    assert [n.value for n in alone.estimate.nuisance] == [n.value for n in whole.estimate.nuisance]
     assert alone.verdict.use == "use with care"
     # neither a band nor an error is reported where none was asked for
     assert alone.verdict.says == (

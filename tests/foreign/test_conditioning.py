@@ -38,7 +38,7 @@ def missed(one: Conditioned, found: Fit, hold: float) -> list[str]:
     """The limits that do not hold the truth."""
     return [
         name
-        for name, (low, truth, high) in limits_of(one, found.left_open or {}, hold).items()
+        for name, (low, truth, high) in limits_of(one, found.stiffness_limits or {}, hold).items()
         if not low <= truth <= high
     ]
 
@@ -112,8 +112,8 @@ def test_a_rest_that_is_stated_narrows_the_limits() -> None:
     ends = []
     for rest in (None, "1min", "1h"):
         _, found = fitted(one, machine=dp.Machine(rest=rest, compliance=0.0, creep=0.0))
-        assert found.left_open is not None
-        ends.append(float(np.ptp(found.left_open["k_end"])))
+        assert found.stiffness_limits is not None
+        ends.append(float(np.ptp(found.stiffness_limits["k_end"])))
     assert ends[0] > ends[1] > ends[2]
 
 
@@ -151,8 +151,12 @@ def test_a_second_depth_of_one_record_is_a_depth_of_its_own(rest: float) -> None
     _, force = pressed(THREE, 0.02, plate, bonded=False)
     force += np.random.default_rng(3).normal(0.0, 2e-3, len(time))
     found = dp.fit(dp.RelaxationTest(time, plate, force, units="SI"), elastic="by-depth")
-    assert [at.depth for at in found.by_depth] == pytest.approx([4e-3, 8e-3], rel=2e-3)
-    assert [at.k_inf for at in found.by_depth] == pytest.approx([200.0, 200.0], rel=0.05)
+    assert [at.depth for at in found.evidence.stiffness_by_depth] == pytest.approx(
+        [4e-3, 8e-3], rel=2e-3
+    )
+    assert [at.k_inf for at in found.evidence.stiffness_by_depth] == pytest.approx(
+        [200.0, 200.0], rel=0.05
+    )
     # what the second still remembers of the first is said
     assert ("earlier_loading_negligible" in found.verdict.reasons) == (rest < 100)
 

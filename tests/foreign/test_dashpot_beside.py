@@ -76,7 +76,7 @@ def test_a_record_reads_back_and_is_fitted_within_its_interval(tmp_path):
     np.testing.assert_array_equal(test.time, one.time)
     record = prepare(test)
     found = fit(record, arms=2)
-    bounds = found.left_open
+    bounds = found.stiffness_limits
     assert bounds is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
         low, high = bounds[name]

@@ -78,7 +78,7 @@ def test_the_limits_of_a_creep_test_hold_whichever_channel_is_late():
     for one, fit in late_creep():
         end = fit.evidence.end_of_hold
         for name, times in (("k_end", 1), ("k_3end", 3)):
-            low, high = fit.left_open[name]
+            low, high = fit.stiffness_limits[name]
             if not low <= over_displacement(one.truth["solid"], times * end.time) <= high:
                 missed.append(f"{one.name}: {name}")
     assert len(missed) <= (1 - HOLD) * 2 * EVERY, missed
@@ -141,7 +141,10 @@ def test_a_load_of_two_samples_claims_no_loss_between_samples(late):
 def test_what_is_known_of_the_clocks_of_a_creep_test_is_heeded():
     one = delayed("creep", 5, -1.0, 50.0)
     sure, usual = crept(one, 0.0), crept(one)
-    errors = [next(part for part in fit.nuisance if part.name == "delay") for fit in (sure, usual)]
+    errors = [
+        next(part for part in fit.estimate.nuisance if part.name == "delay")
+        for fit in (sure, usual)
+    ]
     # an operator who is wrong is held to it, and the verdict tells
     assert errors[0].prior_sd == pytest.approx(2e-4)
     assert errors[0].value != errors[1].value
@@ -264,5 +267,7 @@ def test_a_slam_is_fitted_to_its_force_alone_and_knows_no_delay(late):
         dp.fit(dp.SlamTest(one["time"], one["force"], each, units="SI"), mass=mass)
         for each in (one["acceleration"], moved)
     )
-    assert [fact.value for fact in other.facts] == [fact.value for fact in still.facts]
+    assert [fact.value for fact in other.reported_values] == [
+        fact.value for fact in still.reported_values
+    ]
     assert other.verdict.use == still.verdict.use

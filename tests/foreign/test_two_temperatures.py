@@ -50,7 +50,7 @@ def test_shifts_that_part_are_said() -> None:
     """By the data alone: what is held of the slope beforehand leaves it at 2 standard errors."""
     found = pair(HIDDEN, 2, part=0.8)
     assert off(found, HIDDEN) > 0.05
-    (slope,) = [one for one in found.nuisance if one.name == "shift slope"]
+    (slope,) = [one for one in found.estimate.nuisance if one.name == "shift slope"]
     assert abs(slope.value) < 3 * slope.standard_error
     (simple,) = [one for one in found.verdict.because if one.name == "thermorheologically_simple"]
     assert "By the data alone slow arms shift" in simple.says

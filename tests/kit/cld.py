@@ -138,7 +138,7 @@ def fit_of(law, *, arms=ARMS, scale=1.0, depth=8e-3):
     k = scale * float(law(np.array([depth]))[0]) / depth
     model = dp.GeneralizedMaxwell(k, tuple(k * g for g, _ in arms), tuple(tau for _, tau in arms))
     found = handmade.study().fit
-    evidence = replace(found.evidence, band=(1e-3, 10.0), by_depth=(), checks=())
+    evidence = replace(found.evidence, band=(1e-3, 10.0), stiffness_by_depth=(), checks=())
     return replace(found, solid=model, elastic_law=ElasticLaw.linear(k, depth), evidence=evidence)
 
 

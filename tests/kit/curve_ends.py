@@ -35,7 +35,7 @@ def fitted(one: Curve) -> dp.Fit:
 def judged(one: Curve) -> dict[str, object]:
     """The verdict, every limit with its truth, and how the plateau of the fit lies to the true."""
     found = fitted(one)
-    end = found.end_of_hold
+    end = found.evidence.end_of_hold
     limits = {}
     if end is not None:
         for name, times in NAMES.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields, replace
 from typing import Any
 
@@ -47,7 +48,7 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
 
 def of_noise(fit: Fit) -> Fit:
     """The fit with the errors of its residuals alone, as if its rig had done nothing unseen."""
-    return replace(fit, estimate=fit.estimate.noise_alone)
+    return replace(fit, estimate=fit.estimate.noise_only)
 
 
 def altered(fit: Fit, **given: object) -> Fit:
@@ -62,3 +63,21 @@ def altered(fit: Fit, **given: object) -> Fit:
 def formal_errors(fit):
     """Standard errors as `Fit.standard_error`, with that which the covariance has for k_inf."""
     return {**fit.standard_error, "k_inf": float(fit.covariance[0, 0] ** 0.5)}
+
+
+def solid_errors(fit: Fit) -> dict[str, float]:
+    """Return the standard errors of the model's own parameters; nan where there is none."""
+    return {
+        value.name: math.nan if value.error is None else value.error
+        for value in fit.reported_values
+        if not value.name.startswith("b")
+    }
+
+
+def solid_intervals(fit: Fit) -> dict[str, tuple[float, float]]:
+    """Return the 95 % intervals of the model's own parameters; nothing bounds k_inf from below."""
+    return {
+        value.name: (0.0 if math.isnan(value.low) else value.low, value.high)
+        for value in fit.reported_values
+        if not value.name.startswith("b")
+    }

@@ -121,7 +121,11 @@ def two_arms() -> Fit:
     two, one = fit_at((0.46, 15.9)), one_arm()
     orders = tuple(
         OrderScore(
-            fit.model.arms, fit.residual.sse, 8300 * np.log(fit.residual.sse), True, fit.model
+            fit.model.arms,
+            fit.estimate.residual.sse,
+            8300 * np.log(fit.estimate.residual.sse),
+            True,
+            fit.model,
         )
         for fit in (one, two)
     )

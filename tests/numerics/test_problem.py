@@ -63,8 +63,8 @@ def test_the_optimum_is_that_of_a_library_over_everything(slopes: bool) -> None:
 @settings(max_examples=20, deadline=None)
 def test_the_gradient_is_that_of_the_projected_cost(theta: float, seed: int) -> None:
     problem, h = decay(noisy(seed)), 1e-5
-    here = problem.at(np.array([theta]))
-    costs = [problem.at(np.array([theta + sign * h])).cost for sign in (-1, 1)]
+    here = problem.solve_linear(np.array([theta]))
+    costs = [problem.solve_linear(np.array([theta + sign * h])).cost for sign in (-1, 1)]
     slope = (costs[1] - costs[0]) / (2 * h)
     assert 2 * here.gradient[0] == pytest.approx(slope, rel=1e-4, abs=1e-6 * here.cost + 1e-8)
 
@@ -364,7 +364,7 @@ def test_a_profile_ends_where_the_deviance_is_that_of_the_level() -> None:
     noise = white_noise(best)
     known = estimate(best, noises=[noise])
     for end in ends(known):
-        held = decay(y).at(np.array([end]))
+        held = decay(y).solve_linear(np.array([end]))
         t = np.sqrt((held.cost - best.cost) / noise.power)
         assert t == pytest.approx(known.quantile(), rel=0.01)
 
@@ -386,7 +386,7 @@ def test_slices_of_a_profile_are_the_problem_with_one_theta_held() -> None:
     assert min(roots) == roots[len(slices) // 2] == 0
     for root, held in slices:
         theta = held.optimum.theta
-        again = require_optimum(problem.held(0, theta[0]), [best.theta[1:]])
+        again = require_optimum(problem.fix_parameter(0, theta[0]), [best.theta[1:]])
         np.testing.assert_allclose(theta[1:], again.theta, atol=1e-3)
         assert root**2 == pytest.approx(
             (again.cost - best.cost) / known.noises[0].power, rel=1e-2, abs=1e-6

@@ -195,7 +195,7 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
         after = exact.evaluate(moved_to)
         change = np.concatenate((after.fixed - before.fixed, after.arms - before.arms), axis=1)
         change = change @ beta
-        assert noise_gain.at(beta, moved_to) == pytest.approx(
+        assert noise_gain.evaluate(beta, moved_to) == pytest.approx(
             change @ dense @ change / (change @ change), rel=0.02
         )
 
@@ -205,7 +205,7 @@ def test_white_noise_meets_every_change_alike() -> None:
     solution = solve([exact], 2)
     noise_gain = NoiseGain([exact], [white(0.3)], solution)
     assert noise_gain.compute_step_gain(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
-    assert noise_gain.at(1.1 * solution.beta, solution.log_tau + 0.2) == pytest.approx(0.3)
+    assert noise_gain.evaluate(1.1 * solution.beta, solution.log_tau + 0.2) == pytest.approx(0.3)
 
 
 def test_the_fall_of_the_deviance_under_slow_noise_is_chance() -> None:

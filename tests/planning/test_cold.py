@@ -124,7 +124,7 @@ def test_the_sensitivities_are_slopes_of_both_forces():
         step[i] = 1e-5 * max(1.0, abs(p[i]))
         columns.append((records(p + step) - records(p - step)) / (2 * step[i]))
     J = np.array(columns).T / bench.noise
-    felt = HIDDEN.shifted(there.a_t, there.b_t)
+    felt = HIDDEN.shift_to_temperature(there.a_t, there.b_t)
     known = np.zeros((7, len(p)))
     known[:3, 7:10] = np.diag(1 / bench.prior_sd(HIDDEN))
     known[3:6, 13:16] = np.diag(1 / bench.prior_sd(felt))

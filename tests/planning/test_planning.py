@@ -19,6 +19,7 @@ from kit.trials import Seal, record, relaxation_test
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
+from dashpot.datamodel.fit import list_known_values
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nuisance_priors import priors
@@ -328,11 +329,11 @@ def test_naming_the_machine_is_said_with_what_it_gives() -> None:
     assert told.end.time == 40.0
     assert told.end.stiffness == pytest.approx(float(told.model.relaxation(40.0)))
     assert told.end.named < 0.5 * told.end.half_width
-    assert told.end.says in str(told)
-    assert "Record a baseline of 10 s" in told.end.says
+    assert told.end.message in str(told)
+    assert "Record a baseline of 10 s" in told.end.message
     known = planned(baseline=10.0, compliance=0.0, creep=0.0).end
     assert known.half_width == pytest.approx(told.end.named)
-    assert known.says == (
+    assert known.message == (
         f"At the end of the hold the stiffness k(40.0 s) would be known to about "
         f"{100 * known.half_width:.2g} %."
     )
@@ -350,7 +351,7 @@ def test_the_end_of_the_hold_is_known_as_it_was_planned(
     baseline: float, machine: dict[str, float]
 ) -> None:
     """A record of another rig: its limits over every spectrum are as wide within a half."""
-    end = fit(prepare(a_foreign_record(baseline), machine=Machine(**machine))).end_of_hold
+    end = fit(prepare(a_foreign_record(baseline), machine=Machine(**machine))).evidence.end_of_hold
     assert end is not None
     half = (end.k_end[1] - end.k_end[0]) / sum(end.k_end)
     foretold = planned(rate=250.0, noise=2e-3, baseline=baseline, **machine).end.half_width
@@ -369,7 +370,7 @@ def test_each_arm_is_known_as_it_was_planned(
     record = prepare(a_foreign_record(baseline), machine=Machine(**machine))
     found = fit(record, arms=2, method=method)
     foretold = planned(rate=250.0, noise=2e-3, baseline=baseline, method=method, **machine).arms
-    known = {fact.name: fact for fact in found.known}
+    known = {fact.name: fact for fact in list_known_values(found)}
     for j, arm in enumerate(foretold, start=1):
         for name in ("k", "tau", "b"):
             fact = known[f"{name}_{j}"]

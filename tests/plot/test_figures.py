@@ -161,7 +161,7 @@ def test_the_drawn_residual_is_the_residual_of_the_fit():
     still = replace(S.prepared, displacement_noise=0.0)  # made by hand from this very motion
     when, force = fitted_force(S.fit, still)
     left = S.prepared.force[: len(when)] - force
-    assert np.sqrt(np.mean(left**2)) == pytest.approx(S.fit.residual.rms, rel=1e-6)
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(S.fit.estimate.residual.rms, rel=1e-6)
 
 
 @pytest.mark.parametrize("method", ["full", "hold"])
@@ -172,7 +172,9 @@ def test_the_drawn_residual_is_that_of_a_real_fit(method):
     left = np.interp(when, test.time - test.onset, test.force) - force
     # a full fit leaves the time before contact out, eq. 5 that in which the plate settles
     fitted = when > (0 if method == "full" else 1.2 * test.ramp_time)
-    assert np.sqrt(np.mean(left[fitted] ** 2)) == pytest.approx(found.residual.rms, rel=3e-3)
+    assert np.sqrt(np.mean(left[fitted] ** 2)) == pytest.approx(
+        found.estimate.residual.rms, rel=3e-3
+    )
 
 
 @pytest.mark.parametrize(
@@ -210,7 +212,7 @@ def test_a_fit_without_offset_is_drawn_without_one():
     _, with_offset = fitted_force(S.fit, S.prepared)
     _, without = fitted_force(bare, S.prepared)
     assert without[0] == 0.0
-    assert with_offset[0] == pytest.approx(S.fit.nuisance[0].value, rel=1e-3)
+    assert with_offset[0] == pytest.approx(S.fit.estimate.nuisance[0].value, rel=1e-3)
 
 
 def test_several_depths_are_drawn_at_their_own_stiffness():
@@ -221,7 +223,7 @@ def test_several_depths_are_drawn_at_their_own_stiffness():
         k=S.fit.model.k,
         k_se=(0.1, 0.1),
     )
-    several = altered(S.fit, by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
+    several = altered(S.fit, stiffness_by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
     assert np.array_equal(fitted_force(several, S.prepared)[1], fitted_force(S.fit, S.prepared)[1])
     shallow = replace(S.prepared, depth=4.2e-3)
     without_offset = altered(several, nuisance=())

@@ -37,13 +37,13 @@ def test_drawings_stand_in_pairs_in_a_column_and_figures_alone() -> None:
     axes = Scale("x, m", (0, 1)), Scale("y, m", (0, 1))
     figure, shape = Panel(*axes, ()), Panel(*axes, (), drawing=True)
     picture = Picture("p", "A door.", ((figure,),) * 3 + ((shape,),) * 5, columns=3, rows=(3, 5))
-    assert [(full, len(row)) for full, row in picture.in_rows] == [(3, 3), (3, 3), (3, 2)]
-    column = [(full, len(row)) for full, row in picture.sized("column").in_rows]
+    assert [(full, len(row)) for full, row in picture.strip_rows] == [(3, 3), (3, 3), (3, 2)]
+    column = [(full, len(row)) for full, row in picture.resize("column").strip_rows]
     assert column == [(1, 1)] * 3 + [(2, 2), (2, 2), (2, 1)]
     # one alone has all the width of a column, and is no larger than the others where it has not
     alone = replace(picture, strips=((shape,),) * 6, rows=(1, 5))
-    assert [full for full, _ in alone.sized("column").in_rows] == [1, 2, 2, 2]
-    assert [full for full, _ in alone.in_rows] == [3, 3, 3]
+    assert [full for full, _ in alone.resize("column").strip_rows] == [1, 2, 2, 2]
+    assert [full for full, _ in alone.strip_rows] == [3, 3, 3]
 
 
 def test_letters_keep_their_size() -> None:

@@ -123,4 +123,4 @@ def test_a_noisy_encoder_spoils_the_fit_and_denoising_mends_it() -> None:
     # the slow arms are Table 1's
     assert clean.model.tau[1:] == pytest.approx((0.502, 16.4), rel=0.05)
     assert clean.model.k[1:] == pytest.approx((117.5, 17.8), rel=0.05)
-    assert clean.residual.rms < 4.7e-3
+    assert clean.estimate.residual.rms < 4.7e-3

@@ -103,7 +103,7 @@ def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: Ra
     assert fast.value < 0.003
     assert slow.failed
     assert "The cut-off is below 5/tau_1 = 9.96 Hz" in slow.says
-    assert "Fit the raw record." in slow.told
+    assert "Fit the raw record." in slow.message_with_remedy
     assert late.failed
     assert "A causal filter delays the force" in late.says
 

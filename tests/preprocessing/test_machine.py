@@ -75,7 +75,7 @@ def test_a_force_filter_is_found_as_a_delay_and_given_back_by_name():
     sound = loss(fitted(Bench()))
     bench = Bench(force_filter=10.0)
     unnamed = fitted(bench)
-    (late,) = [one.value for one in unnamed.nuisance if one.name == "delay"]
+    (late,) = [one.value for one in unnamed.estimate.nuisance if one.name == "delay"]
     assert late == pytest.approx(1 / (2 * np.pi * 10.0), rel=0.02)
     (says,) = [step.says for step in unnamed.provenance.steps if step.name == "lag"]
     assert re.fullmatch(

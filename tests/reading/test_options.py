@@ -67,7 +67,7 @@ def test_a_profile_reads_well(tmp_path: Path) -> None:
 
 def test_options_win_over_the_profile() -> None:
     profile = ReadOptions(force="Kraft", units={"force": "kN", "time": "ms"}, decimal=",")
-    options = ReadOptions(force="Last", units={"force": "N"}).over(profile)
+    options = ReadOptions(force="Last", units={"force": "N"}).with_defaults(profile)
     assert (options.force, options.decimal) == ("Last", ",")
     assert dict(options.units) == {"force": "N", "time": "ms"}
 

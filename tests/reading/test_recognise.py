@@ -49,7 +49,7 @@ def test_every_example_is_its_kind_to_whoever_asks(tmp_path: Path, name: str) ->
     path = written(tmp_path, FILES[name].write(), name)
     found = recognise(path)
     assert found.kind == FILES[name].kind == inspect_file(path).kind
-    assert found.what == get_kind_label(found.kind)
+    assert found.kind_title == get_kind_label(found.kind)
     assert found.use == inspect_file(path).use != ""
 
 
@@ -158,7 +158,7 @@ def test_a_base_that_shakes_is_not_called_a_hammer_file(
 ) -> None:
     motion = np.sin(30 * CLOCK)
     path = written(tmp_path, csv("time [s],a0 [m/s^2],a1 [m/s^2]", CLOCK, motion, 2 * motion))
-    assert recognise(path, ReadOptions(base_acceleration=base)).what == what
+    assert recognise(path, ReadOptions(base_acceleration=base)).kind_title == what
 
 
 def test_a_tension_test_with_a_clock_is_none(tmp_path: Path) -> None:
@@ -221,7 +221,7 @@ def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
 def test_what_dashpot_keeps_is_known_by_its_schema(tmp_path: Path) -> None:
     path = written(tmp_path, to_json(a_fit(PAPER)), "fit.json")
     found = recognise(path)
-    assert (found.kind, found.stored, found.what) == ("fit", True, "a fit")
+    assert (found.kind, found.stored, found.kind_title) == ("fit", True, "a fit")
     assert inspect_file(path).sha256
     other = written(tmp_path, '{\n"schema" : "dashpot/hyperelastic@2"}', "law.json")
     assert recognise(other).kind == "hyperelastic"

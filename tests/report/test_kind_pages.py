@@ -72,7 +72,7 @@ def test_a_page_is_of_one_grammar(name):
     (link,) = re.findall(
         rf'download="{shown.name}.json" href="data:application/json;base64,([^"]+)"', page
     )
-    assert json.loads(base64.b64decode(link)) == json.loads(json.dumps(found.document))
+    assert json.loads(base64.b64decode(link)) == json.loads(json.dumps(found.to_dict()))
     rows = [one for group in shown.groups for one in group.rows]
     assert rows
     assert all(one.value for one in rows)
@@ -101,7 +101,7 @@ def test_a_row_tells_what_is_known_and_nothing_else():
     assert (known.value, known.low, known.high, known.unit) == ("0.100", "0.090", "0.110", "N/mm")
     alone, held = (
         row(ReportedValue("k", 100.0, unit="N/m")),
-        row(ReportedValue.known("k", 100.0, 0.0, unit="N/m")),
+        row(ReportedValue.from_error("k", 100.0, 0.0, unit="N/m")),
     )
     assert (alone.low, alone.high) == (held.low, held.high) == ("", "")
     most = row(ReportedValue("k", 100.0, np.nan, 110.0, "N/m"))
@@ -223,7 +223,7 @@ def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer
     assert kept.verdict.use == found.verdict.use == "do not use"
     assert kept.identity == S.fit.identity
     calm = Identified(S.fit, DirectStiffness(S.direct), (), S.at_rest)
-    assert calm.kept is S.fit
+    assert calm._saved_result is S.fit
 
 
 def test_a_constant_of_a_law_has_its_interval_and_of_the_noise_alone_its_error():

@@ -286,14 +286,14 @@ def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
     missed = [check for check in S.comparison.checks if check.failed]
     assert missed
     assert S.verdict.use == "use with care"
-    assert not set(missed) & set(S.weighed)
+    assert not set(missed) & set(S.verdict_checks)
     assert Page(whole).text.count("failed: mended by the joint fit") == len(missed)
     body = whole[whole.index('<section id="weighty">') : whole.index('<section id="summary">')]
     assert not any(check.says in unescape(body) for check in missed)
 
 
 def test_one_count_of_the_checks_stands_on_the_page(whole):
-    counted = [check for check in S.weighed if check.passed is not None]
+    counted = [check for check in S.verdict_checks if check.passed is not None]
     passed = sum(bool(check.passed) for check in counted)
     heading = whole[whole.index('<details id="checks"') :].partition("</summary>")[0]
     assert f"{passed} of {len(counted)}" in heading
@@ -329,7 +329,7 @@ def test_page_and_terminal_tell_one_shift(whole):
     """By how many standard errors before a parameter moved, and which way."""
     down = ParameterChange("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
     assert down.shift == -2.0
-    joint = altered(S.joint, moved=(down,))
+    joint = altered(S.joint, parameter_changes=(down,))
     page = Page(html(replace(S, joint=joint))).text
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
     (line,) = [
@@ -453,7 +453,7 @@ def test_the_sentences_name_the_cause(whole):
 
 def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
     text = Page(whole).text
-    most = S.fit.facts[0].cells
+    most = S.fit.reported_values[0].cells
     assert most.interval.startswith("at most ")
     assert f"{most.value} {most.interval}" in re.sub(r"[, ]+", " ", text)
     assert "N·s/mm" in text
@@ -537,7 +537,7 @@ def test_what_the_hammer_moved_is_told(sketch):
         ParameterChange("tau_1", None, None, 0.0117, 0.0003, "s"),
         ParameterChange("b", 1.0, None, 2.0, 0.1, "N s/m"),
     )
-    text = sketch(replace(S, joint=altered(S.joint, moved=moved)))
+    text = sketch(replace(S, joint=altered(S.joint, parameter_changes=moved)))
     assert "What the hammer test changed" in text
     assert "+0.51 % +2.0" in text
     assert "τ₁, s 0.01170 ± 0.00030 new" in text
@@ -680,7 +680,9 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
         S,
         test=replace(S.test, source=source),
         prepared=replace(S.prepared, source=source, specimen=Specimen(notes=EVIL), checks=(check,)),
-        fit=altered(S.fit, steps=(step,), certificate=replace(S.fit.certificate, says=EVIL)),
+        fit=altered(
+            S.fit, steps=(step,), certificate=replace(S.fit.evidence.certificate, says=EVIL)
+        ),
         measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
         impact=replace(S.impact, channels=(EVIL, EVIL)),
         comparison=replace(S.comparison, says=EVIL),

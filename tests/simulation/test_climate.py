@@ -37,7 +37,7 @@ BROAD_AT = (
 
 @pytest.mark.parametrize(("celsius", "storage", "loss_factor", "peak", "height"), BROAD_AT)
 def test_the_broad_seal_follows_temperature(celsius, storage, loss_factor, peak, height):
-    felt = Climate(celsius + 273.15).felt(BROAD)
+    felt = Climate(celsius + 273.15).shift_seal(BROAD)
     assert 1e-3 * felt.storage(omega=OMEGA) == pytest.approx(storage, rel=3e-6)
     assert felt.loss_factor(omega=OMEGA) == pytest.approx(loss_factor, rel=6e-6)
     lines = peak + np.linspace(-2e-3, 2e-3, 4001)
@@ -103,7 +103,7 @@ def test_a_law_that_does_not_reach_there_is_refused():
     with pytest.raises(DataError, match="diverges"):
         simulate_relaxation(BROAD, climate=Climate(SHIFT.reference - SHIFT.c2))
     with pytest.raises(DataError, match="outside the tested"):
-        Climate(250.0, FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)).felt(BROAD)
+        Climate(250.0, FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)).shift_seal(BROAD)
 
 
 def test_the_file_states_the_temperature_and_reading_takes_it(tmp_path):

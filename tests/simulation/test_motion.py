@@ -82,7 +82,7 @@ def test_a_load_cell_warms_up():
 def test_the_temperature_of_a_motion_is_stated():
     made = simulate_motion(BROAD, triangles(1), climate=Climate(273.15))
     assert made.test.specimen.temperature == 273.15
-    assert made.truth.model == Climate(273.15).felt(BROAD)
+    assert made.truth.model == Climate(273.15).shift_seal(BROAD)
 
 
 @pytest.mark.once

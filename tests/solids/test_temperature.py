@@ -34,10 +34,10 @@ def test_the_energy_is_the_slope_of_the_shift_over_inverse_temperature(law):
 
 
 def test_a_wlf_law_is_the_same_from_every_reference():
-    other = WLF.referred(313.15)
+    other = WLF.change_reference(313.15)
     difference = WLF.log10_a_t(CELSIUS) - other.log10_a_t(CELSIUS)
     np.testing.assert_allclose(difference, WLF.log10_a_t(313.15), rtol=1e-12)
-    assert other.referred(REFERENCE).c1 == pytest.approx(WLF.c1, rel=1e-12)
+    assert other.change_reference(REFERENCE).c1 == pytest.approx(WLF.c1, rel=1e-12)
 
 
 def test_wlf_refuses_where_it_diverges():
@@ -46,7 +46,7 @@ def test_wlf_refuses_where_it_diverges():
     with pytest.raises(dp.DataError, match="diverges"):
         WLF.log10_a_t(pole)
     with pytest.raises(dp.DataError, match="holds above"):
-        WLF.referred(pole)
+        WLF.change_reference(pole)
 
 
 def test_free_shifts_follow_the_tests_and_reach_no_further():
@@ -66,21 +66,21 @@ def test_free_shifts_follow_the_tests_and_reach_no_further():
 def test_a_shifted_solid_answers_slower_and_stiffer():
     seal = dp.GeneralizedMaxwell(200.0, (50.0, 20.0), (0.01, 3.0), b=0.3)
     omega = np.geomspace(1e-3, 1e3, 13)
-    cold = seal.shifted(30.0, 0.9)
+    cold = seal.shift_to_temperature(30.0, 0.9)
     np.testing.assert_allclose(
         cold.complex_stiffness(omega=omega),
         0.9 * seal.complex_stiffness(omega=30.0 * omega),
         rtol=1e-12,
     )
     with pytest.raises(dp.DataError, match="a_t"):
-        seal.shifted(0.0)
+        seal.shift_to_temperature(0.0)
 
 
 def test_stiffness_between_and_beyond_the_tests():
     law = dp.solids.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
     shifts = (Shift(273.15, 1.5, 0.01, 0.9, 0.001), Shift(296.15, 0.0, 0.0))
     found = TemperatureShifts(law, shifts, np.zeros((4, 4)))
-    assert found.tested == (273.15, 296.15)
+    assert found.tested_range == (273.15, 296.15)
     assert found.b_t(273.15) == pytest.approx(0.9)
     assert found.b_t(296.15) == 1.0
     assert found.b_t(284.65) == pytest.approx(np.sqrt(0.9))

@@ -126,7 +126,9 @@ def test_an_arm_is_seen_only_if_its_errors_say_so() -> None:
     vague = compare(frf, frf, fit=a_fit(PAPER, relative=0.6), seals=2)
     assert not any(arm.seen_by_relaxation for arm in vague.arms)
     joint = a_fit(
-        PAPER, moved=(ParameterChange("k_1", None, None, 117.5, 1.0, "N/m"),), method="joint"
+        PAPER,
+        parameter_changes=(ParameterChange("k_1", None, None, 117.5, 1.0, "N/m"),),
+        method="joint",
     )
     told = compare(frf, frf, fit=joint, seals=2)
     assert [arm.seen_by_relaxation for arm in told.arms] == [False, True]
@@ -226,7 +228,7 @@ def test_grams_for_kilograms_are_noticed() -> None:
     with pytest.raises(DataError, match=r"would press the solid by 2\.6 m.*is it g\?"):
         predict_frf(2 * PAPER, mass=104.0426, frequency=lines)
     s = 2j * np.pi * lines
-    heavy = FRF.of_receptance(lines, 1 / (104.0426 * s**2 + 2 * PAPER.stiffness_at(s)))
+    heavy = FRF.from_receptance(lines, 1 / (104.0426 * s**2 + 2 * PAPER.stiffness_at(s)))
     slip = compare(heavy, predict_frf(2 * PAPER, mass=0.1040426, frequency=lines), band=(0.1, 60))
     assert check(slip, "no_unit_error").failed
     assert "mass or stiffness by a factor 1000" in slip.says
@@ -243,7 +245,7 @@ def test_a_peak_between_the_lines_is_told() -> None:
     frf = predict_frf(2 * PAPER, mass=MASS, frequency=LINES)
     told = check(compare(frf, frf), "lines_resolve_the_peak")
     assert told.failed
-    assert "Record longer" in told.told
+    assert "Record longer" in told.message_with_remedy
 
 
 def test_too_few_lines_are_refused() -> None:

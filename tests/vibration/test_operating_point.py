@@ -119,12 +119,12 @@ def test_the_block_of_the_paper_sags_where_the_cubic_carries_it() -> None:
     point = operating_point(hard(), MassOnSeals(MASS, SEALS))
     assert point.compression == pytest.approx(at, rel=2e-3)
     assert point.factor == pytest.approx(hardening.tangent(at) / 196.5, rel=5e-3)
-    assert not point.beyond
+    assert not point.is_extrapolated
 
 
 def test_deeper_than_tested_the_last_tangent_goes_on_and_it_is_said() -> None:
     point = operating_point(hard(), MassOnSeals(1.0, SEALS))
-    assert point.beyond
+    assert point.is_extrapolated
     assert point.factor == law().ratio[-1]
     carried = law().force(8e-3) + law().tangent(8e-3) * (point.compression - 8e-3)
     assert SEALS * float(carried) == pytest.approx(9.80665)

@@ -156,7 +156,7 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
     found = identify(replace(known, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
     w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
     assert found.model.storage(omega=w) == pytest.approx(BROAD.storage(omega=w), rel=0.01)
-    told = {one.name: one for one in found.nuisance}
+    told = {one.name: one for one in found.estimate.nuisance}
     assert told["gain"].value == pytest.approx(gain, abs=3e-3)
     assert told["delay"].value == pytest.approx(delay, abs=2e-5)
 

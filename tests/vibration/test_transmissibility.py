@@ -11,6 +11,7 @@ from kit.shell import ran, told
 import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError, Status
+from dashpot.datamodel.fit import list_undetermined_times
 from dashpot.datamodel.machine import USUAL
 from dashpot.extensions.formats.write_uff import frf_uff
 from dashpot.fitting.identification.identify import identify
@@ -178,7 +179,7 @@ def test_what_cannot_be_is_refused():
     with pytest.raises(DataError, match="write a transmissibility as text"):
         frf_uff(over_base())
     with pytest.raises(DataError, match="no transmissibility"):
-        dp.FRF.of_receptance(np.array(AT), np.ones(6, complex), kind="transmissibility")
+        dp.FRF.from_receptance(np.array(AT), np.ones(6, complex), kind="transmissibility")
 
 
 def test_what_is_written_is_known_as_a_transmissibility(tmp_path):
@@ -244,15 +245,15 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, tol
     assert known.passed is told_apart
     # over a base the line at 1 Hz shows a 160th of the stiffness: of 1e-9 no arm so slow is known
     assert told_apart or known.says.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
-    assert found.unplaced == (() if told_apart else found.model.tau[1:])
+    assert list_undetermined_times(found) == (() if told_apart else found.model.tau[1:])
     first = text.fit(found, asked=2).lines[0]
     assert ("relaxation time 16.4 s not determined" in first) is not told_apart
     # its stiffness in the band is known all the same
     assert found.verdict.use == "use"
     assert found.model.tau == pytest.approx(tau, rel=1e-4)
     # of the lines: what a rig may add unseen moves arms that so few of them tell apart
-    covariance = found.estimate.noise_alone.covariance
-    error = dict(zip(found.parameters, np.sqrt(np.diag(covariance)), strict=True))
+    covariance = found.estimate.noise_only.covariance
+    error = dict(zip(found.estimate.parameters, np.sqrt(np.diag(covariance)), strict=True))
     assert error["ln_tau_1"] < 0.01
     assert error["ln_tau_2"] < 0.02 if told_apart else error["ln_tau_2"] > 1
 

@@ -15,6 +15,7 @@ from kit.fits import a_fit
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError, Status
 from dashpot.base.provenance import Source, Step
+from dashpot.datamodel.fit import get_temperature_law
 from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.parameter_estimate import Nuisance, Profile, Residual
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
@@ -169,8 +170,8 @@ def test_the_least_temperature_of_the_contract_is_read():
     law = '{"kind": "wlf", "c1": 6.9, "c2": 129.6}'
     text = f'{{"reference": 296.15, "law": {law}, "shifts": {shifts}296.15, "log10_a_t": 0.0, '
     fit = from_json(LEAST[:-1] + f', "temperature": {text}"se": 0.0, "b_t": 1.0}}]}}}}')
-    assert fit.temperature_law == WLF(6.9, 129.6, 296.15)
-    assert fit.shifts[0].b_t == 0.9
+    assert get_temperature_law(fit) == WLF(6.9, 129.6, 296.15)
+    assert fit.temperatures.shifts[0].b_t == 0.9
 
 
 def test_the_least_fit_of_the_contract_is_read():

@@ -66,7 +66,9 @@ def test_ramp_and_hold_is_fitted_by_the_pipeline_of_its_own(seal):
 
 def test_a_law_of_the_depth_heeds_or_refuses_what_is_asked(two_depths):
     found, _ = fit_files(two_depths, arms=2, depth_law=True)
-    assert [at.depth for at in found.by_depth] == pytest.approx([4e-3, 8e-3], rel=0.01)
+    assert [at.depth for at in found.evidence.stiffness_by_depth] == pytest.approx(
+        [4e-3, 8e-3], rel=0.01
+    )
     choices = (
         {"method": "hold"}, {"law": "linear"}, {"law": "nonlinear"}, {"family": "auto"},
         {"thorough": True}, {"shifting": ShiftChoices(law="wlf")},
@@ -229,7 +231,7 @@ def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
     found = predict_files(hard(), block=BlockOnSeals(0.104, 2), band=(5.0, 40.0))
     at = hardening.resting(0.104, 2)
     scale = hardening.tangent(at) / hardening.K_INF
-    told = found.document
+    told = found.to_dict()
     assert told["compression"] == pytest.approx(at, rel=5e-3)
     assert told["depth"] == 8e-3
     assert not told["extrapolated_law"]
@@ -238,7 +240,7 @@ def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
     assert found.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
     assert "tangent at 3.24 mm" in str(found.at_rest)
     given = predict_files(hard(), block=BlockOnSeals(0.104, 2, compression=8e-3), band=(5.0, 40.0))
-    assert given.document["compression"] == 8e-3
+    assert given.to_dict()["compression"] == 8e-3
     assert given.peak[0] > found.peak[0]
     assert (
         str(predict_files(a_fit(PAPER), block=BlockOnSeals(0.104), band=(5.0, 40.0)).at_rest) == ""
@@ -254,7 +256,7 @@ def test_limits_carry_the_doubt_of_the_tangent():
         scale = found.at_rest.point.factor * (1 + 1.5 * 0.02)
         omega = 2 * np.pi * f
         truth = np.abs(omega**2 / (2 * hardening.stiffness(omega, scale) - 0.104 * omega**2))
-        limits = found.document["limits"]
+        limits = found.to_dict()["limits"]
         low, high = np.array(limits["parameter"])
         lines = limits["frequency_hz"]
         return (

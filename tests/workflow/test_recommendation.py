@@ -48,7 +48,7 @@ def test_nothing_is_recommended_where_the_verdict_says_do_not_use():
 def test_the_frequency_is_that_of_the_peak_and_the_damping_that_of_the_pole():
     """What a hammer shows is a peak: for one viscous degree of freedom above the pole by 1/sqrt."""
     found = recommendation(S)
-    mass = next((n.value for n in S.joint.nuisance if n.name == "mass"), S.mass)
+    mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     (mode,) = model_modes(S.seals * S.joint.model, mass)
     under = by_name(found.under_mass)
     zeta = mode.damping_ratio
@@ -69,7 +69,7 @@ def highest(solid, mass, near):
 
 
 def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_damping():
-    mass = next((n.value for n in S.joint.nuisance if n.name == "mass"), S.mass)
+    mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     for study, rel in ((S, 1e-2), (replace(S, joint_comparison=None), 1e-4)):
         under = by_name(recommendation(study).under_mass)
         zeta, height = under["damping"], under["peak"]

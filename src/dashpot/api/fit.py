@@ -236,7 +236,7 @@ def fit_jointly(
         arms=arms,
         family=model,
         known=known or KnownSolid(),
-        rig=(rig or HammerRig()).on(machine),
+        rig=(rig or HammerRig()).with_machine(machine),
     )
     return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity, convert_to_si
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_temperature_law
 from dashpot.datamodel.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -186,5 +186,5 @@ def _get_seal_model(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float
         solid, mass = SEALS[seal]
         return solid, SHIFT, mass
     if isinstance(seal, Fit):
-        return seal.solid, seal.temperature_law or SHIFT, None
+        return seal.solid, get_temperature_law(seal) or SHIFT, None
     return seal, SHIFT, None

@@ -145,7 +145,7 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
             f"'{strange}' is no role and no key of a file. Known are {', '.join(fields)}"
         )
     options = ReadOptions(**stated | {"kind": kind})
-    return options.over(load_profile(how["profile"])) if "profile" in how else options
+    return options.with_defaults(load_profile(how["profile"])) if "profile" in how else options
 
 
 def _column(role: str, stated: Any) -> str | tuple[str, ...]:

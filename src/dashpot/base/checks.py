@@ -69,7 +69,7 @@ class Remedy(Serialisable):
     value: str = ""
 
     @property
-    def typed(self) -> str:
+    def command_option(self) -> str:
         """The option as it is typed: ``"--band 1:25Hz"``; empty where there is none."""
         return f"--{self.option} {self.value}".rstrip() if self.option else ""
 
@@ -123,17 +123,17 @@ class Check(Serialisable):
         return self.passed is False
 
     @property
-    def told(self) -> str:
+    def message_with_remedy(self) -> str:
         """What was found, and what to do about it."""
         return paragraph(self.says, self.remedy.words if self.remedy else "")
 
     @property
-    def typed(self) -> str:
-        """`told`, and the option that does it as a command line takes it."""
-        option = self.remedy.typed if self.remedy else ""
-        return f"{self.told} ({option})" if option else self.told
+    def message_with_option(self) -> str:
+        """`message_with_remedy`, and the option that does it as a command line takes it."""
+        option = self.remedy.command_option if self.remedy else ""
+        return f"{self.message_with_remedy} ({option})" if option else self.message_with_remedy
 
-    def within(self, where: str) -> Check:
+    def with_location(self, where: str) -> Check:
         """The check as one of several things that were asked the same says it: "in test 2"."""
         return replace(self, says=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.says)}")
 
@@ -170,7 +170,7 @@ class Verdict(Serialisable):
         """The names of the checks that decided."""
         return tuple(check.name for check in self.because)
 
-    def calmer_than(self, other: Verdict) -> bool:
+    def is_milder_than(self, other: Verdict) -> bool:
         """Whether it holds less against the result."""
         return _CALMEST.index(self.use) < _CALMEST.index(other.use)
 
@@ -240,14 +240,14 @@ class HasChecks:
     checks: tuple[Check, ...]
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The number that its reader came for and where it holds, in a sentence."""
         raise NotImplementedError
 
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, headline=self.sound)
+        return verdict(self.checks, headline=self.headline)
 
 
 def status_of(checks: Iterable[Check], entries: Mapping[Status, bool] | None = None) -> Status:
@@ -276,7 +276,7 @@ def select_gravest_check(checks: Iterable[Check]) -> Check:
     if not failed or len(all_checks) == 1:
         return next((check for check in all_checks if check.passed is not None), all_checks[0])
     _, number, check = max(failed, key=lambda pair: pair[:2])
-    return check.within(f"in test {-number} of {len(all_checks)}")
+    return check.with_location(f"in test {-number} of {len(all_checks)}")
 
 
 class Finding(NamedTuple):

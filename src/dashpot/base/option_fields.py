@@ -214,7 +214,7 @@ class FormData:
         text = self.get_option_value(name)
         return convert_to_si(text, dimension) if text else None
 
-    def bare(self, name: str) -> float | None:
+    def get_number(self, name: str) -> float | None:
         """Return a number in the field's unit alone.
 
         Raises

@@ -64,7 +64,15 @@ class Source(Serialisable):
     'seal.csv'
     """
 
-    keys = ("file", "sha256", "reader", "columns", "notes", "simulated", "cautions=doubted?")
+    keys = (
+        "file",
+        "sha256",
+        "reader",
+        "columns",
+        "notes",
+        "simulated",
+        "cautions=cautions_or_none?",
+    )
 
     file: str
     sha256: str
@@ -75,7 +83,7 @@ class Source(Serialisable):
     cautions: tuple[str, ...] = ()
 
     @property
-    def doubted(self) -> tuple[str, ...] | None:
+    def cautions_or_none(self) -> tuple[str, ...] | None:
         """The cautions; None without any, of which no document speaks."""
         return self.cautions or None
 

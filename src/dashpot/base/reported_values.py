@@ -96,7 +96,7 @@ class ReportedValue(Serialisable):
     words: str = ""
 
     @classmethod
-    def known(
+    def from_error(
         cls,
         name: str,
         value: float,
@@ -127,48 +127,48 @@ class ReportedValue(Serialisable):
         return self.read or get_display_unit(self.unit)
 
     @property
-    def bounded(self) -> bool:
+    def has_interval(self) -> bool:
         """Whether it has an interval."""
         return not (math.isnan(self.low) and math.isnan(self.high))
 
     @property
-    def bound_alone(self) -> bool:
+    def is_upper_bound(self) -> bool:
         """Whether all that is known is what it is at most."""
         return self.low == 0 and self.error is None
 
     @property
-    def topped(self) -> bool:
+    def is_at_most(self) -> bool:
         """Whether nothing is known of how small it may be beside its value."""
         return math.isnan(self.low) and not math.isnan(self.high)
 
     @property
-    def least_alone(self) -> bool:
+    def is_lower_bound(self) -> bool:
         """Whether all that is known is what it is at least."""
         return math.isnan(self.value) and self.high == math.inf
 
     @property
-    def called(self) -> str:
+    def label(self) -> str:
         """Label of the value in tables."""
         return self.words or _WORD.sub(" ", self.name)
 
     @property
     def symbol(self) -> str:
         """Symbol of the value on a page."""
-        return symbol(self.called)
+        return symbol(self.label)
 
     @property
     def word(self) -> str:
         """The unit in which people read it, as it is printed."""
         return "" if self.reading == "1" else self.reading.replace("*", "·")
 
-    def shown(self, value: float) -> float:
+    def to_display_unit(self, value: float) -> float:
         """Return a value of this fact, SI, in the unit that people read."""
         return value if self.reading == self.unit else convert_to_unit(value, self.reading)
 
     @property
     def scale(self) -> float:
         """Size of an SI difference of 1 in the display unit."""
-        return self.shown(1.0) - self.shown(0.0)
+        return self.to_display_unit(1.0) - self.to_display_unit(0.0)
 
     @property
     def size(self) -> float:
@@ -178,33 +178,33 @@ class ReportedValue(Serialisable):
         """
         if self.error is not None:
             return self.error * self.scale
-        if self.topped:
+        if self.is_at_most:
             return max((self.high - self.value) / 2, 1e-3 * self.high) * self.scale
         return (self.high - self.low) / 4 * self.scale
 
     @property
     def cells(self) -> TableCells:
         """The row that every table of it has: to two digits of its error, or of its interval."""
-        value, low, high = map(self.shown, (self.value, self.low, self.high))
-        if self.bound_alone:
-            return TableCells(self.called, "", "", f"below {round_to_error(high)}", self.word)
-        if self.least_alone:
-            return TableCells(self.called, "", "", f"at least {round_to_error(low)}", self.word)
-        if self.topped:
+        value, low, high = map(self.to_display_unit, (self.value, self.low, self.high))
+        if self.is_upper_bound:
+            return TableCells(self.label, "", "", f"below {round_to_error(high)}", self.word)
+        if self.is_lower_bound:
+            return TableCells(self.label, "", "", f"at least {round_to_error(low)}", self.word)
+        if self.is_at_most:
             text, most = round_to_error(value, self.size), round_to_error(high, self.size)
-            return TableCells(self.called, text, "", f"{AT_MOST} {most}", self.word)
+            return TableCells(self.label, text, "", f"{AT_MOST} {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
-        if self.bounded and error not in (HELD, UNKNOWN):
+        if self.has_interval and error not in (HELD, UNKNOWN):
             between = format_interval(value, low, high, self.size)
         text = round_to_error(value, self.size, digits=4)
-        return TableCells(self.called, text, error, between, self.word)
+        return TableCells(self.label, text, error, between, self.word)
 
     @property
     def ends(self) -> tuple[str, str, str]:
         """Value and both ends of the interval, each in a cell, to two digits of half of it."""
-        value, low, high = map(self.shown, (self.value, self.low, self.high))
-        if self.least_alone:
+        value, low, high = map(self.to_display_unit, (self.value, self.low, self.high))
+        if self.is_lower_bound:
             return "unknown", round_to_error(low), "no limit"
         below, above = value - low, high - value
         near, far = sorted((below, above))
@@ -224,14 +224,14 @@ class ReportedValue(Serialisable):
         )
 
     @property
-    def says(self) -> str:
+    def text(self) -> str:
         """Value as text, with its interval."""
         cells = self.cells
-        if self.bound_alone or self.least_alone:
-            return f"{self.called} {cells.interval} {cells.unit}".rstrip()
-        if self.topped:
-            return f"{self.called} {cells.with_unit}, {cells.interval}"
-        name = f"{self.called} {cells.with_unit}"
+        if self.is_upper_bound or self.is_lower_bound:
+            return f"{self.label} {cells.interval} {cells.unit}".rstrip()
+        if self.is_at_most:
+            return f"{self.label} {cells.with_unit}, {cells.interval}"
+        name = f"{self.label} {cells.with_unit}"
         return f"{name}, 95 % {cells.interval}" if cells.interval else name
 
 
@@ -241,7 +241,7 @@ class HasReportedValues(HasChecks):
     found: tuple[ReportedValue, ...]
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """The numbers that it tells."""
         return self.found
 

@@ -46,7 +46,7 @@ class Printable:
     """Mixin of results that print like their command, and save themselves to a file."""
 
     @property
-    def kept(self) -> Any:
+    def _saved_result(self) -> Any:
         """Part of the result that a file keeps for other commands: itself, or its fit."""
         return self
 
@@ -69,16 +69,16 @@ class Printable:
 class HasSummary(Printable):
     """Result with a summary of a few lines and a table of its numbers.
 
-    The dataclass that inherits it is declared ``repr=False`` and has `described`.
+    The dataclass that inherits it is declared ``repr=False`` and has `summary_lines`.
     """
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Summary that a Python shell prints, line by line."""
         raise NotImplementedError
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Numbers as columns, the first of them their index.
 
         None in place of numbers that it does not have; nothing at all where its facts are its
@@ -87,7 +87,7 @@ class HasSummary(Printable):
         return {}
 
     def __repr__(self) -> str:
-        lines = "\n".join(self.described).split("\n")
+        lines = "\n".join(self.summary_lines).split("\n")
         cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
         return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
 
@@ -134,11 +134,11 @@ class HasVerdict(Plottable):
     verdict: Any
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """The numbers that it tells, each with its unit and how well it is known."""
         return ()
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict."""
         return (str(self.verdict),)

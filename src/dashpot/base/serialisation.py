@@ -37,21 +37,20 @@ class Serialisable:
 
     schema: ClassVar[str] = ""
     keys: ClassVar[tuple[str, ...]] = ()
-    read_back: ClassVar[bool] = True
+    _is_loadable: ClassVar[bool] = True
 
     @property
-    def digested(self) -> bool:
+    def _has_digest(self) -> bool:
         """Whether its document ends with a digest of the rest, as one does that takes such in."""
         return False
 
-    @property
-    def document(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries, lists, texts and numbers, SI units."""
         entries: dict[str, Any] = {"schema": self.schema} if self.schema else {}
         kind: Any = type(self)
         for key in _keys(kind):
             entries |= key.item(self)
-        sealed = entries.pop(DIGEST, None) is not None or self.digested
+        sealed = entries.pop(DIGEST, None) is not None or self._has_digest
         return {**entries, DIGEST: compute_document_digest(entries)} if sealed else entries
 
 
@@ -156,7 +155,7 @@ def _(value: Any) -> Any:
     return [to_plain_value(item) for item in value]
 
 
-to_plain_value.register(Serialisable, lambda value: value.document)
+to_plain_value.register(Serialisable, lambda value: value.to_dict())
 to_plain_value.register(
     Mapping, lambda value: {str(key): to_plain_value(item) for key, item in value.items()}
 )

@@ -105,7 +105,7 @@ class CommandOption(click.Option):
             return {str(self.name)}
         return {self.fills.receives, *(field.name for field in self.fills.fields)}
 
-    def told(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+    def iterate_field_values(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield what its fields are by what click passes on, for all files ("") or for some."""
         assert self.fills is not None  # noqa: S101
         field = self.fills.fields[0]
@@ -328,7 +328,7 @@ class DashpotCommand(click.Command):
                 options |= {
                     field.name: field.default for field in fields if field.name not in options
                 }
-            _gather(stated, param.told(value))
+            _gather(stated, param.iterate_field_values(value))
         for receives, (cls, stated) in arguments.items():
             pairs = tuple((glob, cls(**entry)) for glob, entry in stated.items() if glob)
             options[receives] = cls(**stated.get("", {}), **({"own": pairs} if pairs else {}))

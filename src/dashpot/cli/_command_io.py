@@ -128,7 +128,7 @@ def format_json(result: Serialisable) -> str:
     """Return a result as the JSON that commands print and write: it names its schema."""
     import json
 
-    document = result.document
+    document = result.to_dict()
     if "schema" not in document:
         raise TypeError(f"the document of {type(result).__name__} names no schema")
     return escaped_json(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
@@ -216,7 +216,8 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
     """
     document = workflow.read_json_document(path)
     if isinstance(document, dp.Fit):
-        return document.model, document.temperature_law
+        shifts = document.temperatures
+        return document.model, None if shifts is None else shifts.law
     if isinstance(document, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
         return document.maxwell, None
     raise ReadError(f"{workflow.format_unexpected_kind(path, document)}; expected a fit or a model")
@@ -239,7 +240,7 @@ def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, R
     """Return the kind of each file."""
     from dashpot.reading.readers.detect_kind import recognise
 
-    return {path: recognise(path, options.of(path)) for path in files}
+    return {path: recognise(path, options.for_file(path)) for path in files}
 
 
 def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
@@ -290,7 +291,7 @@ def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
     """Print on stderr the kind for which each file was taken."""
     grouped: dict[str, list[str]] = {}
     for path, detection in detections.items():
-        grouped.setdefault(detection.what, []).append(Path(path).name)
+        grouped.setdefault(detection.kind_title, []).append(Path(path).name)
     listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in grouped.items())
     to_stderr(f"recognised {listed}")
 

@@ -52,7 +52,7 @@ def report_error(error: BaseException, words: Sequence[str]) -> int:
     where = "".join(traceback.format_exception(error)) if _has_option("--traceback", words) else ""
     to_stderr(where + failure.shown)
     if _has_option("--json", words) and sys.stdout is not None:
-        document = replace(failure, traceback=where or None).document
+        document = replace(failure, traceback=where or None).to_dict()
         to_stdout(escaped_json(json.dumps(document, indent=2, ensure_ascii=False)))
     return failure.code
 

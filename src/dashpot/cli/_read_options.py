@@ -43,11 +43,11 @@ def over_profiles(
         profile = load_profile(path)
         reads(ctx, path)
         read_options = (
-            profile.over(read_options)
+            profile.with_defaults(read_options)
             if not glob
             else replace(read_options, own=(*read_options.own, (glob, profile)))
         )
-    options = options.over(read_options)
+    options = options.with_defaults(read_options)
     for item in (options, *(entry for _, entry in options.own)):
         if item.calibration:
             reads(ctx, item.calibration)
@@ -79,7 +79,7 @@ def _refuse_unknown_units(records: Sequence[str], options: ReadOptions) -> None:
 
     Nor is one of another dimension that of a role; a signal is in volts before it is calibrated.
     """
-    for name, word in options.by_name().items():
+    for name, word in options.get_units_by_name().items():
         meant, names = _MEASURED.get(name), units.dimensions(word)
         if meant and names and not {meant, "voltage"} & set(names):
             raise ReadError(
@@ -92,7 +92,7 @@ def _refuse_unknown_units(records: Sequence[str], options: ReadOptions) -> None:
 def _refuse_unknown_columns(records: Sequence[str], options: ReadOptions) -> None:
     """Refuse a unit of what is neither a role nor a column of a file."""
     roles = {field.name for field in fields(ReadOptions)}
-    names = options.by_name().keys() - roles
+    names = options.get_units_by_name().keys() - roles
     inputs = [path for path in records if not is_json(path)] if names else []
     for path in inputs:
         with suppress(DashpotError):

@@ -115,8 +115,8 @@ def _prediction(
         fitted,
         measured,
         block,
-        options=reading.without(reading.of_bench),
-        options_with=reading.only(("units", *reading.of_bench)),
+        options=reading.drop_fields(reading.bench_fields),
+        options_with=reading.select_fields(("units", *reading.bench_fields)),
         **choices,
     )
     if picture:
@@ -128,7 +128,7 @@ def _prediction(
         write_figure(picture, drawn)
     inferred = agreement.mass_inferred
     mass = "MASS" if inferred else grams(agreement.mass)
-    family = ("--model", "auto") if fitted.alternative is not None else ()
+    family = ("--model", "auto") if fitted.evidence.alternative is not None else ()
     follow = ""
     if fitted.method in get_choice_values(Method):
         tests = [source.file for source in fitted.source]

@@ -208,5 +208,5 @@ def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
 
 def _agreement(comparison: dp.Comparison) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
-    whole = comparison.document.items()
+    whole = comparison.to_dict().items()
     return {key: value for key, value in whole if key not in {"predicted", "measured"}}

@@ -169,12 +169,12 @@ class FitRequest:
         if not self.output:
             return
         if not self.page:
-            write(self.output, format_json(result.kept) + "\n")
+            write(self.output, format_json(result._saved_result) + "\n")
             return
         made = {name: make() for name, make in figures.items()}
         write(self.output, workflow.html(result, **made))
 
-    def told(
+    def write_output(
         self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
     ) -> CommandResult:
         """Draw and save a result as requested, and return its output."""
@@ -286,7 +286,7 @@ def run_generic_kind(request: FitRequest) -> CommandResult:
         request.files, options=request.reading, **request.some(*row.takes)
     )
     follow = (request.result_path if part == "FILE" else part for part in row.follow.split())
-    return request.told(
+    return request.write_output(
         result, follow=format_command(*follow) if request.result_path and row.follow else ""
     )
 
@@ -365,8 +365,8 @@ def run_joint(request: FitRequest) -> CommandResult:
         BlockOnSeals(request.mass, **request.some("seals", "seal_mass", "compression")),
         fits=[workflow.read_fit(path) for path in fits],
         tests=[path for path in extras if path not in fits],
-        options=reading.without(reading.of_bench),
-        options_with=reading.only(("units", *reading.of_bench)),
+        options=reading.drop_fields(reading.bench_fields),
+        options_with=reading.select_fields(("units", *reading.bench_fields)),
         family=request.model(FamilyAsked, "maxwell"),
         seals_assumed="--seals" not in request.get_option_words(),
         bench=BenchFitOptions(

@@ -285,7 +285,7 @@ def _keep(prediction: workflow.Prediction, path: str) -> None:
     elif suffix == "json":
         write(path, format_json(prediction) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write(path, write_frf(prediction.written))
+        write(path, write_frf(prediction.table_frf))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 

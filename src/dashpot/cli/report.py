@@ -129,9 +129,9 @@ def command(
         tests[0],
         further=tests[1:],
         impact=impact,
-        reading=_simplify_options(options.without(OF_HAMMER), tests),
+        reading=_simplify_options(options.drop_fields(OF_HAMMER), tests),
         # columns named for the bench file need not exist in the hammer's; units do no harm
-        reading_impact=_simplify_options(options.only(("units", *OF_HAMMER)), impact),
+        reading_impact=_simplify_options(options.select_fields(("units", *OF_HAMMER)), impact),
         **choices,
     )
     if not (output or project):
@@ -153,7 +153,7 @@ def command(
     return CommandResult(
         Reported(study, written[-1], history),
         format_study(study),
-        study.weighed,
+        study.verdict_checks,
         verdict=study.verdict,
         follow=format_command("verify", project, "--expect", history, why="recomputes it")
         if project
@@ -213,7 +213,7 @@ def _refuse_unused(*, hammer: bool, mass: bool) -> None:
 
 def _simplify_options(read_options: ReadOptions, files: Sequence[str]) -> ReadOptions:
     """What is said of files, without patterns where it comes to the same for all of them."""
-    options = {read_options.of(path) for path in files}
+    options = {read_options.for_file(path) for path in files}
     return options.pop() if len(options) == 1 else read_options
 
 
@@ -239,8 +239,10 @@ def _follow(files: Sequence[str], job: Job, study: Study) -> str:
     """
     why = "keeps the model for export"
     if study.joint is not None and study.mass is not None:
+        from dashpot.datamodel.fit import get_fewest_arms_model
+
         # fewer arms than the relaxation test has are of its own fit alone
-        few = isinstance(job.arms, int) and job.arms < study.joint.few_arms.arms
+        few = isinstance(job.arms, int) and job.arms < get_fewest_arms_model(study.joint).arms
         again = options.get_typed_options_for("fit", but=("--arms",) if few else ())
         if job.mass is None:  # a fit takes no mass that is not known: one that is hardly known
             names = ("--mass", grams(study.mass), "--mass-sd", grams(0.5 * study.mass))

@@ -108,10 +108,10 @@ class EndOfHold(Serialisable):
     k_10end: tuple[float, float] = field(default=_UNKNOWN, compare=False)
     ended: Ended = "hold"
 
-    def of(self, solid: Solid, times: float = 1.0) -> float:
+    def compute_stiffness(self, solid: Solid, times: float = 1.0) -> float:
         """Return the stiffness of a solid that the limits bound, at `times` T."""
         t = times * self.time
-        if self.in_frequency:
+        if self.is_frequency:
             return float(solid.complex_stiffness(omega=1 / t).real)
         if self.ended == "creep":
             return 1 / float(solid.creep(t))
@@ -119,23 +119,23 @@ class EndOfHold(Serialisable):
 
     def holding(self, solid: Solid) -> EndOfHold:
         """The limits, moved to hold a fit itself: nothing is printed outside its own interval."""
-        (low, high), here = self.k_end, self.of(solid)
+        (low, high), here = self.k_end, self.compute_stiffness(solid)
         missed = max(low - here, here - high, 0.0)
         return replace(
             self,
             k_end=_holding(self.k_end, here),
-            k_3end=_holding(self.k_3end, self.of(solid, 3)),
-            k_10end=_holding(self.k_10end, self.of(solid, 10)),
+            k_3end=_holding(self.k_3end, self.compute_stiffness(solid, 3)),
+            k_10end=_holding(self.k_10end, self.compute_stiffness(solid, 10)),
             k_inf=(0.0, max(self.k_inf[1], solid.k_inf)),
             beyond=max(self.beyond, missed / max(high - low, 1e-300)),
         )
 
     @property
-    def in_frequency(self) -> bool:
+    def is_frequency(self) -> bool:
         """Whether it is the lowest frequency that the test ends at, and not a time."""
         return self.ended in {"sweep", "frf"}
 
-    def widened(self, part: float) -> EndOfHold:
+    def widen(self, part: float) -> EndOfHold:
         """Return the limits, each moved outwards by a part of itself."""
 
         def wider(ends: tuple[float, float]) -> tuple[float, float]:
@@ -155,7 +155,7 @@ class EndOfHold(Serialisable):
         """Lowest k(10 T) over highest k(T): 1 of a plateau that is known."""
         return self.k_10end[0] / max(self.k_end[1], 1e-300)
 
-    def says(self, unit: str) -> str:
+    def format_with_remedy(self, unit: str) -> str:
         """Return the known and unknown at the end, and a remedy, as text; `unit` of stiffness."""
         subject = self._subject(unit)
         after = {
@@ -163,7 +163,7 @@ class EndOfHold(Serialisable):
         }.get(self.ended, "later on")  # fmt: skip
         return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
 
-    def told(self, unit: str) -> str:
+    def format_limits(self, unit: str) -> str:
         """Return what is known at the end, in two sentences."""
         return self._limits(unit, self._subject(unit))
 
@@ -186,13 +186,13 @@ class EndOfHold(Serialisable):
         t = times * self.time
         return (
             f"{round_to_error(1 / (2 * math.pi * t))} Hz"
-            if self.in_frequency
+            if self.is_frequency
             else f"{round_to_error(t)} s"
         )
 
     def _subject(self, unit: str) -> str:
         of_material = unit == "Pa"
-        if self.in_frequency:
+        if self.is_frequency:
             return "the storage" if self.ended == "sweep" else "the storage stiffness"
         if self.ended == "creep":
             return "stress over strain" if of_material else "force over displacement"
@@ -214,9 +214,11 @@ class EndOfHold(Serialisable):
 
     def fact(self, solid: Solid, unit: str) -> ReportedValue:
         """Return the stiffness of a solid at the end of the test, between these limits."""
-        at = self._format_end(1) if self.in_frequency else duration(self.time)
-        what = "K'" if self.in_frequency else {"creep": "1/J"}.get(self.ended, "k")
-        return ReportedValue("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
+        at = self._format_end(1) if self.is_frequency else duration(self.time)
+        what = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.ended, "k")
+        return ReportedValue(
+            "k_end", self.compute_stiffness(solid), *self.k_end, unit, words=f"{what}({at})"
+        )
 
     def __mul__(self, count: float) -> EndOfHold:
         """So many parts side by side."""
@@ -324,7 +326,7 @@ class FRFBounds(FrozenArrays, Serialisable):
     kind: Kind = Kind.ACCELERANCE
 
     @property
-    def peak_says(self) -> str:
+    def peak_text(self) -> str:
         """Limits of frequency and height of the peak, as text."""
         if self.peak_frequency is None:
             return "No model that the relaxation test allows has a resonance."
@@ -379,16 +381,16 @@ class BandError(Serialisable):
     misfit: tuple[float, float] = (0.0, 0.0)
 
     @property
-    def largest(self) -> tuple[float, float]:
+    def max_errors(self) -> tuple[float, float]:
         """Largest error of stiffness and of loss factor, neither below what the lines show."""
         stiffness, loss_factor = self.misfit
         return max(*self.stiffness, stiffness), max(*self.loss_factor, loss_factor)
 
-    def shifted(self, a_t: float) -> BandError:
+    def shift_to_temperature(self, a_t: float) -> BandError:
         """Return the errors at another temperature, whose relaxation times are `a_t` as long."""
         return replace(self, frequency=tuple(line / a_t for line in self.frequency))
 
-    def about(self, other: Solid, fitted: Solid) -> BandError:
+    def convert_to_solid(self, other: Solid, fitted: Solid) -> BandError:
         """Return the errors about another solid than the one that they were found about."""
         omega = 2 * np.pi * np.array(self.frequency)
         K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, other))

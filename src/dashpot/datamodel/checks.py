@@ -45,7 +45,7 @@ def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
 @criterion("K beyond the tested range", "<=", 0.0, "by definition")
 def temperature_tested(shifts: TemperatureShifts, temperature: float) -> Finding:
     """The requested temperature lies within the tested range."""
-    low, high = shifts.tested
+    low, high = shifts.tested_range
     return Finding(
         f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
         max(low - temperature, temperature - high, 0.0),

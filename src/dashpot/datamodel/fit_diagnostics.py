@@ -219,7 +219,7 @@ class DepthStiffness:
     k: tuple[float, ...]
     k_se: tuple[float, ...]
 
-    def facts(self, unit: str) -> tuple[ReportedValue, ...]:
+    def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
         """Each stiffness with its error; an arm that is nothing here is one of other depths."""
         rest = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
         names = (f"k_{j}" for j in range(1, len(self.k) + 1))
@@ -241,10 +241,10 @@ class Evidence:
         The numbers of arms that were tried.
     certificate : Certificate or None
     checks : tuple of Check
-    by_depth : tuple of AtDepth
+    stiffness_by_depth : tuple of DepthStiffness
         One per test where each has its own stiffnesses (``fit_depths``), shallowest
         first; the fit's solid is then the deepest test's.
-    moved : tuple of Moved
+    parameter_changes : tuple of ParameterChange
         What a further test changed, where there was an earlier fit.
     explanations : tuple of Explanation
         Of two tests that disagree, the best first.
@@ -263,13 +263,18 @@ class Evidence:
     orders: tuple[OrderScore, ...] = ()
     certificate: Certificate | None = None
     checks: tuple[Check, ...] = ()
-    by_depth: tuple[DepthStiffness, ...] = ()
-    moved: tuple[ParameterChange, ...] = ()
+    stiffness_by_depth: tuple[DepthStiffness, ...] = ()
+    parameter_changes: tuple[ParameterChange, ...] = ()
     explanations: tuple[Explanation, ...] = ()
     end_of_hold: EndOfHold | None = None
     creep: CreepEstimate | None = None
     alternative: Alternative | None = None
     band_error: BandError | None = None
+
+    @property
+    def has_unexplained_discrepancy(self) -> bool:
+        """Whether tests disagree and not even the best explanation suffices."""
+        return any(not explanation.explains for explanation in self.explanations[:1])
 
 
 @dataclass(frozen=True)

@@ -224,7 +224,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         object.__setattr__(self, "units", SI)
 
     @classmethod
-    def of_receptance(
+    def from_receptance(
         cls,
         frequency: FloatArray,
         receptance: ComplexArray,
@@ -242,12 +242,12 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift, units=SI)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The response over frequency, and how well it is known."""
         return collect_arrays(self, frequency="Hz", value=self.unit, coherence="", sd=self.unit)
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
         top = int(size.argmax())
@@ -273,7 +273,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return np.asarray(1j * self.omega + self.shift, dtype=complex)
 
     @property
-    def struck(self) -> bool:
+    def is_from_hits(self) -> bool:
         """Whether it is known to be of hits: it has them, their window, or their record."""
         return bool(self.hits) or self.shift != 0 or self.record is not None
 
@@ -359,11 +359,11 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """
         if self.sd is not None or self.averages < 2:
             return self.sd
-        scatter = self.scatter_of_one
+        scatter = self.single_average_sd
         return None if scatter is None else np.asarray(scatter / np.sqrt(self.averages))
 
     @property
-    def scatter_of_one(self) -> FloatArray | None:
+    def single_average_sd(self) -> FloatArray | None:
         r"""Scatter of a single average by the coherence, :math:`|H|\sqrt{(1-\gamma^2)/2\gamma^2}`.
 
         Shape (n,); None without coherence. Of an FRF whose number of averages is not known it
@@ -377,7 +377,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     @property
     def line_scatter(self) -> FloatArray | None:
         """Relative scatter of the lines, by `random_sd` or its substitute."""
-        return self.scatter_of_one if self.random_sd is None else self.random_sd
+        return self.single_average_sd if self.random_sd is None else self.random_sd
 
     @property
     def usable(self) -> BoolArray:
@@ -498,7 +498,7 @@ class Mode(Serialisable):
     method: str = "model"
 
     @property
-    def facts(self) -> tuple[ReportedValue, ReportedValue, ReportedValue]:
+    def reported_values(self) -> tuple[ReportedValue, ReportedValue, ReportedValue]:
         """Frequency, damping ratio and size of the residue, as tables have them."""
         frequency, damping_ratio, residue = (
             # the uncertainty of a model's phase is unknown, and not held
@@ -506,11 +506,11 @@ class Mode(Serialisable):
             for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
         )
         return (
-            ReportedValue.known("frequency", self.frequency, frequency, unit="Hz"),
-            ReportedValue.known(
+            ReportedValue.from_error("frequency", self.frequency, frequency, unit="Hz"),
+            ReportedValue.from_error(
                 "damping ratio", self.damping_ratio, damping_ratio, unit="1", read="%"
             ),
-            ReportedValue.known("residue", abs(self.residue), residue, unit="m/(N s)"),
+            ReportedValue.from_error("residue", abs(self.residue), residue, unit="m/(N s)"),
         )
 
     @property

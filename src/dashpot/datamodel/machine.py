@@ -178,7 +178,7 @@ class Machine:
         """What is known of the machine of a relaxation test, and nothing of a hammer's rig."""
         return self if self.cable is None else replace(self, cable=None)
 
-    def heeds(self, *names: str, of: str) -> None:
+    def refuse_unused(self, *names: str, of: str) -> None:
         """Refuse what is said of the machine and a test of another kind does not heed.
 
         Raises
@@ -210,7 +210,7 @@ class Machine:
         return USUAL["crosshead"].size * depth if self.creep is None else self.creep
 
     @property
-    def rested(self) -> float:
+    def min_rest_time(self) -> float:
         """Time for which a seal was left alone before its record, at least, s."""
         return USUAL["rest after it"].size if self.rest is None else self.rest
 
@@ -231,7 +231,7 @@ class Machine:
         values = USUAL["drift rate"].size * final, USUAL["drift of a noisy cell"].size * noise
         return max(usual, math.hypot(*values) / math.sqrt(1 + duration / USUAL["warm after"].size))
 
-    def drift_told(
+    def combine_drift(
         self,
         slope: tuple[float, float],
         final: float,
@@ -271,7 +271,7 @@ class Machine:
 
         .. math:: |m| \big/ 3\sqrt{e^2 + w^2 + s^2}
 
-        with the slope m of :meth:`drift_told`. Source: G. E. P. Box, J. R. Statist. Soc. A 143
+        with the slope m of :meth:`combine_drift`. Source: G. E. P. Box, J. R. Statist. Soc. A 143
         (1980) 383, the prior predictive check.
         """
         mean, error = slope

@@ -144,7 +144,9 @@ class Nuisance:
     def fact(self) -> ReportedValue:
         """Reported value, as every table shows it."""
         of, read = self.unit, get_display_unit(self.unit, fine=True)
-        return ReportedValue.known(self.name, self.value, self.standard_error, unit=of, read=read)
+        return ReportedValue.from_error(
+            self.name, self.value, self.standard_error, unit=of, read=read
+        )
 
 
 class _SolidParameter(NamedTuple):
@@ -208,7 +210,7 @@ class ParameterEstimate(EqualByValue):
             object.__setattr__(self, name, frozen(covariance))
 
     @property
-    def noise_alone(self) -> ParameterEstimate:
+    def noise_only(self) -> ParameterEstimate:
         """As if the rig had done nothing unseen: what the data can tell apart."""
         if self.of_noise is None:
             return self
@@ -219,10 +221,10 @@ class ParameterEstimate(EqualByValue):
         return replace(
             self,
             covariance=self.covariance + unmeasured @ unmeasured.T,
-            of_noise=self.noise_alone.covariance,
+            of_noise=self.noise_only.covariance,
         )
 
-    def scaled(self, by: FloatArray) -> ParameterEstimate:
+    def scale(self, by: FloatArray) -> ParameterEstimate:
         """Of parameters so many times as large each, shape (p,)."""
         products = np.outer(by, by)
         return replace(
@@ -231,7 +233,7 @@ class ParameterEstimate(EqualByValue):
             of_noise=None if self.of_noise is None else self.of_noise * products,
         )
 
-    def of_arms(self, solid: FractionalZener) -> ParameterEstimate:
+    def convert_to_arms(self, solid: FractionalZener) -> ParameterEstimate:
         """What is known of a fractional solid, as of the arms that stand for it: to first order."""
         gradient = solid.arm_gradient()
         rows = [self.parameters.index(name) for name in ELEMENT]
@@ -278,7 +280,9 @@ class ParameterEstimate(EqualByValue):
         ratio = (1 + indices**2) / indices * angle
         return float(size.max()), float(np.nanmax(ratio)) if np.isfinite(ratio).any() else inf
 
-    def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[ReportedValue, ...]:
+    def list_values(
+        self, solid: Solid, unit: str, level: float = 0.95
+    ) -> tuple[ReportedValue, ...]:
         """Return every parameter of a solid, its stiffnesses in `unit`, with error and interval.
 
         ``k_inf``, then ``k_1``, ``tau_1`` and ``b_1`` = k tau of each arm, and ``b`` of a dashpot
@@ -348,7 +352,7 @@ class ParameterEstimate(EqualByValue):
         """
         quantile = self.quantile(level)
         profiles = {profile.parameter: profile for profile in self.profiles}
-        noise = {row.name: row.error for row in self.noise_alone._rows(solid)}
+        noise = {row.name: row.error for row in self.noise_only._rows(solid)}
         entries = {}
         for row in self._rows(solid):
             profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
@@ -430,7 +434,7 @@ class CreepEstimate(FrozenArrays):
         at = self.parameters.index(row)
         return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
 
-    def facts(self, unit: str) -> tuple[ReportedValue, ...]:
+    def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
         """Return the compliances, in `unit`, and times of a solid, and its flow where it flows."""
         of, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
         rows = [("glass", of.glass, unit)]

@@ -98,7 +98,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
         return ready
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Displacement and force over time."""
         return collect_arrays(self, time="s", displacement="m", force="N")
 
@@ -108,7 +108,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
         return quantum(self.displacement)
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.time)),
@@ -250,12 +250,12 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         require_positive(depth=self.depth, unit=" m", expected="a compression > 0")
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Displacement and force over time."""
         return collect_arrays(self, time="s", displacement="m", force="N")
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Summary: the record, its ramp and hold, and notes of the preparation."""
         failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
         return (
@@ -314,7 +314,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         return 0 if begin is None else int(np.searchsorted(self.time, begin))
 
     @cached_property
-    def unloaded(self) -> slice:
+    def baseline_samples(self) -> slice:
         """The samples before the ramp, or before the first of all, at which the seal is free.
 
         Where the plate is away from the seal when the ramp begins, those; else those before it was
@@ -376,7 +376,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         return self.encoder_step / float(np.sqrt(6.0)) / self.depth
 
     @cached_property
-    def readings_moved(self) -> int:
+    def changed_readings(self) -> int:
         """Number of readings in the later half of the hold that differ from the one before."""
         x = self.travel[self.hold]
         return int(np.count_nonzero(np.diff(x[len(x) // 2 :])))
@@ -408,7 +408,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         return slice(int(start), min(int(stop) + 1, len(self.time)))
 
     @cached_property
-    def settled(self) -> slice:
+    def settled_samples(self) -> slice:
         """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
         hold = self.hold
         early = slice(

@@ -140,7 +140,7 @@ class SealSection:
                 )
 
     @classmethod
-    def of(
+    def from_fit(
         cls,
         fit: Fit,
         *,

@@ -131,7 +131,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         )
 
     @property
-    def tested(self) -> tuple[float, float]:
+    def tested_range(self) -> tuple[float, float]:
         """The coldest and the warmest test, K."""
         return self.shifts[0].temperature, self.shifts[-1].temperature
 
@@ -142,10 +142,10 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Only a WLF law says where the glass transition lies.
         """
         if isinstance(self.law, WLF):
-            return min(self.law.glass + ABOVE_GLASS, self.tested[0])
-        return self.tested[0] if isinstance(self.law, FreeShifts) else 0.0
+            return min(self.law.glass + ABOVE_GLASS, self.tested_range[0])
+        return self.tested_range[0] if isinstance(self.law, FreeShifts) else 0.0
 
-    def shifted(self, solid: GeneralizedMaxwell, temperature: float) -> GeneralizedMaxwell:
+    def shift_model(self, solid: GeneralizedMaxwell, temperature: float) -> GeneralizedMaxwell:
         """Return the solid of the reference at T, K.
 
         Raises
@@ -161,7 +161,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
             )
         log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
         change = np.exp(shifted_log_tau(np.log(tau), log_a, self.slope))
-        whole = solid.shifted(float(np.exp(log_a)), self.b_t(temperature))
+        whole = solid.shift_to_temperature(float(np.exp(log_a)), self.b_t(temperature))
         return replace(whole, tau=tuple(change.tolist()))
 
     def error(self, temperature: float) -> tuple[float, float]:
@@ -249,7 +249,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         by_a, by_b = (float(np.interp(temperature, at, values)) for values in (log_a, log_b))
         return by_a, by_b
 
-    def referred(self, temperature: float) -> TemperatureShifts:
+    def change_reference(self, temperature: float) -> TemperatureShifts:
         r"""Return the same shifts from another temperature, K, at which the solid then is.
 
         With :math:`s = \log_{10} a_T` at the new reference every other shift is
@@ -300,7 +300,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def _log10_at(self, temperature: float) -> float:
         """Return the shift found at a tested temperature, K, or the law's at another."""
-        near = self.nearest(temperature)
+        near = self.find_nearest(temperature)
         if near.temperature == temperature:
             return near.log10_a_t
         return float(self.law.log10_a_t(temperature))
@@ -311,7 +311,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """Return the same law from another temperature, and the derivatives of its constants."""
         law = self.law
         if isinstance(law, WLF):
-            there = law.referred(temperature)
+            there = law.change_reference(temperature)
             # C_1' = C_1 C_2 / C_2', and C_2' moves with C_2
             by = np.array(
                 [
@@ -326,7 +326,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         values = tuple(shift.log10_a_t for shift in shifts)
         return FreeShifts(every, values, temperature), np.zeros((0, 0))
 
-    def nearest(self, temperature: float) -> Shift:
+    def find_nearest(self, temperature: float) -> Shift:
         """Return the tested temperature nearest to T, K."""
         return min(self.shifts, key=lambda shift: abs(shift.temperature - temperature))
 

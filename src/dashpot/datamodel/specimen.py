@@ -63,7 +63,7 @@ class Specimen:
     warmed: float | None = None
     rested: float | None = None
 
-    def over(self, other: Specimen) -> Specimen:
+    def with_defaults(self, other: Specimen) -> Specimen:
         """Return this specimen, completed by the fields of another."""
         stated = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(other, **{name: value for name, value in stated.items() if value})

@@ -150,7 +150,7 @@ class ModeShape(EqualByValue):
     misfit: float
 
     @property
-    def normalised(self) -> ComplexArray:
+    def normalised_residues(self) -> ComplexArray:
         """Residues over that of the point that moves most, shape (points,)."""
         return np.asarray(self.residues / self.residues[np.argmax(np.abs(self.residues))])
 

@@ -16,7 +16,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import celsius, format_quantity
 from dashpot.base.version import byline
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, list_arm_values
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.checks import nominal_in_valid_band, rows_in_valid_band
@@ -170,7 +170,7 @@ _SAME_STIFFNESS = 1e-3
 
 def format_law_lines(shifts: TemperatureShifts) -> list[str]:
     """Return the lines of a deck's header on the fitted law: its formula and constants."""
-    law, (low, high) = shifts.law, shifts.tested
+    law, (low, high) = shifts.law, shifts.tested_range
     reference = f"T_r = {text(law.reference)} K"
     if isinstance(law, WLF):
         says = (
@@ -207,13 +207,14 @@ def format_stiffness_left_out(shifts: TemperatureShifts) -> list[str]:
 
 def _format_stiffness_shift(shifts: TemperatureShifts) -> str:
     """Return how every stiffness follows the temperature; nothing if it does not."""
-    low, high = (shifts.b_t(value) for value in shifts.tested)
+    low, high = (shifts.b_t(value) for value in shifts.tested_range)
     if max(abs(low - 1), abs(high - 1)) < _SAME_STIFFNESS:
         return ""
     if shifts.vertical == "T/T_r":
         return ", stiffnesses with b_T = T/T_r"
     ends = " to ".join(
-        f"{b:.4g} at {celsius(value)}" for b, value in zip((low, high), shifts.tested, strict=True)
+        f"{b:.4g} at {celsius(value)}"
+        for b, value in zip((low, high), shifts.tested_range, strict=True)
     )
     return f", stiffnesses with b_T = {ends}"
 
@@ -224,7 +225,7 @@ class NonlinearFit(Protocol):
     @property
     def solid(self) -> Solid: ...  # noqa: D102
     @property
-    def beside(self) -> tuple[RateIndependent, ...]: ...  # noqa: D102
+    def rate_independent(self) -> tuple[RateIndependent, ...]: ...  # noqa: D102
     @property
     def amplitudes(self) -> tuple[float, float]: ...  # noqa: D102
     @property
@@ -242,7 +243,7 @@ class NonlinearFit(Protocol):
     @property
     def verdict(self) -> Verdict: ...  # noqa: D102
     @property
-    def sound(self) -> str: ...  # noqa: D102
+    def headline(self) -> str: ...  # noqa: D102
 
 
 Exportable: TypeAlias = Solid | Fit | NonlinearFit
@@ -309,7 +310,7 @@ class Deck:
     fit: Fit | NonlinearFit | None = None
     overrides: tuple[str, ...] = ()
 
-    def of(self, solid: Solid) -> Deck:
+    def with_solid(self, solid: Solid) -> Deck:
         """Return the same deck of another solid: a part of it, or one that stands beside it."""
         return replace(self, solid=solid)
 
@@ -348,11 +349,11 @@ class Deck:
         return self.units.stress(si) if self.material else self.units.stiffness(si)
 
     @cached_property
-    def beside(self) -> NonlinearElements:
+    def nonlinear_elements(self) -> NonlinearElements:
         """Sliders and a cubic spring beside the arms, deck units; empty of a linear solid."""
         if self.fit is None or isinstance(self.fit, Fit):
             return NonlinearElements(self.units)
-        return NonlinearElements(self.units, self.fit.beside, self.fit.amplitudes)
+        return NonlinearElements(self.units, self.fit.rate_independent, self.fit.amplitudes)
 
     @property
     def prony(self) -> list[tuple[float, float]]:
@@ -426,11 +427,11 @@ class Deck:
         """Checks of the fit behind the deck; none of a bare solid."""
         return self.fit.checks if self.fit else ()
 
-    def extrapolated(self, frequency: float) -> bool:
+    def is_extrapolated(self, frequency: float) -> bool:
         """True if the test says nothing of this frequency, Hz; False where no band is known."""
         return self.band is not None and not self.band[0] <= frequency <= self.band[1]
 
-    def written(
+    def format_text(
         self,
         comment: str,
         title: str,
@@ -469,10 +470,10 @@ class Deck:
         """Whether the test, if there is one, informs every row of a table, and what is nominal."""
         checks: list[Check] = []
         if nominal is not None and self.band is not None:
-            checks.append(nominal_in_valid_band(self.extrapolated(nominal), nominal))
+            checks.append(nominal_in_valid_band(self.is_extrapolated(nominal), nominal))
         if table is not None and self.band is not None:
             f = table.frequency.tolist()
-            outside = [item for item in f if self.extrapolated(item)]
+            outside = [item for item in f if self.is_extrapolated(item)]
             checks.append(
                 rows_in_valid_band(len(outside), len(f), *((outside or f)[i] for i in (0, -1)))
             )
@@ -483,7 +484,7 @@ class Deck:
             return None
         # the fit's own checks are counted, as its text counts them
         failed = tuple(check for check in informed if check.failed)
-        return verdict((*self.fit.checks, *failed), headline=self.fit.sound)
+        return verdict((*self.fit.checks, *failed), headline=self.fit.headline)
 
     def _format_header_lines(self) -> list[str]:
         units, specimen = self.units, self.specimen
@@ -505,7 +506,7 @@ class Deck:
             outside = f" [{centre:.4g} Hz lies outside the valid band]"
             described.append(
                 f"  arm {j}: k = {text(k)} {stiffness}, tau = {text(tau)} {time}, "
-                f"b = {text(b)} {damping}{outside * self.extrapolated(centre)}"
+                f"b = {text(b)} {damping}{outside * self.is_extrapolated(centre)}"
             )
         if self.model is not self.solid:
             described.append(
@@ -513,7 +514,7 @@ class Deck:
             )
         return [
             *described,
-            *self.beside.described,
+            *self.nonlinear_elements.described,
             "temperature: "
             + (
                 "not stated"
@@ -538,8 +539,8 @@ class Deck:
         fit = self.linear_fit
         if fit is None or fit.model.k_inf != self.model.k_inf:
             return []
-        fact = fit.arm_facts[0]
-        if not fact.topped:
+        fact = list_arm_values(fit)[0]
+        if not fact.is_at_most:
             return []
         most = f"{self._stiffness(fact.high):.4g} {unit}"
         return [f"  k_inf is at most {most}; no test bounds it from below"]

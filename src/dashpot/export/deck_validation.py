@@ -156,7 +156,7 @@ def open_deck(
         deck = Deck(solid, system, specimen or Specimen(), form)
     else:
         deck = Deck(solid.solid, system, specimen or solid.specimen, form, solid)
-    deck.beside.refuse_unless_held(target, form)
+    deck.nonlinear_elements.refuse_unless_held(target, form)
     unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
     if unknown:
         raise ExportError(
@@ -238,7 +238,7 @@ def list_allowed_problems(
 def _refuse_impossible(deck: Deck) -> None:
     """Raise where nothing can be overlooked: there is no right number to write."""
     model = deck.model
-    if model.k_0 == 0 and model.b == 0 and not deck.beside.parts:
+    if model.k_0 == 0 and model.b == 0 and not deck.nonlinear_elements.parts:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
     _refuse_extreme(deck)
     if deck.form == "prony" and model.b > 0:
@@ -256,7 +256,11 @@ def _refuse_extreme(deck: Deck) -> None:
         ("b", model.b),
         *((f"k_{j}", k) for j, k in enumerate(model.k, start=1)),
         *((f"tau_{j}", tau) for j, tau in enumerate(model.tau, start=1)),
-        *((name, abs(var)) for part in deck.beside.parts for name, var in vars(part).items()),
+        *(
+            (name, abs(var))
+            for part in deck.nonlinear_elements.parts
+            for name, var in vars(part).items()
+        ),
     ):
         if value != 0 and not LEAST <= value <= MOST:
             raise ExportError(
@@ -296,7 +300,7 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
     # what a rig adds to all arms alike is no reason to fit fewer: errors and limits hold it
-    model, error = fit.model, replace(fit, estimate=fit.estimate.noise_alone).standard_error
+    model, error = fit.model, replace(fit, estimate=fit.estimate.noise_only).standard_error
     if not model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
     # a stiffness is known to three standard errors, a relaxation time to two

@@ -133,7 +133,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
     lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
     band, error = find_loss_factor_band(errors, fit.band, {line: errors(line) for line in lines})
     checks = fit.checks
-    if error.largest[1] > WELL_KNOWN:
+    if error.max_errors[1] > WELL_KNOWN:
         checks = (*checks, loss_factor_determined(error))
     return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 

@@ -93,8 +93,8 @@ def block_of(
     offset, drift = (f"{name}{at}" if name in terms else None for name in ("offset", "drift"))
     if method == "hold":
         return hold_block(
-            np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
-            test.force[test.settled],
+            np.maximum(test.time[test.settled_samples] - test.ramp_end, 0.0),
+            test.force[test.settled_samples],
             depth=test.depth if law is None else float(law.path(test.depth)),
             ramp_time=test.ramp_time,
             offset=offset,
@@ -368,7 +368,7 @@ class InitialFit(NamedTuple):
         """The values of the series."""
         return tuple(series.values for series in self.series)
 
-    def get_residual_series(self, solution: Solution) -> tuple[ResidualSeries, ...]:
+    def get_residuals(self, solution: Solution) -> tuple[ResidualSeries, ...]:
         """Return what a solution leaves of each record, where that is at hand; else nothing."""
         return self.series if solution is self.showed else ()
 

@@ -61,7 +61,7 @@ class Prior(NamedTuple):
         sd = max(self.sd, _EXACT * abs(self.mean))
         return (value - self.mean) / sd, slope / sd
 
-    def beyond(self, held: Prior) -> Prior:
+    def remaining_after(self, held: Prior) -> Prior:
         """Return what it leaves open that a fit which holds the other does not, about 0."""
         more = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
         return Prior(0.0, float(np.sqrt(max(more, 0.0))))
@@ -172,12 +172,12 @@ def priors(record: RampHold) -> LoadCellPriors:
     The offset is the mean of the samples before contact, with standard error
     :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
     the force that the first compression may have given. The drift is what the slope of those
-    samples and the cell say together (:meth:`~dashpot.datamodel.machine.Machine.drift_told`). The
-    delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
+    samples and the cell say together (:meth:`~dashpot.datamodel.machine.Machine.combine_drift`).
+    The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
     first = _first_motion(record)
-    rest = slice(0, first) if record.loading_start is None else record.unloaded
+    rest = slice(0, first) if record.loading_start is None else record.baseline_samples
     duration = record.hold_end - record.onset
     final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
@@ -189,8 +189,8 @@ def priors(record: RampHold) -> LoadCellPriors:
             first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
     machine, values = record.machine, (final, duration)
-    mean, sd, _ = machine.drift_told(slope, *values)
-    *doubt, reported = machine.drift_told(slope, *values, record.force_noise)
+    mean, sd, _ = machine.combine_drift(slope, *values)
+    *doubt, reported = machine.combine_drift(slope, *values, record.force_noise)
     source = "unknown" if machine.drift is None else "data sheet"
     return LoadCellPriors(
         offset,

@@ -388,7 +388,7 @@ def select_order(
         priors=data.priors,
         encoders=data.encoders,
         whole=solve_whole_order(taken),
-        series=first.get_residual_series(scores[taken].solution),
+        series=first.get_residuals(scores[taken].solution),
     )
     return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)
 

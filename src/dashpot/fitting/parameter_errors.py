@@ -559,7 +559,7 @@ class _ProfileScaling:
         if noise_gain is None:
             return None
         at_optimum = noise_gain.compute_step_gain(first)
-        return lambda beta, log_tau: noise_gain.at(beta, log_tau) / at_optimum
+        return lambda beta, log_tau: noise_gain.evaluate(beta, log_tau) / at_optimum
 
 
 # Sensitivity of the parameters to unmeasured effects of the rig.
@@ -661,7 +661,7 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
         unmeasured = adds.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
         # of the drift itself, what the fit holds to be less than it may be
-        more = data.terms.known["drift"].beyond(data.drift)
+        more = data.terms.known["drift"].remaining_after(data.drift)
         drift = replace(data.terms, known={"drift": more})
         unmeasured = np.hstack(
             (unmeasured, drift.doubts(evaluation.fixed, data.block.fixed_names)[0])

@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.fitting.admissible_spectra import (
@@ -56,11 +56,11 @@ def get_solid_parameters(fit: Fit) -> SolidParameters:
     if isinstance(solid, FractionalZener):
         results = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
     else:
-        model, dashpot = fit.model, "b" in fit.parameters
+        model, dashpot = fit.model, "b" in fit.estimate.parameters
         names = parameter_names(model.arms, dashpot=dashpot)
         results = [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])]
-    here = [i for i, name in enumerate(names) if name in fit.parameters]
-    rows = [fit.parameters.index(names[i]) for i in here]
+    here = [i for i, name in enumerate(names) if name in fit.estimate.parameters]
+    rows = [fit.estimate.parameters.index(names[i]) for i in here]
     covariance = np.zeros((len(names), len(names)))
     covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
     return SolidParameters(names, np.array(results), covariance)
@@ -69,7 +69,7 @@ def get_solid_parameters(fit: Fit) -> SolidParameters:
 def get_parameter_values(fit: Fit) -> FloatArray | None:
     """Return the parameters in the order of the covariance; None where it is not of them."""
     names, result, _ = get_solid_parameters(fit)
-    return result if names == fit.parameters else None
+    return result if names == fit.estimate.parameters else None
 
 
 def compute_covariance_axes(covariance: FloatArray) -> FloatArray:
@@ -104,7 +104,7 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
 
 
 def _build_solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
-    if fit.parameters == ELEMENT:
+    if fit.estimate.parameters == ELEMENT:
         k_inf, k_0 = np.maximum(there[:2], _LEAST_PART * here[:2])
         alpha = float(np.clip(there[3], 0.05, 1.0))
         return FractionalZener(float(k_0), float(k_inf), float(np.exp(there[2])), alpha)
@@ -398,7 +398,10 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
         )
     data = [relaxation_data(record, fit) for record in records]
     spectra = AdmissibleSpectra(
-        data, fastest=fastest, limit=deviance_limit(level, fit.dof), extra=fit.few_arms.tau
+        data,
+        fastest=fastest,
+        limit=deviance_limit(level, fit.estimate.dof),
+        extra=get_fewest_arms_model(fit).tau,
     )
     spectra.validate_misfit(*misfits(data))
     return spectra

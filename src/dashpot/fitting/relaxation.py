@@ -251,8 +251,8 @@ def fit(
     family : "maxwell", "fractional" or "auto"
         Arms; a fractional Zener model, whose four parameters are a spectrum that is broad and
         smooth (:class:`~dashpot.solids.fractional.FractionalZener`); or the one of the two that
-        BIC prefers. Beside the solid that is taken, `Fit.alternative` is then the other, and says
-        where the two part. A ramp that is not linear is explained by arms alone.
+        BIC prefers. Beside the solid that is taken, `Fit.evidence.alternative` is then the other,
+        and says where the two part. A ramp that is not linear is explained by arms alone.
     intervals : bool
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
         first look, or where a computation asks for many fits. A number of arms left to choose,
@@ -302,7 +302,7 @@ def fit(
         return _with_law(_fit_one_temperature(records, design, options), law)
     except FitError as error:
         stops = (check for record in records for check in record.checks if check.failed)
-        cause = next((stop.typed for stop in stops if stop.grade == "stop"), "")
+        cause = next((stop.message_with_option for stop in stops if stop.grade == "stop"), "")
         if not cause:
             raise
         raise FitError(f"{cause} As it is, {error}") from None

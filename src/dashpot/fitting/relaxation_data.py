@@ -277,7 +277,7 @@ class RelaxationData:
         )
         borne = {kind: priors.pop(kind) for kind in kinds if kind in priors}
         if "drift" in priors:
-            borne["drift"], priors["drift"] = priors["drift"].beyond(held), held
+            borne["drift"], priors["drift"] = priors["drift"].remaining_after(held), held
         values, arms = np.unique(
             np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True
         )

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median, slow_periodogram
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.machine import USUAL
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
@@ -109,7 +109,7 @@ def relaxation_data(
     """
     if fit.temperatures is not None:
         return _shift_to_reference(test, fit, single_fit, claimed=claimed)
-    model, solid = fit.few_arms, (single_fit or fit).few_arms
+    model, solid = get_fewest_arms_model(fit), get_fewest_arms_model(single_fit or fit)
     if fit.method == "hold":
         held = _compute_arm_residual(solid, block_of(test, method="hold", terms=_CELL))
         return build_hold_data(test, model, held, claimed=claimed)
@@ -153,7 +153,7 @@ def relaxation_data(
         model,
         residual,
         size=float(np.hypot(_compute_law_deviation(law), set_of(test, model))),
-        rms=fit.residual.rms,
+        rms=fit.estimate.residual.rms,
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
     )
@@ -188,7 +188,7 @@ def _build_delay_columns(
 
 def _lateness(fit: Fit) -> float:
     """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
-    values = [nuisance.value for nuisance in fit.nuisance if nuisance.name == "delay"]
+    values = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
     late = values[0] if fit.method == "full" and values else 0.0
     return late if abs(late) > LINEAR_DELAY else 0.0
 
@@ -206,7 +206,7 @@ def _compute_law_deviation(law: ElasticLaw | None) -> float:
 
     About the depth it is the tangent's, about the middle of the way the secant's.
     """
-    return abs(float(law.factor(law.depth)) - 1) if law is not None and law.gentle else 0.0
+    return abs(float(law.factor(law.depth)) - 1) if law is not None and law.is_gentle else 0.0
 
 
 def _shift_to_reference(
@@ -223,7 +223,7 @@ def _shift_to_reference(
             "the fit is of tests at several temperatures, and a record has none: give the records "
             "that were fitted, each with its temperature"
         )
-    shift = shifts.nearest(kelvin)
+    shift = shifts.find_nearest(kelvin)
     if abs(shift.temperature - kelvin) > SAME_TEMPERATURE:
         raise DataError(
             f"a record is of {celsius(kelvin)}, and no test of the fit is: give those that were "
@@ -272,7 +272,7 @@ def build_hold_data(
     if law is None:
         # eq. 5 is fitted with a drift as free as it may be
         relaxation_data = replace(relaxation_data, drift=relaxation_data.terms.known["drift"])
-    start = float(test.time[test.settled.start] - test.time[0])
+    start = float(test.time[test.settled_samples.start] - test.time[0])
     return (
         relaxation_data
         if not claimed
@@ -435,7 +435,7 @@ def compute_unmeasured_effects(
         since=time + test.time[0] - test.ramp_end,
         ramp_time=test.ramp_time,
         depth=test.depth,
-        settles=not test.readings_moved,
+        settles=not test.changed_readings,
     )
     peak = float(np.abs(answer.force(time, x)).max())
     if test.preload and peak > 0:

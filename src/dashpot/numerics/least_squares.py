@@ -358,7 +358,7 @@ class Problem:
         low, high, scale, _ = np.array(self.parameters, dtype=float).reshape(-1, 4).T
         return low, high, scale
 
-    def at(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
+    def solve_linear(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
         """The best beta at a theta; `near` it only these coefficients are likely above zero."""
         rows = self.model(theta)
         beta, span = solve_linear(rows.A, rows.y, self.positive, near)
@@ -388,7 +388,7 @@ class Problem:
             Part of the cost that a step promises to lower it by, and ends a descent.
         """
         if not self.parameters:
-            return self.at(np.zeros(0))
+            return self.solve_linear(np.zeros(0))
         optima = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
         best = min(optima, key=lambda optimum: optimum.cost, default=None)
         if best is None or not rough:
@@ -423,7 +423,7 @@ class Problem:
                 optima.append(replace(ended.point.optimum, stationary=ended.converged))
         return optima
 
-    def held(self, index: int, value: float) -> Problem:
+    def fix_parameter(self, index: int, value: float) -> Problem:
         """Return the problem with one theta held."""
         rest = [parameter for i, parameter in enumerate(self.parameters) if i != index]
 
@@ -459,7 +459,7 @@ class Problem:
         near = None if last is None else last.beta > 0
         meant = theta * scale
         try:
-            optimum = self.at(meant if self.gauge is None else self.gauge(meant), near)
+            optimum = self.solve_linear(meant if self.gauge is None else self.gauge(meant), near)
         except DataError:
             return _AtTheta(theta, scale, None)
         return _AtTheta(optimum.theta / scale, scale, optimum)

@@ -229,7 +229,7 @@ class ExpectedEnd(Serialisable):
     named: float
 
     @property
-    def says(self) -> str:
+    def message(self) -> str:
         """How well it would be known, and what would tell more."""
         return paragraph(
             f"At the end of the hold the stiffness k({duration(self.time)}) would be known to "

@@ -273,7 +273,7 @@ class Plan(HasChecks, Serialisable):
     arms: tuple[ExpectedArm, ...] = ()
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """How well the loss factor would be known."""
         sd = format_relative_sd(self.expected.loss_factor_sd)
         return f"this test would give the loss factor at {self.at:g} Hz to {sd}"
@@ -287,7 +287,7 @@ class Plan(HasChecks, Serialisable):
             for e in (self.expected, *self.alternatives)
         ]
         title = f"expected standard deviation at {self.at:g} Hz"
-        return "\n".join([title, head, *rows, *self._arm_table, self.end.says, *self.advice])
+        return "\n".join([title, head, *rows, *self._arm_table, self.end.message, *self.advice])
 
     @property
     def _arm_table(self) -> list[str]:

@@ -136,7 +136,7 @@ class Bench(PlannedRamp):
         offset = self.noise / np.sqrt(self.baseline * self.rate)
         slope = 0.0, float(np.sqrt(12.0) * offset / self.baseline)
         held, free = (
-            machine.drift_told(slope, final, length, noise)[1] for noise in (None, self.noise)
+            machine.combine_drift(slope, final, length, noise)[1] for noise in (None, self.noise)
         )
         return offset, held, free
 
@@ -147,7 +147,7 @@ class Bench(PlannedRamp):
         and bears nothing of earlier presses.
         """
         columns, values = self.sensitivity(model), np.zeros((0, 0))
-        unmeasured = self.unseen(model, columns[:, 1 : 1 + model.arms])
+        unmeasured = self.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
         if self.machine is not None:
             sd = self.prior_sd(model)
             if several:
@@ -162,7 +162,7 @@ class Bench(PlannedRamp):
             np.pad(both[:, count:], ((0, len(values)), (0, 0))),
         )
 
-    def unseen(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
+    def unmeasured_effects(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
         """Return what climate and machine may add that the fit does not estimate, in N, shape (n,
         d).
 
@@ -311,7 +311,7 @@ def rows_with(
 
 def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:
     """Return rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
-    solid = model.shifted(there.a_t, there.b_t)
+    solid = model.shift_to_temperature(there.a_t, there.b_t)
     values, unmeasured = bench.rows(solid, several=True)
     n = model.arms
     stiff, slow, nuisances = (

@@ -194,7 +194,7 @@ def render_figure(
         If the suffix names none of these.
     """
     kind = suffix.lower().lstrip(".")
-    picture = picture if size is None else picture.sized(size)
+    picture = picture if size is None else picture.resize(size)
     if kind not in get_choice_values(Drawn):
         raise ExportError(
             f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"

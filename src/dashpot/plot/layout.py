@@ -200,7 +200,7 @@ def _upright(panel: Panel) -> list[tuple[float, str]]:
 def arrange_sheet(picture: Picture) -> Sheet:
     """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
-    for columns, panel_groups in picture.in_rows:
+    for columns, panel_groups in picture.strip_rows:
         wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
         row = [lay_out(group, wide) for group in panel_groups]
         strips += [

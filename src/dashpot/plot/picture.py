@@ -239,7 +239,7 @@ class Picture:
     rows: tuple[int, ...] = ()
 
     @property
-    def in_rows(self) -> tuple[tuple[int, tuple[tuple[Panel, ...], ...]], ...]:
+    def strip_rows(self) -> tuple[tuple[int, tuple[tuple[Panel, ...], ...]], ...]:
         """The strips row by row, each row with how many would fill it."""
         columns = min(self.columns, len(self.strips))
         pairs, at = [], 0
@@ -255,7 +255,7 @@ class Picture:
         """All panels, in order."""
         return tuple(panel for strip in self.strips for panel in strip)
 
-    def sized(self, size: FigureSize) -> Picture:
+    def resize(self, size: FigureSize) -> Picture:
         """Return the same for a column of a journal, strips below each other, or for a slide.
 
         Letters keep their size, so that those of a column have 8 points on paper, and those of a

@@ -49,14 +49,14 @@ class PlottedHit(NamedTuple):
     verdict: Hit | None
 
     @property
-    def accepted(self) -> bool:
+    def is_accepted(self) -> bool:
         """True unless it was rejected."""
         return self.verdict is None or self.verdict.accepted
 
     @property
     def pen(self) -> Pen:
         """Of all its curves."""
-        return ACCEPTED if self.accepted else REJECTED
+        return ACCEPTED if self.is_accepted else REJECTED
 
     def last(self, size: FloatArray, share: float) -> float:
         """When `size` last exceeds a share of its peak, s after the hit."""
@@ -83,7 +83,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
         for hit in cut_hits([impact])
     ]
     # rejected ones over the others, to be seen
-    plotted_hits.sort(key=lambda hit: not hit.accepted)
+    plotted_hits.sort(key=lambda hit: not hit.is_accepted)
     panels = [_pulses(plotted_hits), _spectra(plotted_hits), *_answers(impact, plotted_hits)]
     caption = (
         "The hits laid over each other: blue accepted, vermillion and dashed rejected; shaded "
@@ -106,7 +106,7 @@ def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
 
 
 def _key(hit: PlottedHit) -> str:
-    return "hit, accepted" if hit.accepted else f"hit {hit.block.name}, rejected"
+    return "hit, accepted" if hit.is_accepted else f"hit {hit.block.name}, rejected"
 
 
 def _pulses(plotted_hits: Sequence[PlottedHit]) -> Panel:
@@ -120,7 +120,7 @@ def _pulses(plotted_hits: Sequence[PlottedHit]) -> Panel:
             convert_to_unit(plotted_hit.time[near], "ms"), plotted_hit.block.force[near], bins=250
         )
         lines.append(Line(x, y, plotted_hit.pen, _key(plotted_hit)))
-    accepted = sum(hit.accepted for hit in plotted_hits)
+    accepted = sum(hit.is_accepted for hit in plotted_hits)
     span = convert_to_unit(-0.6 * width, "ms"), convert_to_unit(end, "ms")
     axes = (Scale("time after the hit, ms", span),
             Scale("hammer force, N", pad_limits(*(line.y for line in lines))))  # fmt: skip
@@ -133,7 +133,7 @@ def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
     for hit in plotted_hits:
         frequency, level = force_spectrum(hit.block)
         lines.append((frequency, level, hit.pen))
-        if hit.accepted:
+        if hit.is_accepted:
             below = np.flatnonzero(level < -USABLE)
             ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
     top = min(2.2 * min(ends), 0.5 * plotted_hits[0].block.rate) if ends else lines[0][0][-1]

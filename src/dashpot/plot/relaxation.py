@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.option_fields import Method, get_choice_values
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_model_label
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.plot.picture import (
     FIT,
@@ -121,7 +121,7 @@ class PlottedFit(NamedTuple):
     @property
     def label(self) -> str:
         """What the key calls it."""
-        name = self.fit.called
+        name = get_model_label(self.fit)
         return f"fit, {name}" if self.pen is FIT else name
 
     def residual(
@@ -197,9 +197,11 @@ def residual_panel(
     marks.append(Line(x, mean, Pen(plotted_fit.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
     of_force = plotted_fit.fit.method in get_choice_values(Method)
-    size = plotted_fit.fit.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
+    size = (
+        plotted_fit.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
+    )
     word, factor = unit_of(np.array([size]), "N")
-    label = f"residual of {plotted_fit.fit.called}, {unit}"
+    label = f"residual of {get_model_label(plotted_fit.fit)}, {unit}"
     rms = f"rms {round_to_error(factor * size)} {word}"
     across = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
     upright = Scale(label, compute_padded_limits(low, high, margin=0.08))
@@ -240,8 +242,8 @@ def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         "drift": time - begun,
         "delay": -np.gradient(force, time),
     }
-    entries = {term.name: term.value for term in fit.nuisance if term.name in terms}
-    allowed = {term.name.partition(" ")[0] for term in fit.nuisance} & set(terms)
+    entries = {term.name: term.value for term in fit.estimate.nuisance if term.name in terms}
+    allowed = {term.name.partition(" ")[0] for term in fit.estimate.nuisance} & set(terms)
     if fit.method not in get_choice_values(Method):
         # a fit to other tests too tells what it found of those
         entries, allowed = {}, {"offset", "drift"}
@@ -262,14 +264,14 @@ def _shift_to_temperature(fit: Fit, prepared: RampHold) -> Fit:
     shifts, kelvin = fit.temperatures, prepared.specimen.temperature
     if shifts is None or kelvin is None:
         return fit
-    return fit.at_temperature(shifts.nearest(kelvin).temperature)
+    return fit.at_temperature(shifts.find_nearest(kelvin).temperature)
 
 
 def _select_depth_solid(fit: Fit, depth: float) -> Solid:
     """Return the solid at this depth, where every test of the fit has stiffnesses of its own."""
-    if not fit.by_depth:
+    if not fit.evidence.stiffness_by_depth:
         return fit.solid
-    near = min(fit.by_depth, key=lambda at: abs(at.depth - depth))
+    near = min(fit.evidence.stiffness_by_depth, key=lambda at: abs(at.depth - depth))
     there = [(k, tau) for k, tau in zip(near.k, fit.model.tau, strict=False) if k > 0]
     k, tau = zip(*there, strict=True) if there else ((), ())
     return GeneralizedMaxwell(max(near.k_inf, 0.0), k, tau)

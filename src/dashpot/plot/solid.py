@@ -442,7 +442,7 @@ def _stems(fit: Fit, pen: Pen, label: str) -> list[Mark]:
         np.column_stack([np.zeros(len(tau)), k, gap]).ravel(), pen, label,
     )  # fmt: skip
     marks: list[Mark] = [stems, Dots(tau, k, pen.colour, size=8)]
-    if not fit.parameters:
+    if not fit.estimate.parameters:
         return marks  # a dense spectrum has no intervals to draw
     bounds = fit.intervals(level=0.95)
     window = [1 / (2 * np.pi * f) for f in reversed(fit.band)]

@@ -207,7 +207,7 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
     """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
     answer = ramp_recorded(rise, change)
     if answer.failed:
-        raise DataError(f"{where}: {decapitalise_sentence(answer.told)}")
+        raise DataError(f"{where}: {decapitalise_sentence(answer.message_with_remedy)}")
 
 
 @criterion(
@@ -545,7 +545,7 @@ def motion_resolved(test: RampHold) -> Finding:
 @criterion("readings that moved in the later half", ">", 0.0, "by definition")
 def motion_measured(test: RampHold) -> Finding:
     """The displacement of the hold is measured, so that creep of the crosshead would show."""
-    force, change = test.force[test.hold], test.readings_moved
+    force, change = test.force[test.hold], test.changed_readings
     part, middle = max(len(force) // 20, 1), len(force) // 2
     if change:
         return Finding("The displacement of the hold is measured, not commanded", float(change))
@@ -700,7 +700,7 @@ def refuse_saturated(where: str, test: RampHold) -> None:
         return
     plausible = columns_plausible(test)
     if plausible.failed:
-        raise DataError(f"{where}: {decapitalise_sentence(plausible.told)}")
+        raise DataError(f"{where}: {decapitalise_sentence(plausible.message_with_remedy)}")
     top, _, first, last = _flat_top(test.force)
     raise DataError(
         f"{where}: not fitted. The force is clipped at {top:.4g} N above the tare from "

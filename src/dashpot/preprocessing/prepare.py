@@ -168,7 +168,7 @@ def prepare(
     preload = _preload(record, before, touch, rise)
     if earlier is not None:
         touch = earlier.touch
-    machine.heeds(
+    machine.refuse_unused(
         "sync", "drift", "compliance", "creep", "force_filter", "rest", of="a ramp and hold"
     )
     record = _on_the_machine(record, preload, machine)

@@ -239,37 +239,37 @@ class ReadOptions:
 
     def unit_of(self, role: str, column: str) -> str | None:
         """Return the unit given for a column, by its name or by its role, or None."""
-        options, name = self.by_name(), column.strip().casefold()
+        options, name = self.get_units_by_name(), column.strip().casefold()
         by_role = options.get(role, options.get(_ALSO.get(role, "")))
         # "force=N" speaks of the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else options.get(name, by_role)
 
-    def of(self, path: str | Path) -> ReadOptions:
+    def for_file(self, path: str | Path) -> ReadOptions:
         """These options for one file: what was said of it alone wins.
 
         >>> asked = ReadOptions(force="F", own=(("h*.csv", ReadOptions(force="hammer")),))
-        >>> asked.of("rig/hit.csv").force, asked.of("seal.csv").force
+        >>> asked.for_file("rig/hit.csv").force, asked.for_file("seal.csv").force
         ('hammer', 'F')
         """
         options = replace(self, own=()) if self.own else self
         for glob, more in self.own:
             if Path(path).match(glob) or str(path) == glob:
-                options = more.over(options)
+                options = more.with_defaults(options)
         return options
 
     @property
-    def of_bench(self) -> tuple[str, ...]:
+    def bench_fields(self) -> tuple[str, ...]:
         """Fields that speak of a relaxation test beside a file of vibration.
 
         The displacement does, but where a base was shaken: there it is that of the mass.
         """
         return OF_BENCH if self.base_acceleration is None else ("cycle",)
 
-    def by_name(self) -> dict[str, str]:
+    def get_units_by_name(self) -> dict[str, str]:
         """Return the units given, by role or column name in lower case."""
         return {name.strip().casefold(): unit for name, unit in dict(self.units).items()}
 
-    def over(self, profile: ReadOptions) -> ReadOptions:
+    def with_defaults(self, profile: ReadOptions) -> ReadOptions:
         """These options, and the profile's wherever these say nothing."""
         default = ReadOptions()
         stated = {
@@ -281,14 +281,14 @@ class ReadOptions:
         stated["own"] = (*profile.own, *self.own)
         return replace(profile, **stated)
 
-    def only(self, names: Sequence[str]) -> ReadOptions:
+    def select_fields(self, names: Sequence[str]) -> ReadOptions:
         """These fields of what is for all files, all else as if it had not been said."""
         retained = {name: getattr(self, name) for name in names if name != "own"}
         return ReadOptions(**retained, own=self.own)
 
-    def without(self, names: Sequence[str]) -> ReadOptions:
+    def drop_fields(self, names: Sequence[str]) -> ReadOptions:
         """Return all but these fields."""
-        return self.only([field.name for field in fields(self) if field.name not in names])
+        return self.select_fields([field.name for field in fields(self) if field.name not in names])
 
 
 OF_HAMMER = (

@@ -77,7 +77,7 @@ class Plugin(Serialisable):
         return f"{self.name} ({self.package_version})"
 
     @property
-    def says(self) -> str:
+    def label(self) -> str:
         """How an error speaks of it."""
         return f"the plug-in '{self.name}' of {self.package_version}"
 
@@ -90,15 +90,15 @@ class Plugin(Serialisable):
             If it cannot be imported.
         """
         if os.environ.get(SWITCH) == OFF:
-            raise ReadError(f"{self.says} is not used: {SWITCH}={OFF}")
+            raise ReadError(f"{self.label} is not used: {SWITCH}={OFF}")
         module, _, attribute = self.value.partition(":")
         try:
             new_module = import_module(module)
             return getattr(new_module, attribute) if attribute else new_module
         except BaseException as error:  # noqa: BLE001  others' code may raise anything
-            self.failed(error)
+            self.raise_failure(error)
 
-    def failed(self, error: BaseException) -> NoReturn:
+    def raise_failure(self, error: BaseException) -> NoReturn:
         """Raise what stopped it as one sentence that names it.
 
         Raises
@@ -109,7 +109,7 @@ class Plugin(Serialisable):
             raise error
         text = format_plain_line(str(error))[:_LONGEST]
         raise ReadError(
-            f"{self.says} failed: {type(error).__name__}{': ' + text if text else ''}. "
+            f"{self.label} failed: {type(error).__name__}{': ' + text if text else ''}. "
             f"Ask who maintains {self.package}"
         ) from error
 
@@ -121,7 +121,7 @@ class Plugin(Serialisable):
         ReadError
         """
         raise ReadError(
-            f"{self.says} returned {found}; expected {expected}. Ask who maintains {self.package}"
+            f"{self.label} returned {found}; expected {expected}. Ask who maintains {self.package}"
         )
 
 
@@ -131,7 +131,7 @@ class Installed(Serialisable):
 
     schema = "dashpot/plugins@1"
     keys = ("plugins", "refused?")
-    read_back = False
+    _is_loadable = False
 
     plugins: tuple[Plugin, ...]
     refused: tuple[str, ...] | None = None

@@ -93,10 +93,10 @@ def _contents(study: Study) -> dict[str, Any]:
         "straight": first_screen.straight(study),
         "inferred": first_screen.inferred_mass(study),
         "tallies": {
-            stage: first_screen.tally(checks, study.weighed)
-            for stage, checks in first_screen.parts(stages, study.weighed)
+            stage: first_screen.tally(checks, study.verdict_checks)
+            for stage, checks in first_screen.parts(stages, study.verdict_checks)
         },
-        "checks": tables.checks(stages, study.weighed),
+        "checks": tables.checks(stages, study.verdict_checks),
         "figures": figures_of(study),
         "peaks": tables.peaks(study),
         "facts": tables.test_facts(study.prepared),

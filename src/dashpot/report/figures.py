@@ -73,7 +73,7 @@ def render_figure(
     columns = min(picture.columns, len(picture.strips))
     number = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
-    full = tuple(count for count, row in picture.in_rows for _ in row)
+    full = tuple(count for count, row in picture.strip_rows for _ in row)
 
     def strips(value: float, kind: str, most: float = math.inf) -> tuple[str, ...]:
         across = PHONE if kind == "narrow" else value * columns + _GUTTER * (columns - 1)

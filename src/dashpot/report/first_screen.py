@@ -23,7 +23,7 @@ from dashpot.base.number_format import (
 )
 from dashpot.base.provenance import Source
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_hammer_stiffness_factor, get_model_label
 from dashpot.datamodel.frf import FRF
 from dashpot.report import page_frame
 from dashpot.report.page_frame import AttachedDeck, Attachment, attachment
@@ -193,7 +193,9 @@ def _storage_at_peak(study: Study, recommendation: Recommendation) -> _Storage |
     error = 2 * float(direct.storage_sd[at])
     solid, point = recommendation.solid, recommendation.point
     factor = 1.0 if point is None else point.factor
-    model = solid.under_hammer * factor * float(solid.solid.storage(frequency=hertz))
+    model = (
+        get_hammer_stiffness_factor(solid) * factor * float(solid.solid.storage(frequency=hertz))
+    )
     near = STORAGE_LIMIT * abs(hammer)
     off = [_compute_excess(model, hammer - max(error, near), hammer + max(error, near))]
     test: tuple[float, ...] = ()
@@ -238,7 +240,9 @@ def heading(recommendation: Recommendation) -> str:
     """Return which solid to take, or that none is recommended."""
     if not recommendation.recommended:
         return "No model is recommended"
-    return f"Recommended: model of {source(recommendation)}, {recommendation.solid.called}"
+    return (
+        f"Recommended: model of {source(recommendation)}, {get_model_label(recommendation.solid)}"
+    )
 
 
 def source(recommendation: Recommendation) -> str:
@@ -405,13 +409,13 @@ def _solid(recommendation: Recommendation) -> str:
 
 def _format_k_inf(fit: Fit) -> str:
     """k_inf with what it is at most."""
-    cells = next(fact for fact in fit.facts if fact.name == "k_inf").cells
+    cells = next(fact for fact in fit.reported_values if fact.name == "k_inf").cells
     return ", ".join(filter(None, (cells.with_unit, cells.interval)))
 
 
 def _end(recommendation: Recommendation) -> str:
     """Return what naming the machine would give, if that is much."""
-    end = recommendation.solid.end_of_hold
+    end = recommendation.solid.evidence.end_of_hold
     return "" if end is None else end.naming
 
 
@@ -427,7 +431,7 @@ def _resting(study: Study) -> str:
         else f" ({round_to_error(stiffness.frequency, digits=4)} Hz)"
         for stiffness in (tangent, secant)
     )
-    text = ", deeper than tested" if rests.point.beyond else ""
+    text = ", deeper than tested" if rests.point.is_extrapolated else ""
     return (
         f"The mass rests at {format_with_error(rests.point.compression, 'mm')}{text}. It "
         "vibrates on the "
@@ -456,8 +460,8 @@ def _joint(study: Study) -> str:
     joint, after = study.joint, study.joint_comparison
     if joint is None or after is None:
         return ""
-    if joint.explanations:
-        lead = joint.explanations[0]
+    if joint.evidence.explanations:
+        lead = joint.evidence.explanations[0]
         if lead.explains:
             return f"The two tests match only if {lead.says}."
         return "No single seal matches both tests, whatever mass, gain or stiffness is taken."
@@ -468,7 +472,9 @@ def _joint(study: Study) -> str:
 
 
 def _format_model_name(fit: Fit) -> str:
-    return "a fractional model" if fit.family == "fractional" else f"a model of {fit.called}"
+    return (
+        "a fractional model" if fit.family == "fractional" else f"a model of {get_model_label(fit)}"
+    )
 
 
 def _meets(c: Comparison) -> str:
@@ -554,12 +560,14 @@ def select_decisive_checks(
             subject.setdefault(check, stage)
     failed = [
         DecisiveCheck(SUBJECTS[subject.get(check, "story")], check)
-        for check in study.weighed
+        for check in study.verdict_checks
         if check.failed and check not in quoted
         if not (recommendation.joint and check.grade == "note" and subject.get(check) == "fit")
     ]
     failed.sort(key=lambda decisive_check: -GRADES.index(decisive_check.check.grade))
-    words = np.cumsum([len(decisive_check.check.told.split()) for decisive_check in failed])
+    words = np.cumsum(
+        [len(decisive_check.check.message_with_remedy.split()) for decisive_check in failed]
+    )
     shown = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
     return tuple(failed[:shown]), len(failed) - shown
 

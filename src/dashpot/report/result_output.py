@@ -82,7 +82,7 @@ def _picture(result: Any) -> Any:
 def _document(document: Any, name: str) -> str:
     if not isinstance(document, Serialisable):
         raise ExportError(f"{name}: a {type(document).__name__} has no document")
-    return json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(document.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _page(item: Any, name: str) -> str:

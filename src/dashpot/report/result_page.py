@@ -138,12 +138,12 @@ def _light(part: Topic, behind: Sequence[Check]) -> Light:
 
 def row(fact: ReportedValue, name: str = "") -> Row:
     """Return a number as the table has it: value, from, to, unit."""
-    certain = fact.bounded and fact.error != 0
+    certain = fact.has_interval and fact.error != 0
     cells = fact.cells
     value, low, high = fact.ends if certain else (cells.value, "", "")
-    low = UNKNOWN if not fact.bounded and cells.error == UNKNOWN else low
+    low = UNKNOWN if not fact.has_interval and cells.error == UNKNOWN else low
     if math.isnan(fact.value):
-        value = "" if fact.bound_alone else value
+        value = "" if fact.is_upper_bound else value
     return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
 
 
@@ -203,7 +203,7 @@ def kind_page(verdict: Any) -> KindPage:
     if value is not None:
         page: KindPage = value(verdict)
         return page if page.name else replace(page, name=_get_schema_name(verdict.schema))
-    facts = verdict.facts if isinstance(verdict, HasVerdict) else ()
+    facts = verdict.reported_values if isinstance(verdict, HasVerdict) else ()
     if not facts:
         raise TypeError(f"a {type(verdict).__name__} has no page")
     picture = verdict.plot()
@@ -258,13 +258,13 @@ def build_page_contents(
     )
     names = dict.fromkeys(source.file for source in page.sources)
     document = f"{page.name}.json"
-    text = text_of(result.kept)
-    sentence = "every number" if result.kept is result else "the fit, for other commands"
+    text = text_of(result._saved_result)
+    sentence = "every number" if result._saved_result is result else "the fit, for other commands"
     files = [attachment(document, f"Download {document}", sentence, "application/json", text)]
     behind = page_frame.load_exportable(text)
     decks = () if behind is None else page_frame.decks(behind)
     files += page_frame.attach_decks(decks, document)
-    if result.kept is not result:
+    if result._saved_result is not result:
         whole = text_of(result)
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
     return {
@@ -318,4 +318,4 @@ def has_kind_page(result: object) -> bool:
 
 def text_of(document: Serialisable) -> str:
     """Return the JSON that ``dashpot fit --json`` prints."""
-    return json.dumps(document.document, indent=2, ensure_ascii=False, allow_nan=False)
+    return json.dumps(document.to_dict(), indent=2, ensure_ascii=False, allow_nan=False)

@@ -20,7 +20,7 @@ from dashpot.base.number_format import (
 )
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_error_label, list_known_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.plot.picture import Span
@@ -53,7 +53,7 @@ _RESONANCE = frozenset({
 
 def mode_rows(mode: Any) -> Iterator[Row]:
     """The numbers of one mode."""
-    frequency, ratio, _ = mode.facts
+    frequency, ratio, _ = mode.reported_values
     yield row(frequency, "Natural frequency")
     yield row(ratio, "Damping ratio")
 
@@ -223,8 +223,8 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
     material, shifts = fit.unit == "Pa", fit.temperatures
     name = "The material" if material else "One seal"
     high = round_to_error(fit.band[1], digits=2)
-    at_end = fit.end_of_hold
-    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
+    at_end = fit.evidence.end_of_hold
+    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.reported_values), None)
     stiff = "" if fact is None else f"{fact.cells.value} {fact.word}"
     if shifts is None:
         topics = [Topic("Stiffness", OF_REST, stiff),
@@ -272,7 +272,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     bounds = None
     if held and len(held) == len(records) <= _BOUNDED:
         bounds = unseen_arm_band(fit, held, lines)
-    stiffness_bounds = parameter_band(fit, lines) if fit.parameters else None
+    stiffness_bounds = parameter_band(fit, lines) if fit.estimate.parameters else None
     drawn = plot.stiffness(fit, parameters=stiffness_bounds, unseen=bounds)
     (storage,), _, (loss,) = drawn.strips
     low_end = (float(lines[0]), float(lines[-1]))
@@ -301,8 +301,8 @@ def _format_model_name(fit: Fit) -> str:
 
 def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
     """Facts of a fit beside its specimen: the hold, the temperatures."""
-    if fit.end_of_hold is not None and not fit.end_of_hold.in_frequency:
-        yield "Held", duration(fit.end_of_hold.time)
+    if fit.evidence.end_of_hold is not None and not fit.evidence.end_of_hold.is_frequency:
+        yield "Held", duration(fit.evidence.end_of_hold.time)
     if fit.temperatures is not None:
         every = [shift.temperature for shift in fit.temperatures.shifts]
         ends = " to ".join(
@@ -315,12 +315,14 @@ def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
 
 def make_solid_groups(fit: Fit) -> Iterator[Group]:
     """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
-    facts = {reported_value.name: reported_value for reported_value in fit.known}
+    facts = {reported_value.name: reported_value for reported_value in list_known_values(fit)}
     first: list[Row] = []
-    if fit.end_of_hold is not None:
-        fact = fit.end_of_hold.fact(fit.model, fit.unit)
-        seconds = duration(fit.end_of_hold.time).replace(".0 ", NBSP)
-        first.append(row(fact, f"After {seconds}") if fit.residual.unit == "N" else row(fact))
+    if fit.evidence.end_of_hold is not None:
+        fact = fit.evidence.end_of_hold.fact(fit.model, fit.unit)
+        seconds = duration(fit.evidence.end_of_hold.time).replace(".0 ", NBSP)
+        first.append(
+            row(fact, f"After {seconds}") if fit.estimate.residual.unit == "N" else row(fact)
+        )
         facts.pop(fact.name, None)
     if "k_inf" in facts:
         rest = facts.pop("k_inf")
@@ -330,7 +332,7 @@ def make_solid_groups(fit: Fit) -> Iterator[Group]:
     others = [reported_value for name, reported_value in facts.items() if not name.startswith("b_")]
     if fit.model.arms <= _FEW_ARMS or fit.family == "fractional":
         yield group("Arms: k, τ", others) if others else Group("", ())
-    elif not fit.parameters:
+    elif not fit.estimate.parameters:
         yield group("Spectrum", others)
     if fit.temperatures is not None:
         yield from _make_temperature_groups(fit)
@@ -342,7 +344,7 @@ def _make_band_rows(fit: Fit) -> Iterator[Row]:
     if not (0 < low < high):
         return
     at = float(f"{math.sqrt(low * high):.1g}")
-    band = parameter_band(fit, [at]) if fit.parameters else None
+    band = parameter_band(fit, [at]) if fit.estimate.parameters else None
     letter = "E" if fit.unit == "Pa" else "K"
     for words, name, unit in (
         (f"{letter}′", "storage", fit.unit),
@@ -357,7 +359,7 @@ def _make_temperature_groups(fit: Fit) -> Iterator[Group]:
     shifts = fit.temperatures
     assert shifts is not None  # noqa: S101
     # an error of the noise alone is no interval, and says so
-    single = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
+    single = "" if fit.estimate.of_noise is None else f" ({get_error_label(fit)})"
     if shifts.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
         yield Group(
@@ -386,14 +388,14 @@ def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row
 
 
 def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
-    if fit.parameters:
-        in_newtons = fit.residual.unit == "N"
-        residual = round_to_error(fit.residual.rms * (1e3 if in_newtons else 1), digits=3)
+    if fit.estimate.parameters:
+        in_newtons = fit.estimate.residual.unit == "N"
+        residual = round_to_error(fit.estimate.residual.rms * (1e3 if in_newtons else 1), digits=3)
         yield CollapsibleSection(
             "Every parameter",
             f"{_format_model_name(fit)}, each with its standard error; residual "
-            f"{residual} {'mN' if in_newtons else fit.residual.unit}",
-            _fact_table(fit.known),
+            f"{residual} {'mN' if in_newtons else fit.estimate.residual.unit}",
+            _fact_table(list_known_values(fit)),
         )
     else:
         arms = tuple(
@@ -415,7 +417,7 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
             for shift in fit.temperatures.shifts
             for along, across in (shift.facts,)
         )
-        names = ("temperature", "log₁₀ a_T", fit.error_beside, "b_T")
+        names = ("temperature", "log₁₀ a_T", get_error_label(fit), "b_T")
         yield CollapsibleSection(
             "Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts)
         )

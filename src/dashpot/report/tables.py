@@ -24,7 +24,13 @@ from dashpot.base.number_format import (
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.bounds import StiffnessBounds
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import (
+    Fit,
+    get_fitted_mass,
+    get_hammer_stiffness_factor,
+    list_known_values,
+    list_reported_nuisances,
+)
 from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
@@ -86,7 +92,7 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
             _state(check, weighed),
             stage,
             split_identifier(check.name),
-            format_typographic(check.told),
+            format_typographic(check.message_with_remedy),
         )
         for stage, check in ordered
     )
@@ -153,13 +159,13 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     if fit is None:
         return None
     rows = []
-    for fact in fit.known:
+    for fact in list_known_values(fit):
         cells = fact.cells
         row = (fact.symbol, cells.with_error, cells.interval, cells.unit)
         name = ""
         if length is not None and fact.unit not in ("s", ""):
             scale = 0.1 / length
-            value = round_to_error(fact.shown(fact.value) * scale, fact.size * scale)
+            value = round_to_error(fact.to_display_unit(fact.value) * scale, fact.size * scale)
             name = f"{value} {cells.unit}"
         rows.append(row if length is None else (*row, name))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
@@ -169,20 +175,21 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
 def orders(study: Study) -> TextTable:
     """One, two and more arms side by side."""
     fit = study.fit
-    best = min((order.bic for order in fit.orders), default=math.nan)
+    best = min((order.bic for order in fit.evidence.orders), default=math.nan)
     scores = {
         order.arms: (
             round_to_error(order.bic - best, digits=4),
             "yes" if order.significant else "no",
         )
-        for order in fit.orders
+        for order in fit.evidence.orders
     }
     shown = {
-        order.arms: (order.model, math.sqrt(order.sse / fit.residual.n)) for order in fit.orders
+        order.arms: (order.model, math.sqrt(order.sse / fit.estimate.residual.n))
+        for order in fit.evidence.orders
     }
     value = (fit,) if fit.family == "maxwell" else ()
     shown |= {
-        alternative.model.arms: (alternative.model, alternative.residual.rms)
+        alternative.model.arms: (alternative.model, alternative.estimate.residual.rms)
         for alternative in (*study.alternatives, *value)
     }
     rows, marks = [], []
@@ -213,7 +220,7 @@ def two_routes(study: Study) -> TextTable | None:
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
         return None
-    there = {fact.name: fact for fact in hold.known}
+    there = {fact.name: fact for fact in list_known_values(hold)}
     rows = tuple(
         (
             f"{fact.symbol}, {fact.word}",
@@ -221,7 +228,7 @@ def two_routes(study: Study) -> TextTable | None:
             there[fact.name].cells.with_error,
             percent(there[fact.name].value / fact.value - 1),
         )
-        for fact in fit.known
+        for fact in list_known_values(fit)
         if fact.name in there and fact.error is not None and fact.value and fact.name[0] != "b"
     )
     return TextTable(("", "full history", "hold only, eq. (5)", "difference"), rows)
@@ -229,9 +236,9 @@ def two_routes(study: Study) -> TextTable | None:
 
 def nuisances(fit: Fit | None) -> TextTable | None:
     """Return the table of nuisance parameters."""
-    if fit is None or not fit.also_fitted:
+    if fit is None or not list_reported_nuisances(fit):
         return None
-    facts = (term.fact for term in fit.also_fitted)
+    facts = (term.fact for term in list_reported_nuisances(fit))
     rows = tuple((fact.symbol, fact.cells.with_error, fact.word or "–") for fact in facts)
     return TextTable(VALUE, rows)
 
@@ -288,7 +295,7 @@ def peaks(study: Study) -> TextTable | None:
             "rms difference, dB",
         ),
         (
-            ReportedValue.known(
+            ReportedValue.from_error(
                 "", c.measured_hz, c.measured_hz_se or None, unit="Hz"
             ).cells.with_error,
             round_to_error(c.measured_peak),
@@ -324,7 +331,7 @@ def _measured_damping(c: Comparison) -> str:
     if c.measured_damping is None:
         return "not supported by the record"
     se = c.measured_damping_se or None
-    return ReportedValue.known(
+    return ReportedValue.from_error(
         "damping ratio", c.measured_damping, se, unit="1", read="%"
     ).cells.with_error
 
@@ -346,7 +353,7 @@ def resonance(study: Study) -> TextTable | None:
     compression = rests.point.compression if rests is not None and rests.point.given else None
     for says, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
-        on = study.seals * fit.under_hammer * point.solid(fit)
+        on = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
         for mode in model_modes(on, mass)[:1]:
             rows.append((f"{says}: exact pole", round_to_error(mode.frequency, digits=5),
                          round_to_error(100 * mode.damping_ratio)))  # fmt: skip
@@ -360,7 +367,7 @@ def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
     if other is not None:
         yield "other family from relaxation", other, mass
     if study.joint is not None:
-        yield "model from both tests", study.joint, study.joint.mass_found or mass
+        yield "model from both tests", study.joint, get_fitted_mass(study.joint) or mass
 
 
 def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
@@ -372,7 +379,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
     mode = min(modes, key=lambda mode: abs(mode.frequency - c.measured_hz))
-    frequency, ratio, _ = (fact.cells.with_error for fact in mode.facts)
+    frequency, ratio, _ = (fact.cells.with_error for fact in mode.reported_values)
     return frequency, ratio
 
 
@@ -414,7 +421,7 @@ def hits(frf: FRF | None) -> TextTable | None:
 
 def explanations(joint: Fit | None) -> TextTable | None:
     """Return the explanations of two tests that disagree, or None if they agree."""
-    if joint is None or not joint.explanations:
+    if joint is None or not joint.evidence.explanations:
         return None
     rows = tuple(
         (
@@ -422,16 +429,16 @@ def explanations(joint: Fit | None) -> TextTable | None:
             round_to_error(explanation.fall, digits=4),
             "yes" if explanation.explains else "no",
         )
-        for explanation in joint.explanations
+        for explanation in joint.evidence.explanations
     )
     return TextTable(("if", "chi-square falls by", "explains both tests"), rows)
 
 
 def make_change_table(joint: Fit | None) -> TextTable | None:
     """Return the table of the solid's changes by the hammer test."""
-    if joint is None or not joint.moved:
+    if joint is None or not joint.evidence.parameter_changes:
         return None
-    rows = tuple(_make_change_row(change) for change in joint.moved)
+    rows = tuple(_make_change_row(change) for change in joint.evidence.parameter_changes)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = (
         "",

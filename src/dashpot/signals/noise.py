@@ -141,7 +141,7 @@ def earlier_press(
     .. math:: k_j m_j e^{-t/\tau_j}, \qquad m_j = (1 - e^{-D/\tau_j})\, e^{-R/\tau_j}
     """
     tau = np.asarray(solid.tau)
-    memory = _compute_memory(solid, machine.rested)
+    memory = _compute_memory(solid, machine.min_rest_time)
     return -np.exp(-time[:, None] / tau) @ memory, USUAL["earlier press"].size * depth
 
 
@@ -151,7 +151,7 @@ def set_sd(machine: Machine, solid: GeneralizedMaxwell, *, depth: float, gap: fl
     A set goes as what the solid remembers does.
     """
     usual = float(_compute_memory(solid, USUAL["rest after it"].size).sum())
-    ratio = float(_compute_memory(solid, machine.rested).sum()) / usual if usual > 0 else 0.0
+    ratio = float(_compute_memory(solid, machine.min_rest_time).sum()) / usual if usual > 0 else 0.0
     return min(gap / 2, USUAL["set"].size * depth * ratio)
 
 

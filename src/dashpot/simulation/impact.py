@@ -318,7 +318,7 @@ def simulate_impact(
     rig = Hammer() if rig is None else rig
     require_positive(mass=mass, seals=seals, hits=hits)
     if climate is not None:
-        model = climate.felt(model)
+        model = climate.shift_seal(model)
     random = np.random.default_rng(seed)
     bounce = Oscillator.from_solid(seals * model, mass)
     rock = Oscillator.from_solid((seals * rig.arm**2) * model, mass * rig.length**2 / 12)

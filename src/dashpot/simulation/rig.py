@@ -122,11 +122,11 @@ class Rig:
 
     def read(self, time: FloatArray, force: FloatArray, random: np.random.Generator) -> FloatArray:
         """Return what the load cell writes for a true `force`, N."""
-        signal = self.disturbed(time, force, random)
+        signal = self.add_disturbances(time, force, random)
         signal = signal + self.noise * random.standard_normal(len(time))
         return round_to_quantum(np.clip(signal, -self.limit, self.limit), self.quantum)
 
-    def disturbed(
+    def add_disturbances(
         self, time: FloatArray, force: FloatArray, random: np.random.Generator
     ) -> FloatArray:
         """A true `force`, N, with offset, drifts, hum and shaking, before noise and converter."""
@@ -156,7 +156,7 @@ class Climate:
     temperature: float
     law: TemperatureLaw = SHIFT
 
-    def felt(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
+    def shift_seal(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
         """Return the seal of the law's reference as it is in this climate."""
         return shift_to_temperature(seal, self.temperature, self.law)
 
@@ -168,7 +168,7 @@ def prepare_specimen(
     if climate is None:
         return seal, Specimen(length=rig.length, notes="simulated")
     specimen = Specimen(length=rig.length, temperature=climate.temperature, notes="simulated")
-    return climate.felt(seal), specimen
+    return climate.shift_seal(seal), specimen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -130,7 +130,7 @@ class ElasticLaw(Serialisable):
         return self.stiffness * self.factor(x)
 
     @property
-    def bare(self) -> TangentTable:
+    def without_evidence(self) -> TangentTable:
         """What follows of it alone."""
         return TangentTable(self.kind, self.knots, self.tangents)
 
@@ -144,7 +144,7 @@ class ElasticLaw(Serialisable):
         return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.ratio))
 
     @property
-    def gentle(self) -> bool:
+    def is_gentle(self) -> bool:
         r"""Whether it bends little and evenly: its tangent at the depth is the secant within 10 %.
 
         A quadratic law with the tangent 1 + a at its depth departs from its secant by a/4 at most;

@@ -189,7 +189,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     """
 
     schema = "dashpot/model@1"
-    keys = ("k_inf", "b", "arms=each_arm")
+    keys = ("k_inf", "b", "arms=arms_list")
 
     k_inf: float
     k: tuple[float, ...] = ()
@@ -234,7 +234,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
         return tuple(k * tau for k, tau in zip(self.k, self.tau, strict=True))
 
     @property
-    def each_arm(self) -> tuple[MaxwellArm, ...]:
+    def arms_list(self) -> tuple[MaxwellArm, ...]:
         """The arms one by one."""
         return tuple(map(MaxwellArm, self.k, self.tau, self.arm_b))
 
@@ -278,7 +278,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
         )
         return self * (length / measured_length)
 
-    def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
+    def shift_to_temperature(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
         r"""Return the solid at another temperature: :math:`K^*(\omega) \to b_T K^*(a_T \omega)`.
 
         Relaxation times times `a_t`, stiffnesses times `b_t`

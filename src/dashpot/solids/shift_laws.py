@@ -65,7 +65,7 @@ def shift_to_temperature(
 
     .. math:: \tau_j \to a_T \tau_j, \qquad k_j \to b_T k_j, \quad b_T = T / T_r
     """
-    return solid.shifted(float(law.a_t(temperature)), temperature / law.reference)
+    return solid.shift_to_temperature(float(law.a_t(temperature)), temperature / law.reference)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class WLF(TemperatureLaw):
     @classmethod
     def universal(cls, *, glass: float, reference: float) -> WLF:
         """The law of many polymers, C_1 = 17.44 and C_2 = 51.6 K at the glass transition, K."""
-        return cls(*_UNIVERSAL, glass).referred(reference)
+        return cls(*_UNIVERSAL, glass).change_reference(reference)
 
     @property
     def glass(self) -> float:
@@ -112,7 +112,7 @@ class WLF(TemperatureLaw):
         """``"wlf"``."""
         return "wlf"
 
-    def referred(self, reference: float) -> WLF:
+    def change_reference(self, reference: float) -> WLF:
         r"""The same law at another T_r: :math:`C_2' = C_2 + T_r' - T_r`, :math:`C_1' = C_1 C_2/C_2'`.
 
         Raises

@@ -192,7 +192,7 @@ def _select_failed_checks(
 
 def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
     mark, colour = MARKS[check.grade]
-    says = check.typed
+    says = check.message_with_option
     above = (
         set()
         if verdict is None
@@ -200,11 +200,11 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
     )
     new = [
         sentence
-        for sentence in sentences(check.told)
+        for sentence in sentences(check.message_with_remedy)
         if decapitalise_sentence(sentence) not in above
     ]
-    if decapitalise_sentence(sentences(check.told)[0]) in above:
-        says = says.replace(check.told, " ".join(["(see line 1)", *new]))
+    if decapitalise_sentence(sentences(check.message_with_remedy)[0]) in above:
+        says = says.replace(check.message_with_remedy, " ".join(["(see line 1)", *new]))
     first, *others = _format_marked_sentence(
         f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
     )

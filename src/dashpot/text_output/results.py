@@ -14,6 +14,12 @@ from dashpot.base.number_format import ascii_only
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.units import celsius, convert_to_unit, format_quantity, get_display_unit
+from dashpot.datamodel.fit import (
+    get_error_label,
+    list_known_values,
+    list_reported_nuisances,
+    list_undetermined_times,
+)
 from dashpot.text_output.layout import Text, facts, table
 
 if TYPE_CHECKING:
@@ -44,7 +50,7 @@ def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
 
 def with_error(value: float, error: float | None, unit: str = "") -> str:
     """Return a value of a unit of SI and its error as people read both; None is not known."""
-    return ReportedValue.known("", value, error, unit=unit).cells.ascii.with_error
+    return ReportedValue.from_error("", value, error, unit=unit).cells.ascii.with_error
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -61,7 +67,7 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
 
     `asked` is the number of arms that was wanted.
     """
-    residual = fit.residual
+    residual = fit.estimate.residual
     lines = [
         _format_fit_heading(fit, asked),
         *_solid(fit),
@@ -78,11 +84,15 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
         _format_explanations,
     ):
         lines += section(fit)
-    of = " of the one model of all depths, at the deepest" if fit.by_depth else ""
-    every = [f"every parameter{of}", *facts(fit.known)] if fit.parameters else []
+    of = (
+        " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
+    )
+    every = (
+        [f"every parameter{of}", *facts(list_known_values(fit))] if fit.estimate.parameters else []
+    )
     details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
-    if fit.certificate:
-        details.append(f"  optimality  {fit.certificate.says}")
+    if fit.evidence.certificate:
+        details.append(f"  optimality  {fit.evidence.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(fit))
     return Text(lines, [*details, *list_notes(fit.source), *_orders(fit)])
 
@@ -93,8 +103,8 @@ def _format_fit_heading(fit: Fit, request: int | str) -> str:
     arms = f"{fit.model.arms} Maxwell arm{'s' * (fit.model.arms != 1)}"
     if fit.family == "fractional":
         arms = f"fractional Zener model ({arms} stand for it)"
-    elif fit.unplaced:
-        of = ", ".join(f"{tau:.3g} s" for tau in fit.unplaced)
+    elif list_undetermined_times(fit):
+        of = ", ".join(f"{tau:.3g} s" for tau in list_undetermined_times(fit))
         arms += f", relaxation time {of} not determined"
     short = request not in ("auto", fit.model.arms) and fit.family == "maxwell"
     text = f", not the {request} asked for: {fit.status.value}" if short else ""
@@ -112,26 +122,26 @@ def _size(residual: Residual) -> str:
 
 def _solid(fit: Fit) -> list[str]:
     """Return the rows of the solid: one for each arm, and apart those with an interval only."""
-    reported_values = {reported_value.name: reported_value for reported_value in fit.known}
+    reported_values = {
+        reported_value.name: reported_value for reported_value in list_known_values(fit)
+    }
     # stiffnesses that each depth has of its own stand there, and nowhere else
-    of = ("tau",) if fit.by_depth else ("k", "tau", "b")
+    of = ("tau",) if fit.evidence.stiffness_by_depth else ("k", "tau", "b")
     arms = [
         [reported_values.pop(name) for name in names]
         for j in range(1, fit.model.arms + 1)
         if reported_values.keys() >= set(names := [f"{name}_{j}" for name in of])
     ]
     if not arms:
-        return facts(fit.known)
+        return facts(list_known_values(fit))
     rows = [["arm"]]
     for text, fact in zip(of, arms[0], strict=True):
         rows[0] += [f"{text}, {fact.cells.ascii.unit}", "±"]
     rest = reported_values.get("k_inf")
-    if fit.by_depth:
+    if fit.evidence.stiffness_by_depth:
         reported_values.clear()
     elif rest is not None and rest.cells.error:
-        rows.append(
-            [reported_values.pop("k_inf").called, *_format_value_and_error(rest), *[""] * 4]
-        )
+        rows.append([reported_values.pop("k_inf").label, *_format_value_and_error(rest), *[""] * 4])
     for arm in arms:
         number = arm[0].name.partition("_")[2]
         rows.append([number, *(cell for fact in arm for cell in _format_value_and_error(fact))])
@@ -164,18 +174,19 @@ def _format_elastic_law(fit: Fit) -> list[str]:
         f"secant {format_quantity(law.stiffness, 'N/mm')} at "
         f"{format_quantity(law.depth, 'mm', '.3g')}; "
     )
-    noise = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
-    return [f"  elastic     {'' if fit.by_depth else secant}tangent{noise} {_law(law)}"]
+    noise = "" if fit.estimate.of_noise is None else f" ({get_error_label(fit)})"
+    before = "" if fit.evidence.stiffness_by_depth else secant
+    return [f"  elastic     {before}tangent{noise} {_law(law)}"]
 
 
 def _format_hold_end(fit: Fit) -> list[str]:
-    end = fit.end_of_hold
-    return [f"  not known   {ascii_only(end.says(fit.unit))}"] if end else []
+    end = fit.evidence.end_of_hold
+    return [f"  not known   {ascii_only(end.format_with_remedy(fit.unit))}"] if end else []
 
 
 def _format_alternative(fit: Fit) -> list[str]:
     """Return the other family of solids, unless the verdict has named it."""
-    other = fit.alternative
+    other = fit.evidence.alternative
     return (
         [f"  beside it   {other.says}"]
         if other and other.says.partition(".")[0] not in fit.verdict.says
@@ -184,9 +195,9 @@ def _format_alternative(fit: Fit) -> list[str]:
 
 
 def _nuisance(fit: Fit) -> list[str]:
-    reported_values = (item.fact for item in fit.also_fitted)
+    reported_values = (item.fact for item in list_reported_nuisances(fit))
     listed = ascii_only(
-        ", ".join(f"{value.called} {value.cells.with_unit}" for value in reported_values)
+        ", ".join(f"{value.label} {value.cells.with_unit}" for value in reported_values)
     )
     return [f"  nuisance    {listed}"] if listed else []
 
@@ -202,10 +213,10 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
 
 def _creep(fit: Fit) -> list[str]:
     """Return the compliances that were fitted to creep, and their times."""
-    creep = fit.creep
+    creep = fit.evidence.creep
     if creep is None:
         return []
-    reported_values = creep.facts("m/N" if fit.unit == "N/m" else "1/Pa")
+    reported_values = creep.list_values("m/N" if fit.unit == "N/m" else "1/Pa")
     texts = {value.name: value.cells.ascii.with_unit for value in reported_values}
     parts = [f"at once {texts['glass']}"]
     parts += [
@@ -221,7 +232,7 @@ def _temperatures(fit: Fit) -> list[str]:
     shifts = fit.temperatures
     if shifts is None:
         return []
-    rows = [["", "log10 a_T", fit.error_beside, "b_T"]]
+    rows = [["", "log10 a_T", get_error_label(fit), "b_T"]]
     for shift in shifts.shifts:
         along, across = (fact.cells.ascii for fact in shift.facts)
         rows.append([celsius(shift.temperature), along.value, along.error, across.value])
@@ -231,7 +242,7 @@ def _temperatures(fit: Fit) -> list[str]:
         f"  law         {_shift_law(fit, shifts)}",
         *table(rows),
         *(
-            f"  advice      {check.told}"
+            f"  advice      {check.message_with_remedy}"
             for check in fit.checks
             if check.name == "shifts_distinguished" and check.failed
         ),
@@ -241,21 +252,23 @@ def _temperatures(fit: Fit) -> list[str]:
 def _shift_law(fit: Fit, shifts: TemperatureShifts) -> str:
     """Return the law of the shifts with its constants, where it has any."""
     constants = ", ".join(
-        f"{constant.called} {constant.cells.with_unit}" for constant in shifts.constants
+        f"{constant.label} {constant.cells.with_unit}" for constant in shifts.constants
     )
     if constants and fit.estimate.of_noise is not None:
-        constants += f" ({fit.error_beside})"
+        constants += f" ({get_error_label(fit)})"
     law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "none, the shifts alone")
     return ascii_only(": ".join(filter(None, (law, constants))))
 
 
 def _format_depth_stiffnesses(fit: Fit) -> list[str]:
     """Return the stiffnesses of each depth, where each has its own."""
-    if not fit.by_depth:
+    if not fit.evidence.stiffness_by_depth:
         return []
-    fact_groups = [depth_stiffness.facts(fit.unit) for depth_stiffness in fit.by_depth]
-    rows = [["  depth", *(fact.called for fact in fact_groups[0])]]
-    for at, group in zip(fit.by_depth, fact_groups, strict=True):
+    fact_groups = [
+        depth_stiffness.list_values(fit.unit) for depth_stiffness in fit.evidence.stiffness_by_depth
+    ]
+    rows = [["  depth", *(fact.label for fact in fact_groups[0])]]
+    for at, group in zip(fit.evidence.stiffness_by_depth, fact_groups, strict=True):
         cells = (fact.cells.ascii.with_limit for fact in group)
         rows.append([f"  {format_quantity(at.depth, 'mm')}", *cells])
     return [f"    by depth, {fact_groups[0][0].word}, ± SE", *table(rows)]
@@ -263,10 +276,10 @@ def _format_depth_stiffnesses(fit: Fit) -> list[str]:
 
 def _format_parameter_changes(fit: Fit) -> list[str]:
     """Return what a further test changed, one parameter a row."""
-    if not fit.moved:
+    if not fit.evidence.parameter_changes:
         return []
     rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
-    for item in fit.moved:
+    for item in fit.evidence.parameter_changes:
         before = "-" if item.was is None else _with_limit(item.was)
         by = (
             "new"
@@ -296,14 +309,14 @@ def _format_explanations(fit: Fit) -> list[str]:
             f"  tried       {explanation.says} ({_match(explanation)}; chi-square "
             f"{'falls' if explanation.fall > 0 else 'rises'} by {abs(explanation.fall):.4g})"
         )
-        for explanation in fit.explanations
+        for explanation in fit.evidence.explanations
     ]
 
 
 def _orders(fit: Fit) -> list[str]:
-    if len(fit.orders) < 2:
+    if len(fit.evidence.orders) < 2:
         return []
-    best = min(order.bic for order in fit.orders)
+    best = min(order.bic for order in fit.evidence.orders)
     rows = [["  arms", "SSE", "BIC - best", "all arms significant"]]
     rows += [
         [
@@ -312,7 +325,7 @@ def _orders(fit: Fit) -> list[str]:
             f"{order.bic - best:.1f}",
             "yes" if order.significant else "no",
         ]
-        for order in fit.orders
+        for order in fit.evidence.orders
     ]
     return table(rows)
 
@@ -322,7 +335,7 @@ def impact(result: ImpactResult) -> Text:
     frf = result.frf
     lines = []
     for mode in result.modes:
-        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
+        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.reported_values)
         lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
@@ -420,7 +433,7 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     if str(prediction.at_rest):
         lines.append(str(prediction.at_rest))
     if prediction.limits is not None:
-        lines.append(f"  {ascii_only(prediction.limits.peak_says)}")
+        lines.append(f"  {ascii_only(prediction.limits.peak_text)}")
     return Text(lines)
 
 
@@ -522,7 +535,7 @@ def render_facts(verdict: HasVerdict) -> Text:
     """Return the numbers of a result with their intervals, and what the readers noticed."""
     sources = getattr(verdict, "sources", ())
     notes = [f"  read        {source.file}: {note}" for source in sources for note in source.notes]
-    return Text(facts(verdict.facts), ascii_only("\n".join(notes)).splitlines())
+    return Text(facts(verdict.reported_values), ascii_only("\n".join(notes)).splitlines())
 
 
 def render_summary(result: object) -> Text:

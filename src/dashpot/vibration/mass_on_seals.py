@@ -92,7 +92,7 @@ class OperatingPoint:
     given: bool = False
 
     @property
-    def beyond(self) -> bool:
+    def is_extrapolated(self) -> bool:
         """Deeper than tested: there the last tangent goes on."""
         return self.depth is not None and self.compression > self.depth
 
@@ -229,8 +229,8 @@ def predict_frf(
     if Kind(kind) is Kind.TRANSMISSIBILITY:
         return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift, units="SI")
     if Kind(kind) is Kind.RELATIVE_TRANSMISSIBILITY:
-        return FRF.of_receptance(f, receptance, shift=shift).to(kind, mass=mass)
-    return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
+        return FRF.from_receptance(f, receptance, shift=shift).to(kind, mass=mass)
+    return FRF.from_receptance(f, receptance, kind=kind, shift=shift)
 
 
 def isolation_frequency(model: Solid, mass: float) -> float:

@@ -145,7 +145,7 @@ class Agreement(HasVerdict, Serialisable):
     keys = (
         "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unmeasured=unseen",
         "verdict",
-        "*at_rest.told",
+        "*at_rest.summary",
     )  # fmt: skip
 
     comparison: Comparison
@@ -160,9 +160,9 @@ class Agreement(HasVerdict, Serialisable):
     unseen: LeaveOneOut | None = None
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Measured and predicted, line by line."""
-        return self.comparison.series
+        return self.comparison.table_columns
 
     @property
     def checks(self) -> tuple[Check, ...]:

@@ -179,7 +179,7 @@ class ResponseLimits(Serialisable):
         By both kinds of ignorance, if the relaxation record is at hand.
     """
 
-    keys = ("kind", "frequency_hz=frequency", "parameter", "*by_tests~")
+    keys = ("kind", "frequency_hz=frequency", "parameter", "*admissible~")
 
     kind: Kind
     frequency: FloatArray
@@ -187,7 +187,7 @@ class ResponseLimits(Serialisable):
     bounds: FRFBounds | None
 
     @property
-    def by_tests(self) -> dict[str, Any] | None:
+    def admissible(self) -> dict[str, Any] | None:
         """What the tests that were fitted do not reject."""
         bounds = self.bounds
         if bounds is None:
@@ -262,12 +262,26 @@ class Prediction(HasVerdict, Serialisable):
 
     schema = "dashpot/prediction@2"
     keys: ClassVar[tuple[str, ...]] = (
-        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
-        "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
-        "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
-        "frf.value.imag", "limits=limited", "random=shaken?", "isolation_hz=isolation?",
+        "mass",
+        "moving_mass",
+        "seals",
+        "temperature=fit.specimen.temperature",
+        "kind=frf.quantity",
+        "frf.unit",
+        "*at_rest.summary",
+        "peak=max_magnitudes",
+        "modes",
+        "alternative=rival",
+        "band_hz=fit.band",
+        "extrapolated=has_extrapolated_modes",
+        "frequency_hz=frf.frequency",
+        "frf.value.real",
+        "frf.value.imag",
+        "limits=limited",
+        "random=shaken?",
+        "isolation_hz=isolation?",
         "verdict",
-    )  # fmt: skip
+    )
 
     fit: Fit
     mass: float
@@ -287,14 +301,14 @@ class Prediction(HasVerdict, Serialisable):
     isolation: float | None = None
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self.modes for fact in mode.facts)
+        return tuple(fact for mode in self.modes for fact in mode.reported_values)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The response over frequency."""
-        return self.frf.series
+        return self.frf.table_columns
 
     @property
     def limits(self) -> FRFBounds | None:
@@ -319,18 +333,18 @@ class Prediction(HasVerdict, Serialisable):
         return (low, high) if np.isfinite(high) and low < high else None
 
     @property
-    def largest(self) -> dict[str, float | bool]:
+    def max_magnitudes(self) -> dict[str, float | bool]:
         """The largest magnitude by the names of its numbers."""
         return {"frequency_hz": self.peak[0], "value": self.peak[1], "at_edge": self.at_edge}
 
     @property
-    def extrapolated(self) -> bool:
+    def has_extrapolated_modes(self) -> bool:
         """Whether a mode lies outside the band that the test informs."""
         low, high = self.fit.band
         return any(not low <= mode.frequency <= high for mode in self.modes)
 
     @property
-    def written(self) -> FRF:
+    def table_frf(self) -> FRF:
         """The FRF that a table holds."""
         return self.frf
 
@@ -477,7 +491,7 @@ def prediction(
     on = MountedMass(here, rests, load, frf_kind)
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, fit, tests, temperature=temperature)
-    limited = on.limited(frf, bounded)
+    limited = on.compute_limits(frf, bounded)
     peak, at_edge = on.peak(frf)
     about = on.modes[0].frequency if on.modes else peak[0]
     levels = None
@@ -599,12 +613,12 @@ class MountedMass:
     @property
     def rival(self) -> RivalModes | None:
         """What the other family of solids that explains the test makes of the resonance."""
-        other = self.fit.alternative
+        other = self.fit.evidence.alternative
         if other is None or not other.explains:
             return None
         return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
 
-    def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
+    def compute_limits(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
         """Return the limits of the response, over fewer lines."""
         kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
         lines, bounds = frf.frequency[frf.frequency > 0], None

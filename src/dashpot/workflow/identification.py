@@ -14,7 +14,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.version import byline
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
@@ -98,7 +98,7 @@ class Identified(HasVerdict, Serialisable):
 
     keys = (
         "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
-        "*at_rest.told",
+        "*at_rest.summary",
     )  # fmt: skip
 
     fit: Fit
@@ -108,14 +108,14 @@ class Identified(HasVerdict, Serialisable):
     vibration: ImpactResult | None = None
 
     @property
-    def kept(self) -> Fit:
+    def _saved_result(self) -> Fit:
         """The fit with every check that decided the verdict."""
-        return self.fit.with_checks(self.checks)
+        return add_checks(self.fit, self.checks)
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """Those of the fit."""
-        return self.fit.facts
+        return self.fit.reported_values
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -125,7 +125,7 @@ class Identified(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the fit."""
-        return verdict(self.checks, headline=self.fit.sound)
+        return verdict(self.checks, headline=self.fit.headline)
 
 
 def identify_files(
@@ -189,7 +189,7 @@ def identify_files(
     )  # fmt: skip
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
-    asked["rig"] = (asked.get("rig") or HammerRig()).on(machine)
+    asked["rig"] = (asked.get("rig") or HammerRig()).with_machine(machine)
     return identify_solid(
         frf, block, tests=prepared, band=band,
         temperature=impact_temperature, specimen=specimen, hammer=hammer, bench=apart, **asked,
@@ -257,7 +257,7 @@ def identify_solid(
         **choices,
     )
     if specimen is not None:
-        provenance = replace(fit.provenance, specimen=specimen.over(fit.specimen))
+        provenance = replace(fit.provenance, specimen=specimen.with_defaults(fit.specimen))
         fit = replace(fit, provenance=provenance)
     useless = select_failed_stops(frf)
     # an FRF that is none comes before what a solid makes of it

@@ -131,7 +131,7 @@ def schemas() -> dict[str, type[Serialisable]]:
     retained = (
         kind
         for kind in of_kinds
-        if issubclass(kind, Serialisable) and kind.schema and kind.read_back
+        if issubclass(kind, Serialisable) and kind.schema and kind._is_loadable
     )
     others = {name: find_handler("document", name) for name in list_names("document")}
     return {**_OF_THE_JOB, **others, **{item.schema: item for item in retained}}
@@ -161,7 +161,7 @@ def to_document(result: object) -> dict[str, Any]:
             f"a {type(result).__name__} has no archive form; expected one of "
             f"{', '.join(sorted(kind.__name__ for kind in schemas().values()))}"
         )
-    return result.document
+    return result.to_dict()
 
 
 def from_json(text: str | bytes) -> Any:

@@ -300,10 +300,10 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self for fact in mode.facts)
+        return tuple(fact for mode in self for fact in mode.reported_values)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The modes as a table."""
         columns = collect_columns(
             self, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
@@ -311,9 +311,9 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
         return {"mode": (np.arange(1, len(self) + 1), ""), **columns}
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, and each mode."""
-        rows = (mode.facts for mode in self)
+        rows = (mode.reported_values for mode in self)
         return (
             str(self.verdict),
             *(f"{hz.cells.with_unit}, damping {ratio.cells.with_unit}" for hz, ratio, _ in rows),
@@ -324,7 +324,7 @@ def format_modes_headline(modes: Sequence[Mode]) -> str:
     """Return frequency and damping of the first of some modes, and how many there are."""
     if not modes:
         return "0 modes were found"
-    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
+    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].reported_values)
     count = "" if len(modes) == 1 else f", the first of {format_count(len(modes), 'mode')}"
     return f"resonance at {frequency}, damping ratio {ratio}{count}"
 
@@ -396,7 +396,7 @@ def impact_files(
     """
     options = options or ReadOptions()
     test: ImpactTest | ShakenTest
-    if options.of(files[0]).base_acceleration is not None:
+    if options.for_file(files[0]).base_acceleration is not None:
         test = find_handler("read several", "shaken base")(files, options=options)
     else:
         test = read_impact(list(files), options=options)

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.bounds import StiffnessBounds
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, get_fitted_mass, get_hammer_stiffness_factor
 from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import (
@@ -74,7 +74,7 @@ class Answer:
         if self.measured is None:
             return None
         unit, read = _UNITS[self.quantity]
-        return ReportedValue.known(
+        return ReportedValue.from_error(
             self.quantity, self.measured, self.measured_se, unit=unit, read=read
         )
 
@@ -148,7 +148,7 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
     rests = study.at_rest
     compression = None if rests is None or not rests.point.given else rests.point.compression
     point = operating_point(solid, MassOnSeals(mass, study.seals, compression))
-    seals = study.seals * solid.under_hammer * point.solid(solid)
+    seals = study.seals * get_hammer_stiffness_factor(solid) * point.solid(solid)
     mode = next(iter(model_modes(seals, mass)), None)
     if mode is None:
         return point, None
@@ -158,7 +158,7 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
 
 def _mass(study: Study, solid: Fit) -> float | None:
     """Return what vibrates on the solid: the joint fit has settled on a mass of its own."""
-    return None if study.mass is None else solid.mass_found or study.mass
+    return None if study.mass is None else get_fitted_mass(solid) or study.mass
 
 
 def _peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
@@ -181,7 +181,7 @@ def _bounds(
     wide = study.unseen
     if not joint and wide is not None and wide.frequency[0] <= at <= wide.frequency[-1]:
         return wide, True
-    if not solid.parameters:
+    if not solid.estimate.parameters:
         return None, False
     return parameter_band(solid, [at]), False
 
@@ -255,9 +255,9 @@ def _holding(ends: tuple[float, float], value: float) -> list[float]:
 
 def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
     """Return the stiffness that the relaxation test knows best."""
-    end = solid.end_of_hold or study.fit.end_of_hold
+    end = solid.evidence.end_of_hold or study.fit.evidence.end_of_hold
     if end is None:
         return ()
-    value = end.of(solid.solid)
+    value = end.compute_stiffness(solid.solid)
     low, high = min(end.k_end[0], value), max(end.k_end[1], value)
     return (Answer("end of hold", value, low, high, end.time, bound=True),)

@@ -84,11 +84,11 @@ class StaticEquilibrium:
     tangent: StiffnessAt
 
     @property
-    def told(self) -> EquilibriumSummary:
+    def summary(self) -> EquilibriumSummary:
         """As the document of what stands on it tells it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
-        law = point.beyond and not point.linear
+        law = point.is_extrapolated and not point.linear
         return EquilibriumSummary(at, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
@@ -112,7 +112,7 @@ class StaticEquilibrium:
             lines.append(
                 f"  {name}  {convert_to_unit(stiffness.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}"
             )
-        if point.beyond:
+        if point.is_extrapolated:
             lines.append("  ! deeper than tested: the last tangent is used")
         return "\n".join(lines)
 
@@ -247,7 +247,7 @@ def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: Float
 
 def rival_of(fit: Fit) -> Fit | None:
     """A fit with the other family's solid in place of its own, if that explains the tests too."""
-    other = fit.alternative
+    other = fit.evidence.alternative
     return None if other is None or not other.explains else replace(fit, solid=other.solid)
 
 
@@ -259,7 +259,7 @@ def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode,
 
 def family_checks(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Check, ...]:
     """Whether another family of solids, where one was fitted, foretells the same resonance."""
-    if fit.alternative is None:
+    if fit.evidence.alternative is None:
         return ()
     modes = model_modes(on.seals * point.solid(fit), on.mass)
     rival = rival_modes(fit, point, on)

@@ -19,7 +19,12 @@ from dashpot.base.result_mixins import Plottable
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, Range, format_quantity, si_range
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import (
+    Fit,
+    get_fewest_arms_model,
+    get_fitted_mass,
+    get_hammer_stiffness_factor,
+)
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
@@ -187,7 +192,7 @@ class Study(Plottable, Serialisable):
     further: tuple[RampHold, ...] = ()
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, the mass, the solid, and the peaks."""
         solid = self.fit if self.joint is None else self.joint
         agreed = self.comparison if self.joint is None else self.joint_comparison
@@ -229,10 +234,10 @@ class Study(Plottable, Serialisable):
         A prediction from the relaxation test alone that misses the hammer is no fault of the
         joint fit, which is made to mend it.
         """
-        return verdict(self.weighed, headline=self._headline_text)
+        return verdict(self.verdict_checks, headline=self._headline_text)
 
     @property
-    def weighed(self) -> tuple[Check, ...]:
+    def verdict_checks(self) -> tuple[Check, ...]:
         """The checks behind the verdict, each once."""
         hammer = () if self.measured is None else self.measured.checks
         solid, held = self.fit, self.comparison
@@ -240,7 +245,7 @@ class Study(Plottable, Serialisable):
             solid, held = self.joint, self.joint_comparison
         agreed = () if held is None else held.checks
         of_test = self.fit.checks
-        if solid.alternative is not None:
+        if solid.evidence.alternative is not None:
             # what the relaxation test cannot tell apart is asked of both tests
             mine = {check.name for check in solid.checks} & {"model_families_distinguished"}
             of_test = tuple(check for check in of_test if check.name not in mine)
@@ -252,10 +257,10 @@ class Study(Plottable, Serialisable):
         """What to say of the study where no check of weight failed."""
         if self.joint is not None and self.joint_comparison is not None:
             where = f"From {hertz(self.joint.band)} one model matches both tests"
-            return paragraph(where, self.joint_comparison.matched)
+            return paragraph(where, self.joint_comparison.resonance_match)
         if self.joint is None and self.comparison is not None:
             return self.comparison.says
-        return (self.joint or self.fit).sound
+        return (self.joint or self.fit).headline
 
 
 def characterise(
@@ -333,9 +338,9 @@ def characterise(
             both = identify(
                 measured, tests=every, fit=before, mass=mass, seals=on.seals, band=band,
                 compression=response.compression if mass is None else on.compression, arms=number,
-                family=options.family, rig=HammerRig().on(machine), bench=usual,
+                family=options.family, rig=HammerRig().with_machine(machine), bench=usual,
             )  # fmt: skip
-            found = both.mass_found or on.mass, on.seals * both.under_hammer
+            found = get_fitted_mass(both) or on.mass, on.seals * get_hammer_stiffness_factor(both)
             under = MassOnSeals(*found, on.compression)
             mended = _JointResults(both, *_predict_and_compare(both, measured, under, band))
     send_progress("bounding what the tests leave open")
@@ -545,6 +550,6 @@ def _fit_paper_equation(
     if len(tests) > 1:
         return None, ()
     try:
-        return fit(tests, arms=chosen.few_arms.arms, method="hold"), ()
+        return fit(tests, arms=get_fewest_arms_model(chosen).arms, method="hold"), ()
     except (DataError, FitError) as error:
         return None, (hold_fit_possible(str(error)),)

@@ -34,8 +34,8 @@ def test_every_amplitude_has_its_loop_and_its_fit():
     dots = marks(storage, Dots)[0]
     assert steep == pytest.approx([dots.y[i] for i in (0, 4, 8, 12)], rel=0.02)
     # two figures of half the width, then every loop in one row; in a journal's column three
-    assert [(full, len(row)) for full, row in picture.in_rows] == [(2, 2), (4, 4)]
-    column = picture.sized("column").in_rows
+    assert [(full, len(row)) for full, row in picture.strip_rows] == [(2, 2), (4, 4)]
+    column = picture.resize("column").strip_rows
     assert [(full, len(row)) for full, row in column] == [(1, 1), (1, 1), (3, 3), (3, 1)]
     assert len(plot.loops(levels.loops()).panels) == 4
 

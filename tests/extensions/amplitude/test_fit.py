@@ -271,7 +271,7 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
     H = H * (1 + noise / np.sqrt(2) * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))))
     if kind is Kind.TRANSMISSIBILITY:
         return FRF(f, 1 + MASS * w**2 * H, kind, units="SI")
-    return FRF.of_receptance(f, H, kind=kind)
+    return FRF.from_receptance(f, H, kind=kind)
 
 
 @pytest.mark.parametrize(
@@ -346,7 +346,7 @@ class TestLevels:
         heavier = (replace(found, mass=1.3 * MASS) for found in (one, other))
         here, there = (resonance_at_level(found, 0.05)[0] for found in heavier)
         assert there / here - 1 == pytest.approx(0.005, abs=1e-3)
-        assert "that of another mass moves by 0.5 %" in " ".join(one.described)
+        assert "that of another mass moves by 0.5 %" in " ".join(one.summary_lines)
 
     def test_a_linear_truth_needs_no_sliders(self):
         def nothing(X):

@@ -174,7 +174,7 @@ def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, s
     found = fit_amplitude(sweep, law=law)
     start = 4e6 * (payne(since) if since else 1.0)
     solid = dp.GeneralizedMaxwell(start.real, (1e-9,), (1.0,))
-    change = found.beside(solid * 1e-3, 1e-3, stretch=0.02, since=since)
+    change = found.build_dependence(solid * 1e-3, 1e-3, stretch=0.02, since=since)
     assert change is not None
     if law == "factor":
         expected = start.real * (payne(X) / payne(since or 1e-12) - 1)

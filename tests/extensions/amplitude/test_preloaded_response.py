@@ -10,6 +10,7 @@ import pytest
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
+from dashpot.datamodel.fit import apply_elastic_law
 from dashpot.extensions.amplitude.level_text import prediction
 from dashpot.extensions.amplitude.preloaded_mass import PreloadedMass
 from dashpot.extensions.amplitude.preloaded_response import _compute_narrow_interval
@@ -30,7 +31,7 @@ def straight():
 
 @pytest.fixture(scope="module")
 def bent(straight):
-    return straight.with_elastic_law(LAW)
+    return apply_elastic_law(straight, LAW)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +40,7 @@ def told(bent):
 
 
 def test_the_document_tells_harmonics_shift_and_whether_it_lasts(told, bent):
-    (level,) = told.document["levels"]
+    (level,) = told.to_dict()["levels"]
     hz, law = level["peak"]["frequency_hz"], bent.elastic_law
     (alone,) = PreloadedMass(MASS, 2 * law, bent.solid).sweep(level=0.3, frequency=np.array([hz]))
     rest = 2 * law.force(level["rest"])
@@ -111,7 +112,7 @@ def test_where_two_answers_last_is_said_with_the_page_and_the_numbers(told, tmp_
     assert f"± {half:.2g}" in said
     page = told.save(tmp_path / "level.html").read_text()
     assert "At 0.3 N" in page
-    known = told.document["levels"][0]
+    known = told.to_dict()["levels"][0]
     assert known["interval"]["mean_shift"] == [low, high]
     response = known["response"]
     assert np.shape(response["magnitude_between"]) == (2, len(response["frequency_hz"]))
@@ -165,7 +166,7 @@ def test_a_sweep_that_would_follow_every_line_from_rest_ends(bent, monkeypatch):
     monkeypatch.setattr("dashpot.extensions.amplitude.preloaded_mass._STEPS_OF_SWEEP", 20)
     of = PreloadedMass(0.01, 2 * bent.elastic_law, bent.solid)
     with pytest.raises(DataError, match="bounces on the seal: up to"):
-        of.sweep(level=0.95 * of.pressed, frequency=np.linspace(5, 60, 40))
+        of.sweep(level=0.95 * of.static_force, frequency=np.linspace(5, 60, 40))
 
 
 def test_an_error_as_large_as_the_number_is_no_interval(bent):

@@ -84,7 +84,7 @@ def test_opensees_follows_the_loops(units, form):
 
 def march(fit, t, x):
     """Our own force, N, from rest."""
-    whole = InParallel((fit.solid, *fit.beside))
+    whole = InParallel((fit.solid, *fit.rate_independent))
     return whole.path_force(np.r_[0.0, t], np.r_[0.0, x])[1:]
 
 

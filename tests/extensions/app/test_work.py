@@ -15,7 +15,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, Remedy
 from dashpot.base.option_fields import RampLawAsked, get_choice_values
-from dashpot.datamodel.fit import Explanation
+from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.export import SUFFIXES
 from dashpot.extensions.app import request_handlers, result_cache, view_models, wire_format
 from dashpot.extensions.app.command_lines import line
@@ -34,7 +34,7 @@ from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 
-AT = {296.15: BROAD, 273.15: BROAD.shifted(10**1.498172, 273.15 / 296.15)}
+AT = {296.15: BROAD, 273.15: BROAD.shift_to_temperature(10**1.498172, 273.15 / 296.15)}
 
 
 @pytest.fixture(autouse=True)
@@ -331,8 +331,8 @@ def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
 def test_what_would_tell_more_is_said_once(store, asked):
     study = result_cache.study(job_of(asked, store.folder))
     more = view_models.tells_more(study, ())
-    assert study.fit.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
-    said = Check("told", False, "Not known.", remedy=Remedy(study.fit.end_of_hold.remedy))
+    assert study.fit.evidence.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
+    said = Check("told", False, "Not known.", remedy=Remedy(study.fit.evidence.end_of_hold.remedy))
     assert view_models.tells_more(study, (said,)) == ""
 
 

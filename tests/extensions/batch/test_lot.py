@@ -98,7 +98,7 @@ def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     assert row["k_1_se_N_per_m"] == fit.standard_error["k"][0]
     # "at most": no lower end is reported
     assert (row["k_inf_low_N_per_m"], row["k_inf_high_N_per_m"]) == (None, k_inf[1])
-    assert (row["k_end_low_N_per_m"], row["k_end_high_N_per_m"]) == fit.left_open["k_end"]
+    assert (row["k_end_low_N_per_m"], row["k_end_high_N_per_m"]) == fit.stiffness_limits["k_end"]
     assert row["verdict"] == fit.verdict.use
     failed = [one.name for one in fit.checks if one.failed and one.grade != "note"]
     assert row["failed_checks"].split() == list(dict.fromkeys(failed))

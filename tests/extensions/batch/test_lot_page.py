@@ -146,7 +146,7 @@ def test_tests_are_found_by_their_date_where_one_is_known(lot):
 
 def test_what_the_page_says_is_what_the_document_says():
     large, found = many()
-    page, document = unescape(html(large, found=found)), found.document
+    page, document = unescape(html(large, found=found)), found.to_dict()
     for light in document["summary"]:
         assert light["message"] in page.replace("\xa0", " ")
     assert f">{document['verdict']['verdict_grade'].capitalize()}<" in page

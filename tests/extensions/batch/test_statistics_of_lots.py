@@ -53,7 +53,7 @@ def test_a_test_made_otherwise_is_left_out(column, keeps, breaks, says):
         rows[0][column] = value
         lot = lot_of(rows)
         assert lot.unlike == left
-        assert lot.used.height == 12 - len(left)
+        assert lot.rows_in_statistics.height == 12 - len(left)
         (check,) = [one for one in lot.checks if one.name == "tests_alike"]
         assert check.failed is bool(left)
 
@@ -64,7 +64,7 @@ def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_its
     assert sound.copies == {}
     both = compare_two_lots(("may", sound), ("june", sound), ["k_end"])
     assert [one.value for one in both.checks if one.name == "records_distinct"] == [6, 0, 0]
-    assert both.each[0].different is both.document["differences"][0]["different"] is None
+    assert both.each[0].different is both.to_dict()["differences"][0]["different"] is None
     assert "not judged, the lots have six records in common" in str(both)
     assert "no difference" not in str(both)
     others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
@@ -88,7 +88,7 @@ def test_of_two_depths_one_is_the_lots():
     rows = scattered(lots=1, seals=4, repeats=1)
     for row in rows[2:]:
         row["depth_m"] = 0.006
-    assert lot_of(rows).used["file"].to_list() == ["L1/3_1.csv", "L1/4_1.csv"]
+    assert lot_of(rows).rows_in_statistics["file"].to_list() == ["L1/3_1.csv", "L1/4_1.csv"]
 
 
 def test_what_was_not_fitted_or_may_not_be_used_does_not_enter_and_what_needs_care_does():

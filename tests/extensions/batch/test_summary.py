@@ -174,7 +174,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
     lot = lot_of(rows)
     asked = limits(tmp_path, '[k_end]\nlower = "180N/m"\nupper = "220N/m"\ncpk = 1.33\n')
     found = summary(lot, limits=asked)
-    json.dumps(found.document, allow_nan=False)
+    json.dumps(found.to_dict(), allow_nan=False)
     page = html(lot, found=found)
     assert "<i>" not in page
     assert page.count("<svg") == page.count("</svg>")
@@ -182,7 +182,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
     assert book["tests"].max_row == lot.table.height + 1
     cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
     assert not any(cell.data_type == "f" or cell.hyperlink for cell in cells)
-    for one in found.each:
+    for one in found.quantities:
         for seal in one.judged:
             assert seal.decision in {"pass", "fail", "not proven", "no result"}
 
@@ -268,7 +268,7 @@ def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
     # a run of points is one cause
     lots = moved.main.lots
     assert lots is not None
-    assert lots.mean.signalled == (1, 3, 4)
+    assert lots.mean.signalling_points == (1, 3, 4)
     assert lots.mean.causes == ((1, 1), (3, 4))
 
 

@@ -11,6 +11,7 @@ from kit.foreign.curves import compliances, crept, moduli, sweeps
 from kit.foreign.truths import Solid
 
 import dashpot as dp
+from dashpot.datamodel.fit import list_known_values
 from dashpot.extensions.curves.curve_uncertainty import curve_data
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.numerics.design_matrices.recorded_motion import hold_block
@@ -38,15 +39,15 @@ def test_the_creep_of_a_known_solid_is_that_of_its_inverse() -> None:
 
 def test_a_curve_that_levels_off_keeps_its_plateau() -> None:
     found = fit_modulus(curve(ZENER))
-    end = found.end_of_hold
+    end = found.evidence.end_of_hold
     assert end is not None
     assert (end.ended, end.time) == ("curve", 100.0)
     low, high = end.k_10end
     assert 0.8e6 < low < 1e6 < high < 1.02e6
     assert found.verdict.use == "use"
     assert found.intervals()["k_inf"] == (0.0, end.k_inf[1])
-    assert found.known[0].words == "k(100 s)"
-    assert found.known[0].unit == "Pa"
+    assert list_known_values(found)[0].words == "k(100 s)"
+    assert list_known_values(found)[0].unit == "Pa"
     assert from_json(to_json(found)) == found
 
 
@@ -56,7 +57,7 @@ def test_a_curve_cut_before_its_plateau_is_told_so_and_holds_what_came_later() -
     found = fit_modulus(curve(slow, T[T < 30]))
     assert found.verdict.use == "use with care"
     assert found.verdict.because[0].name == "plateau_determined"
-    end = found.end_of_hold
+    end = found.evidence.end_of_hold
     assert end is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10), ("k_inf", np.inf)):
         low, high = getattr(end, name)
@@ -73,10 +74,10 @@ def test_a_curve_that_falls_tells_how_many_times_as_stiff_it_was() -> None:
 
 def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it() -> None:
     """Without scatter the limits are those of .2 % in each quarter decade."""
-    exact = fit_modulus(curve(ZENER, noise=0.0)).end_of_hold
+    exact = fit_modulus(curve(ZENER, noise=0.0)).evidence.end_of_hold
     assert exact is not None
     assert 1e-4 < np.ptp(exact.k_end) / 1e6 < 1e-2
-    rough = fit_modulus(curve(ZENER, noise=2e-2)).end_of_hold
+    rough = fit_modulus(curve(ZENER, noise=2e-2)).evidence.end_of_hold
     assert rough is not None
     assert np.ptp(rough.k_end) > 2 * np.ptp(exact.k_end)
 
@@ -94,27 +95,33 @@ def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
 def test_a_material_becomes_a_part_with_its_limits() -> None:
     found = fit_modulus(curve(ZENER))
     part = found.part(0.02)
-    assert part.left_open is not None
-    assert found.left_open is not None
-    assert part.left_open["k_end"] == tuple(0.02 * end for end in found.left_open["k_end"])
-    assert part.end_of_hold.says(part.unit).startswith("the stiffness later on. At 100 s it is")
-    assert found.end_of_hold.says("Pa").endswith("or below. Measure longer.")
+    assert part.stiffness_limits is not None
+    assert found.stiffness_limits is not None
+    assert part.stiffness_limits["k_end"] == tuple(
+        0.02 * end for end in found.stiffness_limits["k_end"]
+    )
+    assert part.evidence.end_of_hold.format_with_remedy(part.unit).startswith(
+        "the stiffness later on. At 100 s it is"
+    )
+    assert found.evidence.end_of_hold.format_with_remedy("Pa").endswith("or below. Measure longer.")
 
 
 def test_a_sweep_tells_its_storage_in_hertz() -> None:
     f = np.geomspace(1e-3, 10, 41)
     value = ZENER.complex_stiffness(omega=2 * np.pi * f)
     found = dp.fit(dp.DynamicTest(f, value.real, value.imag, units="SI"))
-    end = found.end_of_hold
+    end = found.evidence.end_of_hold
     assert end is not None
-    assert found.known[0].words == "K'(0.00100 Hz)"
+    assert list_known_values(found)[0].words == "K'(0.00100 Hz)"
     assert end.k_end[0] < value.real[0] < end.k_end[1]
-    assert "At 0.00100 Hz the storage is" in end.told("Pa")
-    assert replace(end, ended="creep").told("Pa").startswith("At 159 s stress over strain is")
+    assert "At 0.00100 Hz the storage is" in end.format_limits("Pa")
+    assert (
+        replace(end, ended="creep").format_limits("Pa").startswith("At 159 s stress over strain is")
+    )
 
 
 def test_few_values_are_not_asked() -> None:
-    assert fit_modulus(curve(ZENER, T[::12]), arms=1).end_of_hold is None
+    assert fit_modulus(curve(ZENER, T[::12]), arms=1).evidence.end_of_hold is None
 
 
 # -- how often ------------------------------------------------------------------------------------

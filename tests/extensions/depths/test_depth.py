@@ -45,7 +45,7 @@ def test_a_quasi_linear_seal_is_recovered_and_called_separable(
         # a tangent linear between nine knots is a parabola within a few parts in ten thousand
         assert at.k_inf == pytest.approx(float(cubic(np.array(at.depth))) / at.depth, rel=1e-3)
     assert found.separable.passed
-    assert found.fit.by_depth == found.by_depth
+    assert found.fit.evidence.stiffness_by_depth == found.by_depth
     assert replace(found.fit.elastic_law, ratio_se=()) == found.law
     vibrating = found.fit.model_at(8e-3)
     assert vibrating.k_inf == pytest.approx(289.5, rel=0.02)
@@ -80,7 +80,7 @@ def test_a_shape_that_changes_with_depth_is_found(paper_seal: GeneralizedMaxwell
     ]
     found = fit_depths(tests, arms=2)
     assert found.separable.failed
-    assert "Use the stiffnesses of each depth." in found.separable.told
+    assert "Use the stiffnesses of each depth." in found.separable.message_with_remedy
     shallow, deep = (at.k[0] / at.k_inf for at in found.by_depth)
     assert deep / shallow == pytest.approx(1.2, rel=0.02)
 

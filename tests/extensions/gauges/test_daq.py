@@ -13,7 +13,7 @@ def test_a_count_is_305_uv():
     # R5: 16 bits over +-10 V
     card = Daq()
     assert card.lsb == pytest.approx(305.176e-6, rel=1e-6)
-    read = card.counted(np.array([0.4 * card.lsb, 0.6 * card.lsb, 11.0, -11.0]))
+    read = card.quantise(np.array([0.4 * card.lsb, 0.6 * card.lsb, 11.0, -11.0]))
     assert read.tolist() == [0.0, card.lsb, 10.0 - card.lsb, -10.0]
 
 
@@ -65,7 +65,7 @@ def test_a_line_above_half_the_rate_shows_elsewhere_unless_it_is_filtered(corner
     read = card.read(clock, np.array([np.sin(2 * np.pi * 60 * clock)]), np.arange(3000) / 100.0)[0]
     line = np.abs(np.fft.rfft(read[1000:])) / 1000
     assert np.argmax(line) / 20 == pytest.approx(card.alias(60.0))
-    assert line.max() == pytest.approx(card.passed(60.0), rel=0.02)
+    assert line.max() == pytest.approx(card.filter_gain(60.0), rel=0.02)
     assert card.alias(60.0) == pytest.approx(40.0)
     assert card.alias(50.0) is None
     assert card.alias(50.1) == pytest.approx(49.9)

@@ -50,11 +50,11 @@ def test_voltages_go_back_to_the_load_through_the_file(tmp_path):
 def test_what_passes_the_range_is_flagged():
     # R4: 70.1 N, or 50.1 N across, is saturated
     twin = Transducer()
-    assert twin.saturated(normal(69.9, 70.1, -70.1))[2].tolist() == [False, True, True]
+    assert twin.find_saturated(normal(69.9, 70.1, -70.1))[2].tolist() == [False, True, True]
     across = np.zeros((6, 2))
     across[:2] = np.array([[49.9, 50.1], [49.9, 50.1]]) / np.sqrt(2)
-    assert twin.saturated(across)[0].tolist() == [False, True]
-    assert not twin.saturated(across)[2:].any()
+    assert twin.find_saturated(across)[0].tolist() == [False, True]
+    assert not twin.find_saturated(across)[2:].any()
     with pytest.raises(DataError, match="six rows of six numbers that can be inverted"):
         Transducer(matrix=((1.0,) * 6,) * 6)
 
@@ -83,12 +83,12 @@ def test_a_gauge_late_in_the_scan_is_late_in_the_record():
 def test_what_aliases_is_said(rate: float, corner: float):
     twin = Instrument(daq=Daq(rate=rate, filter=corner))
     rig = replace(Rig(), hum_frequency=60.0)
-    said = twin.says(np.array([1.0]), rig)
+    said = twin.list_limitations(np.array([1.0]), rig)
     assert len(said) == (rate == 100.0)
     if said:
         size = 3.0 / np.sqrt(1 + (60 / corner) ** 4) if corner else 3.0
         assert f"hum of 60 Hz shows at 40 Hz, {size:.3g} mN" in said[0]
-    assert "beyond its range in Fz" in twin.says(np.array([71.0]), rig)[0]
+    assert "beyond its range in Fz" in twin.list_limitations(np.array([71.0]), rig)[0]
 
 
 def test_a_fit_of_the_voltages_gives_the_seal_back(tmp_path):

@@ -295,13 +295,13 @@ def test_a_lone_damper_makes_shapes_complex(damper):
     for one in found:
         i = int(np.argmin(np.abs(poles - one.mode.pole)))
         assert abs(one.mode.pole / poles[i] - 1) < 1e-4
-        assert phase_collinearity(one.normalised) == pytest.approx(
+        assert phase_collinearity(one.normalised_residues) == pytest.approx(
             phase_collinearity(residues[:, i]), abs=1e-3
         )
-        assert phase_deviation(one.normalised) == pytest.approx(
+        assert phase_deviation(one.normalised_residues) == pytest.approx(
             phase_deviation(residues[:, i]), abs=2e-3
         )
-    least = min(phase_collinearity(one.normalised) for one in found)
+    least = min(phase_collinearity(one.normalised_residues) for one in found)
     assert least > 0.999 if damper < 1 else least < 0.98
 
 

@@ -334,15 +334,15 @@ def test_half_the_step_and_the_order_of_stations_change_nothing():
 
 def test_a_slow_door_comes_back():
     elastic = close_door(a_door(), speed=0.3)
-    assert not elastic.latched
-    assert elastic.stopped > 0
+    assert not elastic.is_latched
+    assert elastic.stopped_gap > 0
     # a spring gives back all of it
     assert elastic.rebound == pytest.approx(0.3, rel=1e-2)
-    assert elastic.left == 0
+    assert elastic.remaining_energy == 0
     lossy = close_door(a_door(TABLE_1), speed=0.4)
     assert 0.9 * 0.4 < lossy.rebound < 0.4
-    assert not close_door(a_door(), speed=0.3286).latched
-    assert close_door(a_door(), speed=0.3287).latched
+    assert not close_door(a_door(), speed=0.3286).is_latched
+    assert close_door(a_door(), speed=0.3287).is_latched
 
 
 def test_a_hump_on_the_way_counts():
@@ -377,7 +377,7 @@ def test_the_scatter_of_a_spring_is_the_closed_one():
     assert simulate_scatter(door, along, 0.328634).speed.std() < 0.5 * drawn.speed.std()
     leaky = simulate_scatter(door, Tolerances(gap=12e-3, count=60, limit=0.4), 0.328634)
     assert 0 < leaky.leaking < 1
-    assert leaky.above == (leaky.speed > 0.4).mean()
+    assert leaky.share_above_limit == (leaky.speed > 0.4).mean()
 
 
 def test_arms_that_the_ramp_hides_can_only_harden_the_seal():
@@ -406,7 +406,9 @@ def felt(fast, lag, **known):
     test = replace(prepare(ramp_and_hold(fast, lag=lag)), machine=Machine(**known))
     fit = fit_tests(test, arms=2)
     per = K / 196.5
-    low, high = close_door(a_door(per * fit.model), speed=1.0, doubt=SealDoubt.of(fit)).interval
+    low, high = close_door(
+        a_door(per * fit.model), speed=1.0, doubt=SealDoubt.from_fit(fit)
+    ).interval
     k, tau = (117.5, 17.8, fast[0]), (0.5021, 16.416, fast[1])
     return low, least_speed(a_door(per * GeneralizedMaxwell(196.5, k, tau)))[0], high
 
@@ -426,7 +428,7 @@ def test_clocks_of_which_nothing_is_known_may_hide_more():
 
 def test_what_limits_no_fast_arm_leaves_the_least_speed_open():
     test = prepare(ramp_and_hold((150.0, 5e-3)))
-    held = SealDoubt.of(fit_tests(test, arms=2, method="hold"))
+    held = SealDoubt.from_fit(fit_tests(test, arms=2, method="hold"))
     assert held.delay == np.inf
     low, high = close_door(a_door(TABLE_1), speed=1.0, doubt=held).interval
     assert (low > 0.4, high) == (True, np.inf)

@@ -106,7 +106,7 @@ def test_shapes_between_points_are_straight(first, second, share):
     place = np.stack((x, 0 * x, 0 * x), axis=1)
     modes = FreeModes([10.0], place, np.stack((0 * x, 3 * x, 1 - x), axis=1)[None])
     at = place[first] + share * (place[second] - place[first])
-    shape, away = modes.at(at + np.array([0, 0.02, 0]))
+    shape, away = modes.evaluate_shapes(at + np.array([0, 0.02, 0]))
     assert shape[0] == pytest.approx([0.0, 3 * at[0], 1 - at[0]], abs=1e-5)  # nearest to 1e-12 m
     assert away == pytest.approx(0.02)
 

@@ -109,7 +109,7 @@ def test_every_table_is_read(tmp_path):
     (bumper,) = door.bumpers
     assert (bumper.fit, bumper.compression) == (str(tmp_path / "bumper.json"), 0.002)
     assert door.seal == SealChoice(str(tmp_path / "fit.json"), 0.1, 296.15, 0.025)
-    assert door.line.closed
+    assert door.line.is_closed
     assert door.line.length == pytest.approx(4.6)
     assert door.line.compression == pytest.approx([6e-3, 6e-3, 5e-3, -1e-3, 6e-3])
     assert door.line.joints == (Joint(1.1, 0.06, 1.4, "corner"),)
@@ -144,7 +144,7 @@ def test_the_line_may_stand_in_a_file(tmp_path, head, unit):
     assert line.points.tolist() == [[0, 0, 0], [1.1, 0, 0], [1.1, 1.2, 0]]
     assert line.compression == pytest.approx([6e-3, 5e-3, 4e-3])
     assert line.normal[2] == pytest.approx([0, 0.6, 0.8])
-    assert not line.closed
+    assert not line.is_closed
 
 
 @pytest.mark.parametrize(

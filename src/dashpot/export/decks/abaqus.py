@@ -101,7 +101,7 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
     for j, (k, _, b) in enumerate(deck.arms):
         elements.append(("SPRING", 2, 11 + j, f"K_{j + 1}", k))
         elements.append(("DASHPOT", 11 + j, 1, f"B_{j + 1}", b))
-    span = deck.beside.span
+    span = deck.nonlinear_elements.span
     cards = ["*NODE", "1, 0., 0., 0.", f"2, {text(span)}, 0., 0."]
     cards += [f"{11 + j}, {text(span / 2)}, 0., 0." for j in range(deck.model.arms)]
     for number, (kind, a, b_end, name, value) in enumerate(elements, start=1):
@@ -112,15 +112,15 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
             "",
             text(value),
         ]
-    if deck.beside.k3:
+    if deck.nonlinear_elements.k3:
         cards += [
             "*ELEMENT, TYPE=SPRINGA, ELSET=SEAL_CUBIC",
             f"{1 + len(elements)}, 1, 2",
             "*SPRING, ELSET=SEAL_CUBIC, NONLINEAR",
             "",
-            *(f"{text(F)}, {text(x)}" for x, F in deck.beside.both_ways()),
+            *(f"{text(F)}, {text(x)}" for x, F in deck.nonlinear_elements.both_ways()),
         ]
-    for number, (k, F, _) in enumerate(deck.beside.sliders, start=1):
+    for number, (k, F, _) in enumerate(deck.nonlinear_elements.sliders, start=1):
         cards += _slider(number, k, F, span, k * (_SHAKES / deck.units.time) ** 2)
     return cards
 
@@ -158,10 +158,10 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
 
 def slider_remarks(deck: Deck) -> list[str]:
     """Return the remarks of the header on the two nodes and the blocks."""
-    if not deck.beside.sliders:
-        return deck.beside.node_spacing_remarks
+    if not deck.nonlinear_elements.sliders:
+        return deck.nonlinear_elements.node_spacing_remarks
     return [
-        *deck.beside.node_spacing_remarks,
+        *deck.nonlinear_elements.node_spacing_remarks,
         "a slider is a block of perfectly plastic material in simple shear, which turns by less",
         "than 0.001 rad at the amplitudes tested; a linear step sees its stiffness, no friction",
     ]
@@ -169,7 +169,7 @@ def slider_remarks(deck: Deck) -> list[str]:
 
 def _arms(deck: Deck) -> DeckText:
     hold = [f"{11 + j}, 2, 3" for j in range(deck.model.arms)]
-    return deck.written(
+    return deck.format_text(
         "**",
         "network of springs and dashpots for Abaqus",
         [*spring_dashpot_network(deck), *(["*BOUNDARY", *hold] if hold else [])],
@@ -186,7 +186,7 @@ def _arms(deck: Deck) -> DeckText:
 def _prony(deck: Deck) -> DeckText:
     rows = [f"{text(g)}, {text(g)}, {text(tau)}" for g, tau in deck.prony]
     shift, says = abaqus_shift(deck.temperatures)
-    return deck.written(
+    return deck.format_text(
         "**",
         "material of relative moduli for Abaqus",
         ["*MATERIAL, NAME=SEAL", "*VISCOELASTIC, TIME=PRONY", *rows, *shift],
@@ -202,7 +202,7 @@ def _prony(deck: Deck) -> DeckText:
 
 def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
     table = deck.table(frequency_range, tolerance)
-    return deck.written(
+    return deck.format_text(
         "**",
         "frequency-dependent connector behavior for Abaqus",
         ["*CONNECTOR BEHAVIOR, NAME=SEAL", *_component(deck, 1, table)],
@@ -226,7 +226,7 @@ def _component(deck: Deck, number: int, table: Table) -> list[str]:
         cards.append(card)
         outside = False
         for f, value in zip(table.frequency.tolist(), values.tolist(), strict=True):
-            if deck.extrapolated(f) is not outside:
+            if deck.is_extrapolated(f) is not outside:
                 outside = not outside
                 cards.append("** EXTRAPOLATED" if outside else "** identified")
             cards.append(f"{text(value)}, {text(deck.units.frequency(f))}")
@@ -256,7 +256,7 @@ def _line(
             f"SEAL_FRAME_{frame},",
         ]
     low, high = frequency_range
-    return deck.written(
+    return deck.format_text(
         "**",
         "connectors along a seal line for Abaqus",
         cards,

@@ -45,7 +45,7 @@ def _arms(deck: Deck) -> DeckText:
     ]
     names = f"element,k [{units.stiffness_word}],tau [{units.words[2]}],b [{units.damping_word}]"
     body = [names, *(",".join(row) for row in rows)]
-    return deck.written(
+    return deck.format_text(
         "#", "springs and dashpots", body, verified=_VERIFIED, function=_format_remark
     )
 
@@ -65,14 +65,14 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         f"damping [{units.damping_word}]": units.damping(loss / (2 * np.pi * table.frequency)),
     }
     marks = [
-        "" if deck.band is None else str(int(deck.extrapolated(f)))
+        "" if deck.band is None else str(int(deck.is_extrapolated(f)))
         for f in table.frequency.tolist()
     ]
     rows = (
         ",".join([*(text(value) for value in row), mark])
         for *row, mark in zip(*columns.values(), marks, strict=True)
     )
-    return deck.written(
+    return deck.format_text(
         "#",
         "dynamic stiffness",
         [",".join([*columns, "extrapolated"]), *rows],

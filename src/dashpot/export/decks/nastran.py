@@ -117,7 +117,7 @@ def _table(
     acts = "the bushing acts along its x axis"
     if row.ways > 1:
         acts = "components 1 to 3 act normal to the line, across it and along it"
-    return deck.written(
+    return deck.format_text(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
         [*_bushings(row, first_id), *properties],
@@ -220,7 +220,7 @@ def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
             cards += _card("GRID*", [point, "", *station.place, *system])
         grid = b + 1
         for way, solid in row.springs(station.shares):
-            arms = deck.of(solid)
+            arms = deck.with_solid(solid)
             if arms.k_inf > 0:
                 cards += _card("CELAS2*", [next(element), arms.k_inf, a, way + 1, b, way + 1])
             if arms.b > 0:
@@ -233,7 +233,7 @@ def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     acts = "the network acts along component 1 of its grids"
     if row.ways > 1:
         acts = "the networks act along components 1 to 3 of their grids, in whose own systems"
-    return deck.written(
+    return deck.format_text(
         "$",
         "network of springs and dashpots for Nastran and OptiStruct",
         cards,

@@ -26,7 +26,7 @@ def statespace(
     Parameters are those of :func:`dashpot.export.nastran`.
     """
     rates = [text(1 / tau) for _, tau, _ in deck.arms]
-    return deck.written(
+    return deck.format_text(
         "%",
         "state space of the model: displacement x in, force F out",
         [

@@ -206,7 +206,9 @@ class SweptPart(Serialisable):
         `solid` is all that carries the mass as it was measured, N/m, `scale` N/m of it for each
         of the sweep's unit, `coupled` the mass by which the mounts couple it to a base, kg.
         """
-        dependent = law.beside(solid, scale, stretch=self.stretch(factor), since=self.fitted_at)
+        dependent = law.build_dependence(
+            solid, scale, stretch=self.stretch(factor), since=self.fitted_at
+        )
         frf, stretch = mass_at_level(
             solid, dependent, mass=mass, level=level, frequency=frequency, kind=kind
         )
@@ -251,7 +253,7 @@ class SweptPart(Serialisable):
             float(stretch[top]),
         )
 
-    def at(
+    def compute_resonances(
         self,
         solid: Solid,
         levels: Sequence[float],

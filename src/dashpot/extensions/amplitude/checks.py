@@ -220,9 +220,9 @@ def softening_detectable(trend: Trend | None) -> Finding:
     if trend is None:
         return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
     return Finding(
-        f"A change of {100 * trend.stiffness_found:.2g} % of stiffness or "
-        f"{100 * trend.damping_found:.2g} % of damping per doubling is found in four of five tests",
-        trend.stiffness_found,
+        f"A change of {100 * trend.detectable_stiffness_change:.2g} % of stiffness or "
+        f"{100 * trend.detectable_damping_change:.2g} % of damping per doubling is found in four of five tests",
+        trend.detectable_stiffness_change,
         "A smaller change stays unseen",
         "Hit from soft to hard.",
     )

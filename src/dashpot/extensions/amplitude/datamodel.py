@@ -106,13 +106,13 @@ class AmplitudeSweep(EqualByValue, HasSummary):
             )
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Storage and loss over amplitude."""
         unit, of = self.unit, "m" if self.of == "m" else "1"
         return collect_arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
         tones = ", ".join(f"{item:.4g}" for item in np.unique(self.frequency))
         return (
@@ -256,7 +256,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return dict(self.orders)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
         unit, of = get_display_unit(self.unit), get_display_unit(self.of)
         low, high = (convert_to_unit(amplitude, of) for amplitude in self.amplitudes)
@@ -270,7 +270,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The numbers of the law."""
         unit, long = self.unit, self.of == "m"
         units = {
@@ -286,7 +286,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         }
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         lines, error = [str(self.verdict)], dict(self.se)
         unit, of = get_display_unit(self.unit), get_display_unit(self.of)
@@ -346,7 +346,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             weights = weights + self.lost * change / linear
         return np.asarray(weights + 0.75 * self.k3 * X**2 / linear)
 
-    def beside(
+    def build_dependence(
         self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0, since: float = 0.0
     ) -> AmplitudeDependent | None:
         """Return what amplitude changes of a solid that knows of none; None where none matters.

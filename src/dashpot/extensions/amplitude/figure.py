@@ -212,7 +212,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         ("resonance, Hz", 1.0, f, levels.trend.stiffness_line, 0.5),
         ("damping ratio, %", 100.0, zeta, levels.trend.damping_line, 1.0),
     ):
-        ends = np.array([line.at(float(x)) for x in np.log2(dense)])
+        ends = np.array([line.predict_interval(float(x)) for x in np.log2(dense)])
         middle, lower, upper = (
             scale * np.exp(power * (ends[:, 0] + way * ends[:, 1])) for way in (0, -1, 1)
         )

@@ -64,7 +64,7 @@ class Levels(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/levels@2"
-    keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=asked?")
+    keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=requested_levels?")
 
     fit: AmplitudeFit | LevelFit | HitLevels
     at: tuple[PeakAtLevel, ...]
@@ -72,18 +72,18 @@ class Levels(HasVerdict, Serialisable):
     records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """As of the fit; of hits each with its motion, resonance and damping."""
         if isinstance(self.fit, HitLevels):
             return collect_columns(
                 self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
             )
-        return self.fit.series
+        return self.fit.table_columns
 
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, headline=self.fit.sound)
+        return verdict(self.checks, headline=self.fit.headline)
 
     @property
     def source(self) -> tuple[Source, ...]:
@@ -99,16 +99,15 @@ class Levels(HasVerdict, Serialisable):
         return self.fit.loss_per_lag if isinstance(self.fit, AmplitudeFit) else None
 
     @property
-    def asked(self) -> tuple[PeakAtLevel, ...] | None:
+    def requested_levels(self) -> tuple[PeakAtLevel, ...] | None:
         """The levels that were asked for; None where none can be."""
         return None if isinstance(self.fit, AmplitudeFit) else self.at
 
-    @property
-    def document(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """``dashpot/levels@2``; of FRFs as their fit writes it, which is read again."""
         if isinstance(self.fit, LevelFit):
-            return replace(self.fit, checks=self.checks, at=self.at).document
-        return super().document
+            return replace(self.fit, checks=self.checks, at=self.at).to_dict()
+        return super().to_dict()
 
 
 def level_files(
@@ -186,7 +185,7 @@ def fit_amplitude_record(
         sweep = record
         require_test_for_machine(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
         if machine is not None and machine.sync is not None:
-            machine.heeds("sync", of="recorded loops")
+            machine.refuse_unused("sync", of="recorded loops")
             sweep = replace(sweep, delay_sd=machine.sync, units="SI")
     return _swept(fit_amplitude(sweep, law=law), record)
 
@@ -325,7 +324,9 @@ def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
         hz, X = resonance_at_level(level_fit, level, of=(solid, elements))
         return np.array((hz, X / level))
 
-    frequency, receptance = find_largest_motion(level_fit.solid, level_fit.beside).tolist()
+    frequency, receptance = find_largest_motion(
+        level_fit.solid, level_fit.rate_independent
+    ).tolist()
     (least_hz, least), (most_hz, most) = level_fit.interval(find_largest_motion).tolist()
     return PeakAtLevel(
         level,

@@ -143,7 +143,7 @@ def fit_levels(
         seals,
         tuple(sizes),
         (
-            levels_controlled([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.struck]),
+            levels_controlled([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.is_from_hits]),
             amplitude_dependence_detected(
                 gains.get(by) or max(gains[arg] for arg in get_args(Term)),
                 range_,
@@ -257,10 +257,10 @@ class _LineData:
             finer = np.unique((self.yields[active, None] * near).round(15))
             optimum = replace(self, yields=finer)._solve(K, terms)
         for _ in range(passes if terms else 0):
-            optimum = optimum.problem.about(optimum.parts, K)._solve(K, terms)
+            optimum = optimum.problem.weight_at_solution(optimum.parts, K)._solve(K, terms)
         return optimum
 
-    def about(self, parts: Parts, K: ComplexArray) -> _LineData:
+    def weight_at_solution(self, parts: Parts, K: ComplexArray) -> _LineData:
         r"""With what is known once a solution is: the third harmonic, and what its X do.
 
         A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude

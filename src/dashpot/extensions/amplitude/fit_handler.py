@@ -23,4 +23,4 @@ def run(request: FitRequest) -> CommandResult:
         **request.some("seals", "band"),
         **(request.some("machine") if "--machine" in request.get_option_words() else {}),
     )
-    return request.told(levels)
+    return request.write_output(levels)

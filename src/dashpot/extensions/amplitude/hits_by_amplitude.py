@@ -64,7 +64,7 @@ class HitLevels(HasChecks, Serialisable):
         return self.trend.amplitudes
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """By how much stiffness and damping change as the motion doubles, and where."""
         low, high = self.amplitudes
         return (
@@ -75,7 +75,7 @@ class HitLevels(HasChecks, Serialisable):
         )
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, the trend, and what it could have found."""
         trend = self.trend
         low, high = self.amplitudes
@@ -89,10 +89,11 @@ class HitLevels(HasChecks, Serialisable):
                 f"{_with_error(trend.damping_line)}"
             ),
             (
-                f"four of five such tests find {100 * trend.stiffness_found:.2g} % of stiffness "
-                f"and {100 * trend.damping_found:.2g} % of damping per doubling"
+                f"four of five such tests find {100 * trend.detectable_stiffness_change:.2g} % of "
+                "stiffness "
+                f"and {100 * trend.detectable_damping_change:.2g} % of damping per doubling"
             ),
-            *(check.told for check in self.checks if check.failed),
+            *(check.message_with_remedy for check in self.checks if check.failed),
         )
 
     @property
@@ -133,8 +134,8 @@ class HitLevels(HasChecks, Serialisable):
         def compute_resonance_at(
             x: float, stiffness: float = 0.0, damping: float = 0.0
         ) -> tuple[float, float]:
-            squared, off = trend.stiffness_line.at(x)
-            ratio, wide = trend.damping_line.at(x)
+            squared, off = trend.stiffness_line.predict_interval(x)
+            ratio, wide = trend.damping_line.predict_interval(x)
             # a whole decay is of no one amplitude: which, is known to a doubling
             off = float(np.hypot(off, trend.stiffness))
             wide = float(np.hypot(np.hypot(wide, trend.damping), 2 * trend.mass_se))

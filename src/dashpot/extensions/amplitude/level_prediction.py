@@ -43,7 +43,7 @@ class LevelPrediction(Prediction):
         key
         for old in Prediction.keys
         for key in (
-            ("levels=by_level?", "sweep=swept?", old) if old == "random=shaken?" else (old,)
+            ("levels=resonances?", "sweep=swept?", old) if old == "random=shaken?" else (old,)
         )
     )
 
@@ -52,19 +52,22 @@ class LevelPrediction(Prediction):
     preloaded: tuple[PreloadedLevel, ...] = ()
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """Those of each mode, and what each level makes of it."""
-        return (*super().facts, *(fact for level in self.preloaded for fact in level.facts))
+        return (
+            *super().reported_values,
+            *(fact for level in self.preloaded for fact in level.facts),
+        )
 
     @property
-    def by_level(self) -> tuple[LevelResonance, ...] | tuple[PreloadedLevel, ...]:
+    def resonances(self) -> tuple[LevelResonance, ...] | tuple[PreloadedLevel, ...]:
         """The resonance at each level, by whatever tells it."""
         return self.levels or self.preloaded
 
     @property
-    def written(self) -> FRF:
+    def table_frf(self) -> FRF:
         """The FRF at the first level."""
-        return self.by_level[0].frf
+        return self.resonances[0].frf
 
     def __repr__(self) -> str:
         return super().__repr__().removeprefix("Level")
@@ -124,7 +127,7 @@ class LevelEffect:
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
         levels = [level_of(word, rig.kind) for word in self.choices.levels]
         if self.swept is not None:
-            resonances = self.swept.at(
+            resonances = self.swept.compute_resonances(
                 rig.solid, levels, scale=scale, mass=rig.load.mass, kind=rig.kind, about=about,
                 frequency=frequency, coupled=rig.load.coupled, anchor=anchor,
             )  # fmt: skip

@@ -79,7 +79,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     ----------
     solid : GeneralizedMaxwell
         What does not depend on the level; its single arms mean little beyond the band.
-    beside : tuple of Jenkins or Cubic
+    rate_independent : tuple of Jenkins or Cubic
         What stands beside it: friction, a spectrum over yield displacements, and a spring that
         stiffens or softens; none where it is not seen.
     amplitudes : (float, float)
@@ -117,7 +117,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     )  # fmt: skip
 
     solid: GeneralizedMaxwell
-    beside: Elements
+    rate_independent: Elements
     amplitudes: tuple[float, float]
     band: tuple[float, float]
     residual: float
@@ -134,7 +134,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     at: tuple[PeakAtLevel, ...] = ()
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """What stands side by side: the spring at rest, arms, sliders and a cubic spring."""
         no, solid = math.nan, self.solid
         arms = zip(solid.k, solid.tau, strict=True)
@@ -152,19 +152,19 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return {name: (list(values), unit) for (name, unit), values in pairs}
 
     @property
-    def digested(self) -> bool:
+    def _has_digest(self) -> bool:
         """Its document shows whether it was edited."""
         return True
 
     @property
     def sliders(self) -> tuple[Jenkins, ...]:
         """The friction beside the solid."""
-        return tuple(element for element in self.beside if isinstance(element, Jenkins))
+        return tuple(element for element in self.rate_independent if isinstance(element, Jenkins))
 
     @property
     def k3(self) -> float:
         """Of the cubic spring beside the solid, N/m^3; 0 where there is none."""
-        return _k3(self.solid, self.beside)
+        return _k3(self.solid, self.rate_independent)
 
     @property
     def k3_interval(self) -> tuple[float, float]:
@@ -193,7 +193,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     ) -> ComplexArray:
         """Return complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
         at = angular(*bare, frequency=frequency, omega=omega)
-        return InParallel((self.solid, *self.beside)).equivalent(at, amplitude)
+        return InParallel((self.solid, *self.rate_independent)).equivalent(at, amplitude)
 
     def interval(
         self, follows: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
@@ -203,7 +203,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         The fit leans to the side on which its draws lean: they are reflected about it. Shape
         (2,) of a number, (2, n) of several; not known, NaN, without draws.
         """
-        here = np.asarray(follows(self.solid, self.beside))
+        here = np.asarray(follows(self.solid, self.rate_independent))
         if not self.draws:
             return np.full((2, *here.shape), np.nan)
         drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
@@ -233,13 +233,13 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         def scale_parts(solid: GeneralizedMaxwell, elements: Elements) -> Parts:
             return solid * count, tuple(element * count for element in elements)
 
-        solid, frictions = scale_parts(self.solid, self.beside)
+        solid, frictions = scale_parts(self.solid, self.rate_independent)
         length = None if self.specimen.length is None else count * self.specimen.length
         made = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
         return replace(
             self,
             solid=solid,
-            beside=frictions,
+            rate_independent=frictions,
             draws=tuple(scale_parts(*draw) for draw in self.draws),
             seals=self.seals / count,
             specimen=replace(self.specimen, length=length),
@@ -253,7 +253,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return np.asarray((low <= X) & (high >= X))
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """By how much the stiffness changes with amplitude, and where the lines cover it."""
         low, high = self.amplitudes
         ends = self.stiffness(
@@ -268,7 +268,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, and what moves with amplitude by how much."""
         low, high = self.amplitudes
         middle = np.pi * (self.band[0] + self.band[1])
@@ -294,7 +294,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
                 "stays right; that of another mass moves by 0.5 %."
             ),
             *self._stiffening,
-            *(check.told for check in self.checks if check.failed),
+            *(check.message_with_remedy for check in self.checks if check.failed),
         )
 
     @property
@@ -328,7 +328,11 @@ def complete_document(entries: dict[str, Any]) -> dict[str, Any]:
         )
     cubic = entries["cubic"]
     parallel = [*entries["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]
-    return entries | {"beside": parallel, "draws": [], "orders": list(entries["orders"].items())}
+    return entries | {
+        "rate_independent": parallel,
+        "draws": [],
+        "orders": list(entries["orders"].items()),
+    }
 
 
 def _k3(_: GeneralizedMaxwell, elements: Elements) -> float:

@@ -112,7 +112,7 @@ def _format_interval_row(level: PreloadedLevel, least: float) -> list[str]:
     hz, height, shift, *harmonics = level.facts
     cells = ["  95 %"]
     for fact in (hz, height, *harmonics, shift):
-        reported = fact.bounded and (fact.unit != "m" or abs(fact.value) > least)
+        reported = fact.has_interval and (fact.unit != "m" or abs(fact.value) > least)
         half = convert_to_unit(0.5 * (fact.high - fact.low), fact.read or "1")
         cells.append(f"± {half:.2g}" if reported else "")
     return [*cells, "", ""]

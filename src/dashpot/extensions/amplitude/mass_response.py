@@ -72,7 +72,7 @@ def mass_at_level(
     )
     if kind.over_base:
         return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY, units="SI").to(kind), X
-    return FRF.of_receptance(frequency, 1 / (K - inertia), kind=kind), X
+    return FRF.from_receptance(frequency, 1 / (K - inertia), kind=kind), X
 
 
 _DECADES, _PER_DECADE, _HALVINGS = 7, 20, 40

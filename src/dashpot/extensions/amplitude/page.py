@@ -96,10 +96,10 @@ def prediction_page(prediction: LevelPrediction) -> KindPage:
 
 def draw_prediction(prediction: LevelPrediction) -> Picture:
     """Return the picture of a prediction at levels."""
-    names = (f"at {level.level:.4g} {level.unit}" for level in prediction.by_level)
+    names = (f"at {level.level:.4g} {level.unit}" for level in prediction.resonances)
     return result_output.draw_prediction(
         prediction,
-        *(level.frf for level in prediction.by_level),
+        *(level.frf for level in prediction.resonances),
         labels=("predicted at a vanishing level", *names),
         ordered=True,
         intervals=[level.magnitude for level in prediction.preloaded],
@@ -140,8 +140,9 @@ def format_residual_note(levels: Levels) -> str:
         word, scale = unit_of(np.array(fit.amplitudes), "m")
         text = (
             "Four of five such tests find "
-            f"{round_to_error(100 * fit.trend.stiffness_found, digits=2)} % "
-            f"of stiffness and {round_to_error(100 * fit.trend.damping_found, digits=2)} % of "
+            f"{round_to_error(100 * fit.trend.detectable_stiffness_change, digits=2)} % "
+            "of stiffness and "
+            f"{round_to_error(100 * fit.trend.detectable_damping_change, digits=2)} % of "
             "damping per "
             "doubling"
         )
@@ -205,7 +206,7 @@ def _make_fact(
 ) -> ReportedValue:
     """Return a number with its error; `size` is what it is a part of."""
     error = max(error, _FINEST * max(abs(value), size))
-    return ReportedValue.known(name, value, error, unit=unit, read=read)
+    return ReportedValue.from_error(name, value, error, unit=unit, read=read)
 
 
 def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
@@ -217,7 +218,7 @@ def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((K.real, K.imag / K.real))
 
-    value, (low, high) = read(fit.solid, fit.beside), fit.interval(read)
+    value, (low, high) = read(fit.solid, fit.rate_independent), fit.interval(read)
     for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
         for j, at in enumerate(X.tolist()):
             word, mm = unit_of(np.array(at), "m")

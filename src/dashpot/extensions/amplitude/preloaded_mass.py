@@ -94,7 +94,7 @@ class Orbit(EqualByValue):
         return np.abs(self.harmonics)
 
     @property
-    def shown(self) -> FloatArray:
+    def harmonic_amplitudes(self) -> FloatArray:
         """Amplitudes of the mean and of the first :data:`SHOWN` harmonics, m."""
         return self.amplitudes[: SHOWN + 1]
 
@@ -191,9 +191,9 @@ class PreloadedMass:
 
     def __post_init__(self) -> None:
         require_positive("PreloadedMass: ", mass=self.mass)
-        if not self.pressed > 0:
+        if not self.static_force > 0:
             raise DataError(
-                f"a preload of {self.pressed:.4g} N pulls: nothing holds the mass at rest; "
+                f"a preload of {self.static_force:.4g} N pulls: nothing holds the mass at rest; "
                 "expected a force that presses, > 0"
             )
         if not self.solid.k_inf > 0:
@@ -204,18 +204,18 @@ class PreloadedMass:
         if len(self._rests) > 1:
             listed = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
             raise DataError(
-                f"the elastic law is not monotone: {self.pressed:.4g} N rests at {listed}; "
+                f"the elastic law is not monotone: {self.static_force:.4g} N rests at {listed}; "
                 "expected a law that rises over all the compressions meant, or another preload"
             )
 
     @property
-    def pressed(self) -> float:
+    def static_force(self) -> float:
         """What presses at rest, N."""
         return self.mass * GRAVITY if self.preload is None else self.preload
 
     @cached_property
     def _rests(self) -> tuple[float, ...]:
-        return self.law.rests(self.pressed)
+        return self.law.rests(self.static_force)
 
     @property
     def rest(self) -> float:
@@ -292,7 +292,8 @@ class PreloadedMass:
 
     def _refuse_bouncing(self, level: float, hz: float) -> None:
         raise DataError(
-            f"at {level:.4g} N the mass, which {self.pressed:.4g} N presses, bounces on the seal: "
+            f"at {level:.4g} N the mass, which {self.static_force:.4g} N presses, bounces on the "
+            "seal: "
             f"up to {hz:.4g} Hz its answers change from line to line; expected a level that leaves "
             "it on the seal. Ask for a lower level"
         )
@@ -406,7 +407,7 @@ class _PressedBalance:
         s = 1j * omega * np.arange(self.samples // 2 + 1)
         self.arms = np.asarray(of.solid.stiffness_at(s) / of.solid.k_inf)
         self.arms[0] = 1.0  # the mean is relaxed
-        self.size = of.pressed + level
+        self.size = of.static_force + level
         self.steps = 0
 
     def harmonics(self, z: FloatArray) -> ComplexArray:
@@ -437,7 +438,7 @@ class _PressedBalance:
         """Return what is left of the forces, N, at a share of the level."""
         force = np.maximum(self.pressing(z)[1], 0.0)
         residual = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
-        residual[0] -= self.of.pressed
+        residual[0] -= self.of.static_force
         residual[1] -= share * self.level
         return self.real(residual)
 

@@ -96,7 +96,7 @@ class PreloadedLevel(Serialisable):
 
     keys = (
         "level", "unit", "peak", "amplitude", "orbit.rest", "mean_shift=orbit.shift",
-        "harmonics=orbit.shown", "phases=orbit.phases", "floquet=orbit.growth",
+        "harmonics=orbit.harmonic_amplitudes", "phases=orbit.phases", "floquet=orbit.growth",
         "lost_contact=orbit.lost", "compression=deepest", "second_harmonic", "unsteady",
         "jumps_hz", "interval", "response",
     )  # fmt: skip
@@ -152,10 +152,10 @@ class PreloadedLevel(Serialisable):
             error = None if ends or interval is None else math.inf
             return ReportedValue(name, value, low, high, unit, error, read, words)
 
-        harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.shown)
+        harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.harmonic_amplitudes)
         if interval is not None and interval.harmonics is not None:
             harmonics = interval.harmonics
-        amplitudes = self.orbit.shown.tolist()
+        amplitudes = self.orbit.harmonic_amplitudes.tolist()
         return (
             fact("peak_frequency", self.frequency, interval.frequency if interval else None, "Hz"),
             fact("peak_height", self.value, interval.value if interval else None, self.frf.unit),
@@ -233,7 +233,7 @@ def preloaded_levels(
     others = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
     rig = _AtLevels(here, others, load, kind)
-    return tuple(rig.at(level, band, about) for level in levels)
+    return tuple(rig.compute_resonance(level, band, about) for level in levels)
 
 
 def _off_by_error(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
@@ -260,13 +260,14 @@ class _AtLevels:
     load: MassOnSeals
     kind: Kind
 
-    def at(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
+    def compute_resonance(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
         """Return the resonance at a level, N or m/s^2."""
         force = self.load.mass * level if self.kind.over_base else level
-        if force >= self.here.pressed:
+        if force >= self.here.static_force:
             raise DataError(
                 f"a level of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: its "
-                f"force is {force:.4g} N, and {self.here.pressed:.4g} N presses; expected less. "
+                f"force is {force:.4g} N, and {self.here.static_force:.4g} N presses; expected "
+                "less. "
                 "Ask for a lower level"
             )
         ends = about * _REACH[0], about * _REACH[1]
@@ -325,7 +326,7 @@ class _AtLevels:
         shaken = np.array([complex(orbit.harmonics[1]) for orbit in orbits]) + moved
         H = np.asarray(shaken / force, dtype=complex)
         if not self.kind.over_base:
-            return FRF.of_receptance(f, H, kind=self.kind)
+            return FRF.from_receptance(f, H, kind=self.kind)
         T: ComplexArray = np.asarray(1 + self.load.mass * (2 * np.pi * f) ** 2 * H)
         answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
         coupled = self.load.coupled
@@ -365,10 +366,10 @@ class _AtLevels:
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
         along = by_frequency(lambda orbit: np.log(self.size(orbit)))
         value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _BOTH)
-        count = len(at.shown)
-        turn = np.conj(at.harmonics[:count]) / np.maximum(at.shown, 1e-300)
+        count = len(at.harmonic_amplitudes)
+        turn = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
         real = (turn * self.here.changes(at, self.others)[:, :count]).real
-        real += np.outer(shift, by_frequency(lambda orbit: orbit.shown))
+        real += np.outer(shift, by_frequency(lambda orbit: orbit.harmonic_amplitudes))
         rests = np.array([other.rest for other in self.others]) - at.rest
         low, high = value.tolist()
         return LevelInterval(
@@ -377,9 +378,9 @@ class _AtLevels:
             _compute_narrow_interval(at.shift, real[:, 0] - rests),
             tuple(
                 _compute_narrow_interval(float(number), real[:, h])
-                if number > _SLIGHT * at.shown[1]
+                if number > _SLIGHT * at.harmonic_amplitudes[1]
                 else None
-                for h, number in enumerate(at.shown)
+                for h, number in enumerate(at.harmonic_amplitudes)
             ),
             magnitude,
         )

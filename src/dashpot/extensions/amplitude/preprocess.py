@@ -63,7 +63,7 @@ def sweep_of_loops(test: RelaxationTest, machine: Machine | None = None) -> Ampl
         If there are fewer than two cycles, or too few samples in them.
     """
     machine = machine or Machine()
-    machine.heeds("sync", of="recorded loops")
+    machine.refuse_unused("sync", of="recorded loops")
     cycles = steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
     return AmplitudeSweep(

@@ -29,7 +29,11 @@ def receptance_at_level(level_fit: LevelFit, level: float, frequency: FloatArray
         Hz, rising: where the resonance folds, what a sweep upwards shows.
     """
     solid = level_fit.seals * level_fit.solid
-    dependent = level_fit.seals * InParallel(level_fit.beside) if level_fit.beside else None
+    dependent = (
+        level_fit.seals * InParallel(level_fit.rate_independent)
+        if level_fit.rate_independent
+        else None
+    )
     frf, _ = mass_at_level(
         solid,
         dependent,
@@ -65,7 +69,7 @@ def resonance_at_level(
     DataError
         If there is no resonance between the lines that were fitted.
     """
-    parts = (level_fit.solid, level_fit.beside) if of is None else of
+    parts = (level_fit.solid, level_fit.rate_independent) if of is None else of
     inertia = level_fit.mass / level_fit.seals
     f = np.linspace(*level_fit.band, _LINES)
     omega = 2 * np.pi * f

@@ -112,8 +112,8 @@ def _merge_read_options(job: Job) -> ReadOptions:
     shared = ("units",) if bench.units == hammer.units else ()
     sides = ((job.relaxation, *job.further), bench), (job.impact, hammer)
     pairs = [
-        (escape(path), replace(options, own=()).without(shared))
+        (escape(path), replace(options, own=()).drop_fields(shared))
         for paths, options in sides
         for path in dict.fromkeys(paths)
     ]
-    return replace(bench.only(shared), own=(*pairs, *bench.own, *hammer.own))
+    return replace(bench.select_fields(shared), own=(*pairs, *bench.own, *hammer.own))

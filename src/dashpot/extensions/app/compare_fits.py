@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.number_format import decibels, percent, round_to_error
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import relaxation_panels, result_cache, view_models, wire_format
 from dashpot.extensions.app.request_parsing import job_of, mapping, sizes_of
@@ -174,7 +174,7 @@ def _classify_overlap(first: Answer, second: Answer) -> str:
 
 def _arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     """Springs and arms side by side: those of one time constant, and those that one has alone."""
-    entries = [{fact.name: fact for fact in fit.known} for fit in (a, b)]
+    entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
     group = f"Solid, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Solid"
     if all("k_inf" in facts for facts in entries):
         yield _pair("spring at rest", entries[0]["k_inf"], entries[1]["k_inf"], group)

@@ -11,7 +11,7 @@ from typing import Any
 from dashpot import plot
 from dashpot.base.errors import DataError
 from dashpot.base.progress import send_progress
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, add_verdict_checks
 from dashpot.export import SUFFIXES, deck_for
 from dashpot.extensions.app import recent, result_cache, wire_format
 from dashpot.extensions.app.request_parsing import deck_choices, job_of, part
@@ -40,7 +40,7 @@ def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
         "base-json": lambda: (
             "base.json",
             "application/json",
-            json.dumps(result_cache.base_motion(job).document, indent=2, allow_nan=False),
+            json.dumps(result_cache.base_motion(job).to_dict(), indent=2, allow_nan=False),
         ),
     }
     if what not in makers:
@@ -90,7 +90,7 @@ def _joint(job: Job) -> Fit:
 
 def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
     target = str(request.get("target"))
-    solid = _solid(request, job).weighed_by(result_cache.study(job).verdict)
+    solid = add_verdict_checks(_solid(request, job), result_cache.study(job).verdict)
     text = deck_for(
         target,
         solid,

@@ -64,7 +64,7 @@ def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
     """The strips that stand beside each other: all that are alike, of three others the last two."""
     strips = picture.strips
     if picture.rows:
-        return [row for _, row in picture.in_rows]
+        return [row for _, row in picture.strip_rows]
     if len(strips) > 2 and _are_alike(strips):
         return [strips[i : i + 3] for i in range(0, len(strips), 3)]
     odd = len(strips) % 2

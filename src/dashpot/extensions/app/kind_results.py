@@ -121,7 +121,7 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
 def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the result as its JSON, as the command prints it with ``--json``."""
     result, page = _fit_with_page(_parse_request(request, folder))
-    text = text_of(result) if hasattr(result, "document") else json.dumps(result)
+    text = text_of(result) if hasattr(result, "to_dict") else json.dumps(result)
     return wire_format.encode_message(
         {"name": f"{page.name}.json", "kind": "application/json", "text": text}
     )

@@ -248,7 +248,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
     asks, solid = study.mass_inferred, study.joint or study.fit
     checks, verdict = (
-        (study.fit.checks, study.fit.verdict) if asks else (study.weighed, study.verdict)
+        (study.fit.checks, study.fit.verdict) if asks else (study.verdict_checks, study.verdict)
     )
     final_recommendation = recommendation(study, requested=True)
     lights = (

@@ -28,7 +28,7 @@ from dashpot.base.option_fields import FormField, Method, get_choice_values
 from dashpot.base.plain_text import sentences
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.units import Dimension, convert_to_unit, get_display_unit
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import relaxation_panels
@@ -426,10 +426,10 @@ def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, st
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
     there = {}
     if by_eq5 is not None and fit.family != "fractional":
-        there = {fact.name: fact.cells.value for fact in by_eq5.known}
+        there = {fact.name: fact.cells.value for fact in list_known_values(by_eq5)}
     return [
         (fact.symbol, fact.cells.value, there.get(fact.name, ""), fact.word)
-        for fact in fit.known
+        for fact in list_known_values(fit)
         if fact.name[0] != "b" and fact.name != "k_end"
     ]
 
@@ -458,7 +458,7 @@ def verdict(verdict: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -
 
 def mass_that_explains(study: Study) -> str:
     """The mass, g, of the best explanation of both tests; of a gross error that of the FRF."""
-    best = next(iter(study.joint.explanations), None) if study.joint else None
+    best = next(iter(study.joint.evidence.explanations), None) if study.joint else None
     if best is not None and best.explains:
         single = best.name.split(" and ")[0] == "mass"
         return (
@@ -471,7 +471,7 @@ def mass_that_explains(study: Study) -> str:
     shown = next(
         (
             check
-            for check in study.weighed
+            for check in study.verdict_checks
             if check.name == high_frequency_mass_agrees.name and check.failed
         ),
         None,
@@ -511,7 +511,7 @@ class Term(NamedTuple):
 def terms(fit: Fit) -> list[Term]:
     """Return every parameter of the solid, the stiffness at the end of the hold first."""
     # b = k tau says of an arm what k and tau say
-    return [term(fact) for fact in fit.known if not fact.name.startswith("b_")]
+    return [term(fact) for fact in list_known_values(fit) if not fact.name.startswith("b_")]
 
 
 def term(fact: ReportedValue) -> Term:
@@ -545,7 +545,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
     """
     if fit.family != "maxwell" or fit.model.arms > SINGLE:
         return solid_table(fit)
-    reported_values = {fact.name: fact for fact in fit.known}
+    reported_values = {fact.name: fact for fact in list_known_values(fit)}
     pairs = [("spring at rest", "k_inf", "")]
     pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
     if "b" in reported_values:
@@ -569,7 +569,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
 
 def _plus_minus(fact: ReportedValue) -> str:
     """Return the standard error of a number; its highest value where that is all that is known."""
-    if fact.topped or fact.bound_alone:
+    if fact.is_at_most or fact.is_upper_bound:
         return f"≤ {fact.ends[2]}"
     return "not known" if fact.cells.error == UNKNOWN else fact.cells.error
 
@@ -616,7 +616,9 @@ def check_list(checks: Sequence[Check]) -> str:
     """Return what failed, the gravest first, and how many were judged, each grade apart."""
     distinct = list(dict.fromkeys(checks))
     failed = [
-        (GRADE_MARKS[check.grade], *_split(check), check.told) for check in distinct if check.failed
+        (GRADE_MARKS[check.grade], *_split(check), check.message_with_remedy)
+        for check in distinct
+        if check.failed
     ]
     failed.sort(key=lambda row: -first_screen.ORDER.index(row[0]))
     passed = sum(check.passed is True for check in distinct)
@@ -653,11 +655,11 @@ def answers(study: Study, recommendation: Recommendation) -> str:
 
 def tells_more(study: Study, checks: Sequence[Check]) -> str:
     """What would tell more of the end of the hold; nothing where a failed check has said so."""
-    end = study.fit.end_of_hold
+    end = study.fit.evidence.end_of_hold
     stated = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated:
         return ""
-    return render_template("more", remedy=end.remedy, told=end.told(study.fit.unit))
+    return render_template("more", remedy=end.remedy, told=end.format_limits(study.fit.unit))
 
 
 def groups(groups: Sequence[Group], text: str, note: str) -> str:

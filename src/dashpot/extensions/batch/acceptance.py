@@ -41,7 +41,7 @@ class SealDecision(NamedTuple):
     value: float | None
     guard: float | None
 
-    def says(self, quantity: Quantity) -> str:
+    def explain_decision(self, quantity: Quantity) -> str:
         """Why it does not pass; empty where it does, or where there is nothing to judge."""
         if self.decision != "not proven" or self.guard is None:
             return "outside the limits" * (self.decision == "fail")
@@ -81,9 +81,9 @@ def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
 
 
 def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
-    if not limits.inside(value):
+    if not limits.is_within(value):
         return "fail"
-    return "pass" if limits.inside(value, guard or 0.0) else "not proven"
+    return "pass" if limits.is_within(value, guard or 0.0) else "not proven"
 
 
 def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:
@@ -94,7 +94,7 @@ def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:
 
 
 def _between_operators(lot: Lot, name: str) -> float:
-    if lot.used["operator"].n_unique() < 2:
+    if lot.rows_in_statistics["operator"].n_unique() < 2:
         return 0.0
     try:
         study = lot.gauge(name)

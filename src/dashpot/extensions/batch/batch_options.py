@@ -110,7 +110,7 @@ class BatchOptions:
     @property
     def bench(self) -> ReadOptions:
         """How a test is read, before it is known to be a modulus."""
-        return self.reading.without(("modulus",))
+        return self.reading.drop_fields(("modulus",))
 
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> BatchOptions:

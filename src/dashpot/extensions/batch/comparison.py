@@ -78,7 +78,7 @@ class LotComparison(HasChecks, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """How many quantities differ, and by how much the one does that chance explains least."""
         comparisons = [comparison for comparison in self.each if not comparison.shared]
         if not comparisons:
@@ -140,7 +140,7 @@ def open_lot(named: str) -> tuple[str, Lot]:
     lot = Lot.read(folder or named)
     if chosen:
         return chosen, lot.only(chosen)
-    lots = sorted(set(lot.fitted["lot"]), key=make_natural_sort_key)
+    lots = sorted(set(lot.fitted_rows["lot"]), key=make_natural_sort_key)
     if len(lots) > 1:
         raise DataError(
             f"{named} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, such as "
@@ -183,9 +183,9 @@ def compare_two_lots(
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
     differences = [single_lot.compare(other, quantity.name) for quantity in quantities]
     p_values = holm([difference.p_value for difference in differences])
-    unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (single_lot, other))
+    unnamed = sum(int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (single_lot, other))
     again = _count_shared_records(single_lot, other)
-    tests = single_lot.used.height + other.used.height
+    tests = single_lot.rows_in_statistics.height + other.rows_in_statistics.height
     return LotComparison(
         (one_name, other_name),
         tuple(
@@ -195,7 +195,11 @@ def compare_two_lots(
             lots_tested_alike(tuple(_otherwise(single_lot, other))),
             seals_named(unnamed, tests),
             records_distinct(again, tests),
-            *(check.within(f"in {name}") for name, lot in (first, second) for check in lot.checks),
+            *(
+                check.with_location(f"in {name}")
+                for name, lot in (first, second)
+                for check in lot.checks
+            ),
         ),
     )
 
@@ -208,8 +212,8 @@ def compare_folders(first: str, second: str, quantities: Sequence[str]) -> LotCo
 
 def _count_shared_records(first: Lot, second: Lot) -> int:
     """Records of the second lot that the first holds, too."""
-    difference = set(first.used["sha256"]) - {""}
-    return sum(sha256 in difference for sha256 in second.used["sha256"])
+    difference = set(first.rows_in_statistics["sha256"]) - {""}
+    return sum(sha256 in difference for sha256 in second.rows_in_statistics["sha256"])
 
 
 def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
@@ -232,7 +236,7 @@ def _find_common_quantity(first: tuple[str, Lot], second: tuple[str, Lot], name:
 def _otherwise(single_lot: Lot, other: Lot) -> Iterator[str]:
     """Conditions of the tests that differ between the lots, by their medians."""
     for name in _CONDITIONS:
-        medians = [lot.used[name].median() for lot in (single_lot, other)]
+        medians = [lot.rows_in_statistics[name].median() for lot in (single_lot, other)]
         first, second = (value if isinstance(value, float) else None for value in medians)
         if first is None or second is None:
             continue

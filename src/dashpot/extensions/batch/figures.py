@@ -218,8 +218,8 @@ def lots_picture(
     marks.append(_bars(at, near, far, Pen("ref", 5.0), "90 % of its seals"))
     marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
-    if lots is not None and lots.mean.signalled:
-        on = [names.index(lots.names[i]) for i in lots.mean.signalled]
+    if lots is not None and lots.mean.signalling_points:
+        on = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
         marks.insert(-1, Dots(at[on], means[on], "care", "signal", size=10.0, hollow=True))
     limits = _limits(quantity, charts, seals, requested)
     marks += _groups(names, means, limits[1])
@@ -276,7 +276,7 @@ def _repeats_of_lots(
                 "care-ink",
                 "hollow",
             )
-            for at in single_charts.repeats.signalled
+            for at in single_charts.repeats.signalling_points
         ]
     if not y:
         return

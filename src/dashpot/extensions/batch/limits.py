@@ -43,7 +43,7 @@ class Limits(Serialisable):
         """The limits that there are."""
         return tuple(end for end in (self.lower, self.upper) if end is not None)
 
-    def inside(self, value: float, guard: float = 0.0) -> bool:
+    def is_within(self, value: float, guard: float = 0.0) -> bool:
         """Return whether a value keeps to both limits, by so much."""
         low = -math.inf if self.lower is None else self.lower
         high = math.inf if self.upper is None else self.upper

@@ -76,8 +76,8 @@ class Lot:
     """Lot of many tests, one row each.
 
     A quantity is named as a column of the table, with its unit (``"k_end_N_per_m"``) or without
-    (``"k_end"``). Statistics are of the rows in `used`, and their replicates are seals: the mean
-    of its tests stands for a seal.
+    (``"k_end"``). Statistics are of the rows in `rows_in_statistics`, and their replicates are
+    seals: the mean of its tests stands for a seal.
 
     Attributes
     ----------
@@ -127,13 +127,13 @@ class Lot:
         return dict(Counter(item for item in self.table["agreement"] if item).most_common())
 
     @property
-    def simulated(self) -> int:
+    def simulated_count(self) -> int:
         """How many rows are of files that simulation made."""
         certain = "origin" in self.table.columns
         return int((self.table["origin"] == SIMULATED).sum()) if certain else 0
 
     @cached_property
-    def fitted(self) -> pl.DataFrame:
+    def fitted_rows(self) -> pl.DataFrame:
         """The rows that were fitted and whose verdict is not "do not use"."""
         column = polars().col
         return self.table.filter(
@@ -148,7 +148,7 @@ class Lot:
         lower median, so that of two depths one is the lot's.
         """
         entries: dict[str, str] = {}
-        for rows in self._groups(self.fitted, "lot", "kind"):
+        for rows in self._groups(self.fitted_rows, "lot", "kind"):
             for name, what, unit in (
                 ("hold_s", "held for", "s"), ("depth_m", "pressed to", "mm"),
                 ("temperature_K", "tested at", "K"),
@@ -166,10 +166,10 @@ class Lot:
         return entries
 
     @cached_property
-    def used(self) -> pl.DataFrame:
-        """The rows of the statistics: those `fitted`, less those `unlike` others, less copies."""
+    def rows_in_statistics(self) -> pl.DataFrame:
+        """The `fitted_rows`, less those `unlike` others, less copies."""
         left_out = [*self.unlike, *self.copies]
-        return self.fitted.filter(~polars().col("file").is_in(left_out))
+        return self.fitted_rows.filter(~polars().col("file").is_in(left_out))
 
     @cached_property
     def copies(self) -> dict[str, str]:
@@ -177,7 +177,7 @@ class Lot:
         first: dict[str, str] = {}
         if "sha256" not in self.table.columns:
             return {}
-        alike = self.fitted.filter(~polars().col("file").is_in(list(self.unlike)))
+        alike = self.fitted_rows.filter(~polars().col("file").is_in(list(self.unlike)))
         rows = alike.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
         pairs = ((file, first.setdefault(sha256, file)) for file, sha256 in rows)
         return {file: other for file, other in pairs if file != other}
@@ -221,7 +221,7 @@ class Lot:
         """Return the seals with their values of a quantity, in the order of lot and seal."""
         column = self.quantity(name).column
         groups: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
-        rows = self.used.drop_nulls(column).select("lot", "seal", "file", column)
+        rows = self.rows_in_statistics.drop_nulls(column).select("lot", "seal", "file", column)
         for lot, seal, file, value in rows.iter_rows():
             groups[lot, seal or file].append((file, value))
         ordered = sorted(
@@ -263,7 +263,7 @@ class Lot:
 
     def _select_test_values(self, column: str, seals: Sequence[Seal]) -> list[Any]:
         """Return what a column has of every test of these seals."""
-        by_file = dict(self.used.select("file", column).iter_rows())
+        by_file = dict(self.rows_in_statistics.select("file", column).iter_rows())
         return [by_file[file] for seal in seals for file in seal.files]
 
     def gauge(self, name: str = "k_end") -> Gauge:
@@ -343,7 +343,7 @@ class Lot:
         large lot.
         """
         column, pairs = self.quantity(name).column, []
-        for rows in self._groups(self.used.drop_nulls(column), "lot"):
+        for rows in self._groups(self.rows_in_statistics.drop_nulls(column), "lot"):
             away = stands_out(rows[column].to_numpy())
             pairs += [
                 (str(file), float(value))
@@ -361,10 +361,10 @@ class Lot:
 
     def csv(self) -> str:
         """The table as CSV, below a line that names dashpot; no text is a spreadsheet's formula."""
-        written = self.neutral().write_csv()
+        written = self.escape_formulas().write_csv()
         return f"# {byline('table of a batch of tests')}\n{written}"
 
-    def neutral(self) -> pl.DataFrame:
+    def escape_formulas(self) -> pl.DataFrame:
         """Return the table with no text that a spreadsheet takes for a formula."""
         made = polars()
         texts = [
@@ -398,8 +398,8 @@ class Lot:
             files_fitted(self.table.height - fitted, self.table.height),
             fits_usable(self.verdicts.get("do not use", 0), fitted),
             hammers_compared(paired - sum(self.agreements.values()), paired),
-            tests_alike(len(self.unlike), self.fitted.height),
-            records_distinct(len(self.copies), self.used.height + len(self.copies)),
+            tests_alike(len(self.unlike), self.fitted_rows.height),
+            records_distinct(len(self.copies), self.rows_in_statistics.height + len(self.copies)),
         )
 
     @staticmethod

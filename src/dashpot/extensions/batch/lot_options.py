@@ -96,8 +96,8 @@ def job_of(
     # columns named for one kind of file need not exist in the other's; units do no harm
     choices = replace(
         choices,
-        reading=options.without(OF_HAMMER_ALONE),
-        reading_impact=options.only(("units", *OF_HAMMER)),
+        reading=options.drop_fields(OF_HAMMER_ALONE),
+        reading_impact=options.select_fields(("units", *OF_HAMMER)),
     )
     columns = number_columns(choices)
     main = quantity(quantities[-1], columns).name if quantities else ""
@@ -147,10 +147,18 @@ class LotOutput(Serialisable):
 
     schema = "dashpot/batch@2"
     keys = (
-        "folder", "files", "found.lot.computed?", "found.lot.simulated?", "found.lot.outcomes?",
-        "found.lot.verdicts?", "found.lot.agreements?", "components?", "outliers?",
-        "found.lot.short_holds?", "*found",
-    )  # fmt: skip
+        "folder",
+        "files",
+        "found.lot.computed?",
+        "simulated=found.lot.simulated_count?",
+        "found.lot.outcomes?",
+        "found.lot.verdicts?",
+        "found.lot.agreements?",
+        "components?",
+        "outliers?",
+        "found.lot.short_holds?",
+        "*found",
+    )
 
     folder: str
     found: Summary | None = None
@@ -218,8 +226,8 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
         f"computed    {lot.computed} now, {files - lot.computed} taken from an earlier run",
     ]
     verdicts = {"verdicts": lot.verdicts, "hammers": lot.agreements}
-    if lot.simulated:
-        lines.append(f"SIMULATED   {format_count(lot.simulated, 'file')}, by simulation")
+    if lot.simulated_count:
+        lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}, by simulation")
     return [
         *lines,
         *(f"{name:<12}{format_counts(verdict)}" for name, verdict in verdicts.items() if verdict),

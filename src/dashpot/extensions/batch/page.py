@@ -97,7 +97,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             colour=COLOURS[verdict.use],
             lights=[light._replace(name=light.name.capitalize()) for light in found.lights],
             counts=_counts(lot, main),
-            simulated=[format_count(lot.simulated, "file")] if lot.simulated else [],
+            simulated=[format_count(lot.simulated_count, "file")] if lot.simulated_count else [],
             quantity=main.quantity,
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
@@ -111,7 +111,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             curves=_curves(lot, found),
             curves_most=CURVES,
             capability=_capability(main),
-            capable=[(name, *capability.cells) for name, capability in main.known.items()],
+            capable=[(name, *capability.cells) for name, capability in main.capabilities.items()],
             cpks=_cpks(main),
             lots=_lots(main),
             scatter=_scatter(main),
@@ -119,7 +119,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             weighs=weighs[:WEIGHS],
             remarks=len(weighs),
             checked=[
-                {"mark": _mark(check), "says": check.told} for check in found.checks
+                {"mark": _mark(check), "says": check.message_with_remedy} for check in found.checks
                 if check.passed is not None
             ],
             signals=signals,
@@ -193,10 +193,10 @@ def _histogram(main: OfQuantity) -> RenderedFigure | None:
 
 def _cpks(main: OfQuantity) -> RenderedFigure | None:
     """Return the sentence on lots beyond those of the table."""
-    if len(main.known) <= FEW_LOTS:
+    if len(main.capabilities) <= FEW_LOTS:
         return None
     cpk = None if main.limits is None else main.limits.cpk
-    return _render_picture(cpk_picture(list(main.known.values()), cpk), SIDE)
+    return _render_picture(cpk_picture(list(main.capabilities.values()), cpk), SIDE)
 
 
 def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
@@ -207,7 +207,7 @@ def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
 
 
 def _curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
-    rows = lot.used.drop_nulls("k_end_N_per_m")
+    rows = lot.rows_in_statistics.drop_nulls("k_end_N_per_m")
     files = [flag.file for flag in summary.flags if flag.file and flag.weighty]
     for chart in summary.main.charts.values():
         for at in {at for at, rule in chart.means.signals if rule == BEYOND}:
@@ -227,7 +227,7 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
     near, far = capability.outside_interval
     return {
         "lot": worst,
-        "several": len(main.known) > 1,
+        "several": len(main.capabilities) > 1,
         "cpk": cpk,
         "from": low,
         "to": high,
@@ -253,11 +253,11 @@ def _counts(lot: Lot, main: OfQuantity) -> str:
     lots = {seal.lot for seal in main.seals}
     sentences = [
         format_count(lot.table.height, "file"),
-        f"{format_count(lot.used.height, 'fit')} used",
+        f"{format_count(lot.rows_in_statistics.height, 'fit')} used",
         format_count(len(main.seals), "seal") if _has_repeats(main) else "",
         format_count(len(lots), "lot") if len(lots) > 1 else "",
     ]
-    depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
+    depth, hold = (lot.rows_in_statistics[name].median() for name in ("depth_m", "hold_s"))
     for value, unit in ((depth, "mm"), (hold, "s")):
         if isinstance(value, float):
             sentences.append(format_quantity(value, unit))
@@ -271,7 +271,7 @@ def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
         sd, low, high = fact.ends
         rows.append({
             "source": item.source, "share": share, "sd": sd,
-            "low": low * fact.bounded, "high": high * fact.bounded,
+            "low": low * fact.has_interval, "high": high * fact.has_interval,
             "at": f"{at:.3f}", "width": f"{100 * item.share:.3f}", "wide": item.share > 0.2,
         })  # fmt: skip
         at += 100 * item.share
@@ -290,10 +290,10 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
     share = study["gauge"].share
     distance = None if main.limits is None else main.limits.distance
     return {
-        "rows": rows, "says": study.says, "ratio": f"{100 * share:.0f}",
+        "rows": rows, "says": study.summary, "ratio": f"{100 * share:.0f}",
         "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
-        "left_out": study.left_out, "pooled": study.pooled,
+        "left_out": study.left_out, "pooled": study.is_pooled,
         "tolerance": distance and f"{100 * 6 * study['gauge'].deviation / distance:.1f}",
     }  # fmt: skip
 
@@ -433,7 +433,7 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
     """
     failed = [check for check in summary.checks if check.failed]
     for check in sorted(failed, key=lambda check: -GRADES.index(check.grade)):
-        yield {"mark": _mark(check), "name": "", "filter": None, "says": check.told}
+        yield {"mark": _mark(check), "name": "", "filter": None, "says": check.message_with_remedy}
     yield from _causes(summary.main)
     for flag in summary.flags:
         where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
@@ -475,7 +475,9 @@ def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
     """Why each seal is to be looked at: its judgement, then its flags."""
     why: dict[tuple[str, str], list[str]] = defaultdict(list)
     for decision in summary.main.judged:
-        why[decision.lot, decision.seal] += filter(None, [decision.says(summary.main.quantity)])
+        why[decision.lot, decision.seal] += filter(
+            None, [decision.explain_decision(summary.main.quantity)]
+        )
     for flag in summary.flags:
         if not flag.file or flag.weighty:
             why[flag.lot, flag.seal or flag.file].append(flag.says)

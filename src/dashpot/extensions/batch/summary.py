@@ -157,9 +157,17 @@ class OfQuantity(Serialisable):
     """
 
     keys = (
-        "quantity=quantity.name", "quantity.column", "seals", "charts=by_lot", "lots", "components",
-        "gauge", "limits?", "capability=capable?", "decisions=decided?",
-    )  # fmt: skip
+        "quantity=quantity.name",
+        "quantity.column",
+        "seals",
+        "charts=charts_by_lot",
+        "lots",
+        "components",
+        "gauge",
+        "limits?",
+        "capability=capable?",
+        "decisions?",
+    )
 
     quantity: Quantity
     seals: tuple[Seal, ...]
@@ -172,7 +180,7 @@ class OfQuantity(Serialisable):
     judged: tuple[SealDecision, ...]
 
     @property
-    def by_lot(self) -> tuple[LotControlCharts, ...]:
+    def charts_by_lot(self) -> tuple[LotControlCharts, ...]:
         """The charts of each lot."""
         item = self.charts.items()
         return tuple(LotControlCharts(lot, of.means, of.moving, of.repeats) for lot, of in item)
@@ -190,7 +198,7 @@ class OfQuantity(Serialisable):
             charts = [] if self.lots is None else [self.lots.mean, self.lots.sd]
         return Signals(
             sum(len(chart.causes) for chart in charts),
-            sum(len(chart.signalled) for chart in charts),
+            sum(len(chart.signalling_points) for chart in charts),
             sum(len(chart.values) for chart in charts),
         )
 
@@ -201,7 +209,7 @@ class OfQuantity(Serialisable):
         return None if self.limits is None else capabilities
 
     @property
-    def decided(self) -> tuple[SealDecision, ...] | None:
+    def decisions(self) -> tuple[SealDecision, ...] | None:
         """The judgement of each seal; None without limits."""
         return None if self.limits is None else self.judged
 
@@ -223,7 +231,7 @@ class OfQuantity(Serialisable):
         return self.quantity.fact(name, sqrt(variance), within)
 
     @property
-    def known(self) -> dict[str, Capability]:
+    def capabilities(self) -> dict[str, Capability]:
         """The capability of each lot whose seals scatter."""
         return {
             name: capability
@@ -234,7 +242,7 @@ class OfQuantity(Serialisable):
     @property
     def lowest(self) -> tuple[str, Capability] | None:
         """The lot with the lowest Cpk, or the only one."""
-        return min(self.known.items(), key=lambda pair: pair[1].cpk or 0.0, default=None)
+        return min(self.capabilities.items(), key=lambda pair: pair[1].cpk or 0.0, default=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,9 +261,14 @@ class Summary(HasChecks, Serialisable):
     """
 
     keys = (
-        "verdict", "summary=lights", "statistics=each~", "flags", "dissimilar=unlike", "copies",
+        "verdict",
+        "summary=lights",
+        "statistics=quantities~",
+        "flags",
+        "dissimilar=unlike",
+        "copies",
         "checks",
-    )  # fmt: skip
+    )
 
     lot: Lot
     main: OfQuantity
@@ -264,12 +277,12 @@ class Summary(HasChecks, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def each(self) -> tuple[OfQuantity, ...]:
+    def quantities(self) -> tuple[OfQuantity, ...]:
         """The statistics of every quantity, the main one first."""
         return (self.main, *self.others)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
         fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
         how = f"{fitted} of {files} files were fitted"
@@ -319,7 +332,7 @@ class Summary(HasChecks, Serialisable):
     @property
     def lines(self) -> list[str]:
         """What a shell prints of each quantity: seals, gauge, capability, judgement."""
-        return [line for quantity_summary in self.each for line in _lines(quantity_summary)]
+        return [line for quantity_summary in self.quantities for line in _lines(quantity_summary)]
 
     @property
     def unlike(self) -> tuple[ExcludedFile, ...]:
@@ -459,7 +472,7 @@ def _check_limits(quantity_summary: OfQuantity, limits: Limits) -> Iterator[Chec
     yield seals_within_limits(quantity_summary.quantity.words, str(limits), decisions)
     if limits.cpk is not None:
         lots = {judge.lot for judge in quantity_summary.judged} or {""}
-        unknown = len(lots) - len(quantity_summary.known)
+        unknown = len(lots) - len(quantity_summary.capabilities)
         yield capability_as_asked(
             quantity_summary.quantity.words, quantity_summary.lowest, unknown, limits.cpk
         )
@@ -474,7 +487,7 @@ def _frequencies(lot: Lot) -> tuple[float, ...]:
 
 def _out_of_band(lot: Lot, frequency: float) -> int:
     """Return how many tests that are used do not inform a frequency, Hz."""
-    bands = lot.used.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
+    bands = lot.rows_in_statistics.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
     return sum(not low <= frequency <= high for low, high in bands)
 
 
@@ -516,7 +529,7 @@ def _limits_says(of: OfQuantity) -> str:
         return "no limits given"
     if of.lowest is not None and of.limits.cpk is not None:
         lot, able = of.lowest
-        where = f" in {lot}" if lot and len(of.known) > 1 else ""
+        where = f" in {lot}" if lot and len(of.capabilities) > 1 else ""
         return f"Cpk {able.cells[0]}{where}, asked {of.limits.cpk:.2f}"
     passed = sum(decision.decision == "pass" for decision in of.judged)
     return f"{passed} of {len(of.judged)} seals pass"
@@ -543,14 +556,14 @@ def _lines(quantity_summary: OfQuantity) -> Iterator[str]:
         f"{_alarms(quantity_summary)}"
     )
     if quantity_summary.gauge is not None:
-        yield f"  gauge R&R   {ascii_only(quantity_summary.gauge.says)}"
-    for name, able in quantity_summary.known.items():
-        yield f"  capability  {able.says}, {able.count} seals{f', lot {name}' if name else ''}"
+        yield f"  gauge R&R   {ascii_only(quantity_summary.gauge.summary)}"
+    for name, able in quantity_summary.capabilities.items():
+        yield f"  capability  {able.summary}, {able.count} seals{f', lot {name}' if name else ''}"
     if quantity_summary.sources:
         yield f"  scatter, standard deviations, {quantity_summary.quantity.unit}:"
     for fact, share in quantity_summary.sources:
         value, low, high = map(ascii_only, fact.ends)
-        between = f" ({low} to {high})" if fact.bounded else ""
+        between = f" ({low} to {high})" if fact.has_interval else ""
         yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
     yield from (
         _format_decision(judge, quantity_summary.quantity)

@@ -14,7 +14,7 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import SIMULATED
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import column
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, list_arm_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.batch.batch_options import BatchOptions
@@ -111,7 +111,7 @@ def _build_other_row(
     texts = {
         "kind": kind.name,
         "outcome": "other",
-        "reason": f"it is {seen.what}: {kind.says or seen.use}",
+        "reason": f"it is {seen.kind_title}: {kind.says or seen.use}",
     }
     return texts | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
 
@@ -203,8 +203,8 @@ def _build_fit_columns(fit: Fit, hold: float | None, space: int) -> dict[str, An
     }
     if hold is not None:
         entries[format_stiffness_column("end", unit)] = float(model.relaxation(hold))
-    if fit.residual.unit == "N":
-        entries["rms_N"] = fit.residual.rms
+    if fit.estimate.residual.unit == "N":
+        entries["rms_N"] = fit.estimate.residual.rms
     return entries | {_column(fact): fact.value for fact in _select_arm_facts(fit, space)}
 
 
@@ -215,8 +215,8 @@ def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
         format_stiffness_column("inf_low", unit): shown[0].low,
         format_stiffness_column("inf_high", unit): shown[0].high,
     }
-    if fit.left_open is not None:
-        low, high = fit.left_open["k_end"]
+    if fit.stiffness_limits is not None:
+        low, high = fit.stiffness_limits["k_end"]
         entries |= {
             format_stiffness_column("end_low", unit): low,
             format_stiffness_column("end_high", unit): high,
@@ -236,7 +236,7 @@ def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[st
 
 def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
     """Return k_inf and the arms; a curve may have more than a row can hold."""
-    facts = (fact for fact in fit.arm_facts if not fact.name.startswith("b"))
+    facts = (fact for fact in list_arm_values(fit) if not fact.name.startswith("b"))
     return islice(facts, 1 + 2 * space)
 
 

@@ -57,7 +57,7 @@ def workbook(summary: Summary) -> bytes:
 
 def _tests(lot: Lot) -> pl.DataFrame:
     if lot.table.height <= _SHEET_ROWS:
-        return lot.neutral()
+        return lot.escape_formulas()
     says = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
     return _frame([{"tests": says}])
 
@@ -108,7 +108,7 @@ _HEADS = {
 
 
 def _sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
-    document = summary.document
+    document = summary.to_dict()
     for sheet, (part, names) in _SHEETS.items():
         rows = (
             {"quantity": of["quantity"]}

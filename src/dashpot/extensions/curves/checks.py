@@ -185,7 +185,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
 def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     """The curve levels off: no model that fits the data relaxes much further."""
     return Finding(
-        end.told(unit),
+        end.format_limits(unit),
         end.levels,
         "So k_inf is extrapolated, with no lower limit",
         end.remedy,
@@ -232,7 +232,9 @@ def plateau(
     seen = plateau_seen(model, se, unit=unit, extra=extra)
     if end is None or seen.failed:
         return (seen,)
-    return plateau_determined(end, unit), curve_level_at_end(end, first / end.of(model) - 1)
+    return plateau_determined(end, unit), curve_level_at_end(
+        end, first / end.compute_stiffness(model) - 1
+    )
 
 
 @criterion(

@@ -47,7 +47,7 @@ def _sweeps() -> str:
     rows = []
     for celsius in range(-25, 56, 10):
         kelvin = celsius + 273.15
-        solid = rubber.shifted(float(law.a_t(kelvin)), kelvin / law.reference)
+        solid = rubber.shift_to_temperature(float(law.a_t(kelvin)), kelvin / law.reference)
         value = solid.complex_stiffness(omega=2 * np.pi * frequency)
         value = value + 0.005 * np.abs(value) * (draw(12) + 1j * draw(12))
         rows += [

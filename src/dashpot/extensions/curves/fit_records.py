@@ -178,7 +178,7 @@ def shift_to_one(
                 "--reference, --shift, --vertical and --shifts, which shift them all, and other "
                 "files"
             )
-        return first.at(at)
+        return first.select_temperature(at)
     if single and not first.several_temperatures:
         return first
     from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts

@@ -84,7 +84,7 @@ class MasterCurve:
         return float(np.sqrt(sum(misfit.samples * misfit.rms**2 for misfit in self.misfit) / count))
 
     @property
-    def largest(self) -> float:
+    def max_error(self) -> float:
         """Largest relative error of any sample."""
         return max(misfit.largest for misfit in self.misfit)
 
@@ -316,17 +316,19 @@ def _dense(
     check = few_arms_sufficient(
         missed[0],
         few.model.arms,
-        max(order.arms for order in few.orders),
+        max(order.arms for order in few.evidence.orders),
         (dense.model.arms, dense.rms),
         missed[1],
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
-    estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
-    end = few.end_of_hold
+    estimate = ParameterEstimate(
+        (), np.zeros((0, 0)), np.inf, residual, nuisance=few.estimate.nuisance
+    )
+    end = few.evidence.end_of_hold
     error = few.evidence.band_error
     evidence = replace(
         few.evidence,
-        band_error=None if error is None else error.about(dense.model, few.model),
+        band_error=None if error is None else error.convert_to_solid(dense.model, few.model),
         certificate=None,
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.holding(dense.model),

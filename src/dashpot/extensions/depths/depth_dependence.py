@@ -105,7 +105,7 @@ def fit_depths(
     law = select_elastic_law(ordered, arms=requested, max_arms=most)
     item, held = _fit_each_test(law), held_ramps(ordered, law)
     by_depth = tuple(
-        item.at(i, test.depth, rig)
+        item.secant_stiffness(i, test.depth, rig)
         for i, (test, rig) in enumerate(_add_rig_errors(ordered, held, law))
     )
     for at in by_depth:
@@ -139,7 +139,7 @@ class _StiffnessPerTest(NamedTuple):
     dof: float
     law: ElasticLaw
 
-    def at(self, test: int, depth: float, rig: FloatArray) -> DepthStiffness:
+    def secant_stiffness(self, test: int, depth: float, rig: FloatArray) -> DepthStiffness:
         """Secant stiffnesses of one test at its depth; `rig` is what it may add to them."""
         scale = float(self.law.path(depth)) / depth
         error = self.known.standard_error[len(self.known.optimum.theta) :]

@@ -74,5 +74,5 @@ def serialise_record(
         text,
         truth_json(truth, instrument=instrument),
         instrument.transducer.calibration(),
-        instrument.says(truth.force, rig),
+        instrument.list_limitations(truth.force, rig),
     )

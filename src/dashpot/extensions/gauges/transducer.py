@@ -77,11 +77,11 @@ class Daq:
             return None
         return abs(frequency - self.rate * round(frequency / self.rate))
 
-    def passed(self, frequency: float) -> float:
+    def filter_gain(self, frequency: float) -> float:
         """Return what part of a line at `frequency`, Hz, the filter lets through."""
         return 1 / sqrt(1 + (frequency / self.filter) ** 4) if self.filter else 1.0
 
-    def counted(self, volts: FloatArray) -> FloatArray:
+    def quantise(self, volts: FloatArray) -> FloatArray:
         """Return voltages in whole counts; what lies beyond the span reads as its end."""
         top = 2 ** (self.bits - 1)
         return np.asarray(np.clip(np.round(volts / self.lsb), -top, top - 1) * self.lsb)
@@ -173,7 +173,7 @@ class Transducer:
         solution = np.linalg.solve(np.array(self.matrix), load + hung[:, None])
         return np.asarray(solution + np.array(self.bias)[:, None])
 
-    def saturated(self, load: FloatArray) -> BoolArray:
+    def find_saturated(self, load: FloatArray) -> BoolArray:
         """Return which axes pass their range, shape (6, n); both across where their sum does."""
         size = np.abs(load)
         over = size > np.array(self.limit)[:, None]
@@ -259,22 +259,22 @@ class Instrument:
         random = np.random.default_rng([seed, 6])
         fine = time[0] + np.arange(_FINE * len(time)) / (_FINE * self.daq.rate)
         smooth = np.asarray(CubicSpline(time, force)(np.minimum(fine, time[-1])))
-        volts = self.transducer.volts(self.load(rig.disturbed(fine, smooth, random)))
+        volts = self.transducer.volts(self.load(rig.add_disturbances(fine, smooth, random)))
         seen = self.daq.read(fine, volts, time)
         gain = float(np.linalg.norm(self.transducer.matrix[2]))
-        return self.daq.counted(seen + rig.noise / gain * random.standard_normal(seen.shape))
+        return self.daq.quantise(seen + rig.noise / gain * random.standard_normal(seen.shape))
 
-    def says(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
+    def list_limitations(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
         """Return what limits the use of such a record: overload, and lines that alias."""
         names = []
-        over = self.transducer.saturated(self.load(force))
+        over = self.transducer.find_saturated(self.load(force))
         axes = ", ".join(axis for axis, item in zip(AXES, over, strict=True) if item.any())
         if axes:
             names.append(f"the transducer is beyond its range in {axes}")
         for name in ("hum", "vibration"):
             size, line = getattr(rig, name), getattr(rig, f"{name}_frequency")
             seen = self.daq.alias(line)
-            remainder = size * self.daq.passed(line)
+            remainder = size * self.daq.filter_gain(line)
             if seen is not None and size:
                 names.append(
                     f"{name} of {line:g} Hz shows at {seen:g} Hz, "

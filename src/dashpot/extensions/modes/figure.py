@@ -127,7 +127,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
     for i, name in enumerate(("storage stiffness, N/mm", "loss stiffness, N/mm")):
         measured, solid = (
             convert_to_unit((values.imag if i else values.real)[order], "N/mm")
-            for values in (masses.stiffness, masses.at_poles)
+            for values in (masses.stiffness, masses.stiffness_at_poles)
         )
         error = NORMAL * convert_to_unit(masses.spread[order, i], "N/mm")
         marks = (

@@ -22,7 +22,7 @@ def run(request: FitRequest) -> CommandResult:
         motion=request.hammer.motion,
         polarity=request.hammer.polarity,
     )
-    return request.told(
+    return request.write_output(
         modes,
         figure=lambda: dp.plot.stabilisation(
             chart, [mode.mode for mode in modes.modes], stamp=dp.plot.stamp(modes.frf.source)
@@ -45,6 +45,6 @@ def under_masses(request: FitRequest) -> CommandResult:
     modes = modes_by_mass(files, masses, seals=seals, options=request.reading, band=request["band"])
     under = [test.frf for test in modes.tests]
     stamp = dp.plot.stamp([source for frf in under for source in frf.source], seals=seals)
-    return request.told(
+    return request.write_output(
         modes, figure=lambda: dp.plot.several_masses(modes.together, under, stamp=stamp)
     )

@@ -59,13 +59,13 @@ class SeveralMasses:
     worst: int
 
     @property
-    def missed(self) -> complex:
+    def max_difference(self) -> complex:
         """Relative difference at the worst pole: of the stiffness, and of its imaginary part."""
-        here, there = self.stiffness[self.worst], self.at_poles[self.worst]
+        here, there = self.stiffness[self.worst], self.stiffness_at_poles[self.worst]
         return complex(here.real / there.real - 1, here.imag / there.imag - 1)
 
     @property
-    def at_poles(self) -> ComplexArray:
+    def stiffness_at_poles(self) -> ComplexArray:
         """The solid's stiffness at the poles, N/m."""
         return np.array([self.solid.stiffness_at(mode.pole) for mode in self.modes])
 

@@ -63,14 +63,14 @@ class ModesByMass(HasChecks, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/modes-by-mass@2"
-    keys = ("tests=each", "stiffness", "model", "together.distance", "verdict", "checks")
+    keys = ("tests=modes_by_mass", "stiffness", "model", "together.distance", "verdict", "checks")
 
     tests: tuple[MeasuredModes, ...]
     together: SeveralMasses
     checks: tuple[Check, ...]
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The mode under each mass, and the stiffness of the seals there."""
         of = self.together
         return {
@@ -84,13 +84,13 @@ class ModesByMass(HasChecks, HasVerdict, Serialisable):
         }
 
     @property
-    def each(self) -> tuple[MassModes, ...]:
+    def modes_by_mass(self) -> tuple[MassModes, ...]:
         """The modes under each mass."""
         masses = zip(self.together.masses, self.tests, strict=True)
         return tuple(MassModes(mass, modes.band, modes.modes) for mass, modes in masses)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The resonance under each mass."""
         pairs = zip(self.together.masses, self.together.modes, strict=True)
         names = [
@@ -170,10 +170,10 @@ def fit_modes_by_mass(
         )
     modes = [test.modes[0].mode for test in tests]
     new_masses = several_masses(modes, masses, seals=seals)
-    missed = new_masses.missed
+    missed = new_masses.max_difference
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
     checks = [
-        check.within(f"under {format_quantity(mass, 'g')}")
+        check.with_location(f"under {format_quantity(mass, 'g')}")
         for mass, test in zip(masses, tests, strict=True)
         for check in test.frf.checks
     ]

@@ -274,7 +274,7 @@ def _is_driven(name: str) -> bool:
 def _build_measured_mode(
     mode_shape: ModeShape, chart: Stabilisation, points: Sequence[str]
 ) -> MeasuredMode:
-    mode, shape = mode_shape.mode, mode_shape.normalised
+    mode, shape = mode_shape.mode, mode_shape.normalised_residues
     errors = mode_shape.residue_se / np.abs(mode_shape.residues).max()
     return MeasuredMode(
         mode.frequency,

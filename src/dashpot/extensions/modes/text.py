@@ -26,7 +26,7 @@ def modes(modes: MeasuredModes) -> Text:
         rows.append(
             [
                 str(number),
-                *(fact.cells.ascii.with_error for fact in mode.mode.facts),
+                *(fact.cells.ascii.with_error for fact in mode.mode.reported_values),
                 *(
                     [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
                     if several
@@ -90,10 +90,12 @@ def modes_by_mass(modes_by_mass: ModesByMass) -> Text:
     held = modes_by_mass.together
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
-    pairs = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
+    pairs = zip(
+        held.masses, held.modes, held.stiffness, held.spread, held.stiffness_at_poles, strict=True
+    )
     for mass, mode, k, se, solid in pairs:
         name = f"{convert_to_unit(mass, 'g'):.5g}"
-        modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
+        modes.append([name, *(fact.cells.ascii.with_error for fact in mode.reported_values[:2])])
         at_poles.append(
             [
                 name,

@@ -27,7 +27,7 @@ def run(folder: Path, seed: int) -> CommandResult:
         write(folder / name, text)
     for name, picture in paper_pictures(reproduction).items():
         write(folder / f"{name}.svg", dp.plot.render_figure(picture, "svg"))
-    write(folder / "paper.json", json.dumps(reproduction.document, indent=2) + "\n")
+    write(folder / "paper.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
     write(folder / "paper.html", paper_page(reproduction))
     record = folder / "paper.csv"
     follow = format_command(

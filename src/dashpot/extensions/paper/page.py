@@ -40,16 +40,16 @@ def paper_page(reproduction: Reproduction) -> str:
         **frame(),
         "title": TITLE,
         "verdict": None,
-        "colour": "good" if reproduction.reproduced else "bad",
-        "word": "Reproduced" if reproduction.reproduced else "Not reproduced",
-        "says": reproduction.says,
+        "colour": "good" if reproduction.is_reproduced else "bad",
+        "word": "Reproduced" if reproduction.is_reproduced else "Not reproduced",
+        "says": reproduction.summary,
         "figures": {
             name: render_figure(picture, width=HALF)
             for name, picture in paper_pictures(reproduction).items()
         },
         "table_1": table_1(reproduction.table),
         "parts": {part: (PARTS[part], statements(reproduction.rows, part)) for part in PARTS},
-        "link": encode_data_uri("application/json", json.dumps(reproduction.document, indent=2)),
+        "link": encode_data_uri("application/json", json.dumps(reproduction.to_dict(), indent=2)),
     }
     return str(environment("dashpot.extensions.paper").get_template("paper.html").render(contents))
 
@@ -87,7 +87,7 @@ def table_1(table: Sequence[Coefficient]) -> TextTable:
             item.full.symbol, unit, f"{printed:.4f}", round_to_error(exact, digits=9),
             round_to_error(coarse, digits=7), _format_fact(item.full), _format_fact(item.hold),
         ))  # fmt: skip
-        marks.append("" if all(item.held) else "doubt")
+        marks.append("" if all(item.is_covered) else "doubt")
     return TextTable(head, tuple(rows), tuple(marks))
 
 

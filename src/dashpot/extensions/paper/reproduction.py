@@ -20,7 +20,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.paper.equations import Coefficients
@@ -121,7 +121,7 @@ class Coefficient(Serialisable):
     hold: ReportedValue
 
     @property
-    def held(self) -> tuple[bool, bool]:
+    def is_covered(self) -> tuple[bool, bool]:
         """Whether the two intervals hold what is printed."""
         return is_within_interval(self.full, self.printed), is_within_interval(
             self.hold, self.printed
@@ -177,9 +177,19 @@ class Reproduction(Serialisable):
 
     schema = "dashpot/paper@2"
     keys = (
-        "seed", "reproduced", "rows", "table", "force", "accelerance", "peak", "receptance_peak",
-        "mode", "one_arm", "two_arms", "quantised",
-    )  # fmt: skip
+        "seed",
+        "reproduced=is_reproduced",
+        "rows",
+        "table",
+        "force",
+        "accelerance",
+        "peak",
+        "receptance_peak",
+        "mode",
+        "one_arm",
+        "two_arms",
+        "quantised",
+    )
 
     seed: int
     rows: tuple[Statement, ...]
@@ -198,16 +208,16 @@ class Reproduction(Serialisable):
     study: Study
 
     @property
-    def reproduced(self) -> bool:
+    def is_reproduced(self) -> bool:
         """Whether every statement that can be compared comes out to its tolerance."""
         return all(row.holds is not False for row in self.rows)
 
     @property
-    def says(self) -> str:
+    def summary(self) -> str:
         """What was found, in a sentence or two."""
         compared = [row for row in self.rows if row.holds is not None]
         total = sum(bool(row.holds) for row in compared)
-        held = [sum(coefficient.held[i] for coefficient in self.table) for i in (0, 1)]
+        held = [sum(coefficient.is_covered[i] for coefficient in self.table) for i in (0, 1)]
         return (
             f"{total} of {len(compared)} statements of the paper come out to their tolerance. In "
             f"simulation {held[0]} of {len(self.table)} numbers of Table 1 lie in their 95 % "
@@ -552,7 +562,7 @@ def _table(
 
 
 def _get_facts_by_name(fit: Fit | None) -> dict[str, ReportedValue]:
-    return {} if fit is None else {fact.name: fact for fact in fit.known}
+    return {} if fit is None else {fact.name: fact for fact in list_known_values(fit)}
 
 
 def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:

@@ -15,8 +15,8 @@ def render_reproduction(reproduction: Reproduction) -> Text:
     """Return what came out, Table 1 as printed and as found, and every statement."""
     head = ("Table 1", "printed", "simulation, 95 %", "by the hold alone, 95 %", "unit")
     rows = [head, *map(_row, reproduction.table)]
-    word = "reproduced" if reproduction.reproduced else "not reproduced"
-    lines = [f"The paper is {word}: {reproduction.says}", "", *table(rows)]
+    word = "reproduced" if reproduction.is_reproduced else "not reproduced"
+    lines = [f"The paper is {word}: {reproduction.summary}", "", *table(rows)]
     details = ["", *(line for row in reproduction.rows for line in _statement(row))]
     return Text(lines, details)
 

@@ -48,12 +48,12 @@ class PluggedTest(EqualByValue, HasSummary):
     source: Source | None = None
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Its columns by their names."""
         return {column.role or column.name: (column.values, column.unit) for column in self.columns}
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which file it is, and its columns."""
         named = ", ".join(
             f"{column.role or column.name} [{column.unit or '?'}]" for column in self.columns
@@ -93,6 +93,6 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return next(iter(self.sources), None)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """Its first number, and whose it is."""
-        return f"{self.found[0].says}, by '{self.kind}' of {self.by}, not verified by dashpot"
+        return f"{self.found[0].text}, by '{self.kind}' of {self.by}, not verified by dashpot"

@@ -30,10 +30,12 @@ def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
 
 
 def _panel(fact: ReportedValue) -> Panel:
-    value, low, high = (fact.shown(number) for number in (fact.value, fact.low, fact.high))
+    value, low, high = (
+        fact.to_display_unit(number) for number in (fact.value, fact.low, fact.high)
+    )
     ends = [number for number in (low, high) if math.isfinite(number)]
     reach = max([abs(end - value) for end in ends] + [0.1 * abs(value) or 1.0])
-    label = f"{fact.called}, {fact.word or '1'}"
+    label = f"{fact.label}, {fact.word or '1'}"
     across = Scale(label, (value - 1.2 * reach, value + 1.2 * reach))
     marks = [Dots(np.array([value]), np.array([0.5]), "fit", "value")]
     lines = [Line(np.array(ends), np.full(2, 0.5), FIT, "interval")] if len(ends) == 2 else []

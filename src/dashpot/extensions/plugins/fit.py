@@ -52,7 +52,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     try:
         entries = function(columns, {"file": test.source.file if test.source else ""})
     except Exception as error:  # noqa: BLE001  others' code may raise anything
-        plugin.failed(error)
+        plugin.raise_failure(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
     strange = sorted(map(str, entries.keys() - _KNOWN))

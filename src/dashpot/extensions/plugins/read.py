@@ -34,7 +34,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
         columns = []
         for place, index in enumerate(numeric):
             role, name = roles.get(index), every[index].name.strip().casefold()
-            text = opened.options.by_name().get(name, every[index].unit)
+            text = opened.options.get_units_by_name().get(name, every[index].unit)
             word = opened.unit_word(index, role) if role else text
             unit = units.find_unit(word) if word else None
             values = loaded.values[:, place].copy()

@@ -47,13 +47,13 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
     version = getattr(module, "API", None)
     if version != API:
         raise ReadError(
-            f"{plugin.says} states API = {version!r}; this dashpot knows {API}. Ask who maintains "
+            f"{plugin.label} states API = {version!r}; this dashpot knows {API}. Ask who maintains "
             f"{plugin.package}"
         )
     try:
         entries = module.read(content, name=name)
     except Exception as error:  # noqa: BLE001  others' code may raise anything
-        plugin.failed(error)
+        plugin.raise_failure(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
     columns = get_items(plugin, entries, "columns")
@@ -69,7 +69,7 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
         columns=tuple(_column(plugin, column) for column in columns),
         load=make_loader(np.column_stack(values)),
         header=get_texts(plugin, entries, "header"),
-        notes=(f"read by {plugin.says}", *get_texts(plugin, entries, "notes")),
+        notes=(f"read by {plugin.label}", *get_texts(plugin, entries, "notes")),
     )
 
 

@@ -46,16 +46,16 @@ def make_writer(plugin: Plugin) -> Target:
         try:
             cards = function(plain, units=deck.units.name, name=plugin.name)
         except Exception as error:  # noqa: BLE001  others' code may raise anything
-            plugin.failed(error)
+            plugin.raise_failure(error)
         if not isinstance(cards, str) or not cards.strip():
             text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
             plugin.wrong(text, "the cards of a deck as one text")
         comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
-        return deck.written(
+        return deck.format_text(
             str(comment),
-            f"deck by {plugin.says}",
+            f"deck by {plugin.label}",
             escape_terminal_text(cards).splitlines(),
-            verified=f"not verified by dashpot: written by {plugin.says}",
+            verified=f"not verified by dashpot: written by {plugin.label}",
         )
 
     return write  # type: ignore[return-value]  # a plug-in has no options of its own

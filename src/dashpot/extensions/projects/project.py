@@ -197,7 +197,7 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
     fits = {"fit": study.fit, "joint": study.joint}
     return {
         "records/.json": json.dumps(
-            ResultNumbers(study).document, indent=2, ensure_ascii=False
+            ResultNumbers(study).to_dict(), indent=2, ensure_ascii=False
         ).encode(),
         "reports/.html": page(study).encode(),
         **{
@@ -213,27 +213,27 @@ class ResultNumbers(Serialisable):
     """Numbers of a study that verification recomputes and compares."""
 
     schema = "dashpot/result@2"
-    keys = ("study.mass", "fit", "alternatives", "*others")
+    keys = ("study.mass", "fit", "alternatives", "*hammer_results")
 
     study: Study
 
     @property
     def fit(self) -> dict[str, Any]:
         """Of the chosen solid."""
-        return numbers(self.study.fit.document)
+        return numbers(self.study.fit.to_dict())
 
     @property
     def alternatives(self) -> list[dict[str, Any]]:
         """Of the solids with one and with two arms."""
-        return [numbers(fit.document) for fit in self.study.alternatives]
+        return [numbers(fit.to_dict()) for fit in self.study.alternatives]
 
     @property
-    def others(self) -> dict[str, Any]:
+    def hammer_results(self) -> dict[str, Any]:
         """Of what there is where a hammer was used."""
         names = ("joint", "comparison", "joint_comparison")
         entries = {name: getattr(self.study, name) for name in names}
         return {
-            name: None if entry is None else numbers(entry.document)
+            name: None if entry is None else numbers(entry.to_dict())
             for name, entry in entries.items()
         }
 

@@ -48,7 +48,7 @@ def adams(
     merged = parallel(deck.model)  # arms of equal time are one factor
     lam = [value / deck.units.time for value in creep_of(merged).lam]
     tau = [value / deck.units.time for value in merged.tau]
-    return deck.written(
+    return deck.format_text(
         "$",
         "transfer function K(s) / k_inf of a frequency-dependent bushing",
         [

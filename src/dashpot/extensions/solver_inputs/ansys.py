@@ -96,7 +96,7 @@ def _table(
         for way, _ in row.springs(station.shares):
             constant = constants[way, station.shares[way]]
             cards += [f"TYPE,{first_id + way}", f"REAL,{constant}", f"E,{a},{b}"]
-    return deck.written(
+    return deck.format_text(
         "!",
         "springs and dampers against frequency for Ansys Mechanical APDL",
         [*cards, "FINISH"],
@@ -153,7 +153,7 @@ def _arms(deck: Deck) -> DeckText:
     nodes = ["N,1,0,0,0", "N,2,0,0,0", *(f"N,{11 + j},0,0,0" for j in range(deck.model.arms))]
     elements: list[tuple[float, float, int, int]] = []  # K, CV1, I, J
     # a COMBIN39 must rise at its origin, as a cubic spring does not: it carries k_inf too
-    k_inf = 0.0 if deck.beside.k3 else deck.k_inf
+    k_inf = 0.0 if deck.nonlinear_elements.k3 else deck.k_inf
     if k_inf > 0 or deck.b > 0:
         elements.append((k_inf, deck.b, 1, 2))
     for j, (k, _, b) in enumerate(deck.arms):
@@ -162,16 +162,17 @@ def _arms(deck: Deck) -> DeckText:
     for number, (k, c, i, j) in enumerate(elements, start=1):
         cards += [f"R,{number},{text(k)},{text(c)}", f"REAL,{number}", f"E,{i},{j}"]
     cards += _format_nonlinear_cards(deck, 1 + len(elements))
-    return deck.written(
+    return deck.format_text(
         "!",
         "network of springs and dampers for Ansys Mechanical APDL",
         [*cards, "FINISH"],
         remarks=[
             "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
             "act along UX of the nodes (KEYOPT(2) = 1), wherever the nodes stand",
-            *["COMBIN40: K1, C, M, GAP = 0, FSLIDE: slides both ways"] * bool(deck.beside.sliders),
+            *["COMBIN40: K1, C, M, GAP = 0, FSLIDE: slides both ways"]
+            * bool(deck.nonlinear_elements.sliders),
             *["COMBIN39: k_inf and the cubic spring in one, from 0; it is reflected"]
-            * bool(deck.beside.k3),
+            * bool(deck.nonlinear_elements.k3),
         ],
     )
 
@@ -179,14 +180,14 @@ def _arms(deck: Deck) -> DeckText:
 def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
     """Sliders, and k_inf with the cubic spring: a curve of 20 points at most, from 0 up."""
     cards = []
-    if deck.beside.sliders:
+    if deck.nonlinear_elements.sliders:
         cards += ["ET,2,COMBIN40", "TYPE,2"]
-    for k, F, _ in deck.beside.sliders:
+    for k, F, _ in deck.nonlinear_elements.sliders:
         cards += [f"R,{number},{text(k)},0.,0.,0.,{text(F)},0.", f"REAL,{number}", "E,1,2"]
         number += 1
-    if not deck.beside.k3:
+    if not deck.nonlinear_elements.k3:
         return cards
-    curve = deck.beside.curve(_MOST_POINTS - 1, k=deck.k_inf)
+    curve = deck.nonlinear_elements.curve(_MOST_POINTS - 1, k=deck.k_inf)
     if not curve[1][1] > 0:
         raise ExportError(
             "COMBIN39 must rise at its origin, and beside a spring that softens there is no k_inf "
@@ -202,7 +203,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
 def _prony(deck: Deck) -> DeckText:
     rows = format_tbdata([value for pair in deck.prony for value in pair])
     shift, says = ansys_shift(deck.temperatures)
-    return deck.written(
+    return deck.format_text(
         "!",
         "material of relative moduli for Ansys Mechanical APDL",
         [f"TB,PRONY,1,1,{deck.model.arms},SHEAR", *rows, *shift],

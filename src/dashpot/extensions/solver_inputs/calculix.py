@@ -94,7 +94,7 @@ def calculix(
         raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
     if mass is not None and not mass > 0:
         raise ExportError(f"mass = {mass!r} kg; expected a number > 0")
-    if mass is not None and deck.beside.parts:
+    if mass is not None and deck.nonlinear_elements.parts:
         raise ExportError(
             "--mass writes a steady-state step, which is linear and knows no friction; leave it "
             "out, and march the network with *DYNAMIC (Python: mass=)"
@@ -123,10 +123,12 @@ def calculix(
             "imaginary block at each frequency; the dummies only keep the eigensolver busy",
         ]
     verified, *more = (
-        [CYCLED] if deck.beside.parts else [*format_procedures("calculix", "arms"), _ARMS_ACT]
+        [CYCLED]
+        if deck.nonlinear_elements.parts
+        else [*format_procedures("calculix", "arms"), _ARMS_ACT]
     )
     remarks = [*more, *remarks, *slider_remarks(deck)]
-    return deck.written("**", title, cards, verified=verified, remarks=remarks)
+    return deck.format_text("**", title, cards, verified=verified, remarks=remarks)
 
 
 def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckText:
@@ -145,7 +147,7 @@ def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckT
             ]
             element += len(members)
     eta = complex(deck.solid.complex_stiffness(omega=2 * np.pi * nominal))
-    return deck.written(
+    return deck.format_text(
         "**",
         "springs of one frequency for CalculiX",
         [*cards, "*BOUNDARY", "SEAL_GROUND, 1, 3"],

@@ -118,7 +118,7 @@ def _parts(
                 continue
             indices: list[int] = []
             parts[way, shares[way]] = indices
-            for material in _linear(deck.of(solid)):
+            for material in _linear(deck.with_solid(solid)):
                 indices.append(next(numbers))
                 cards += _part(indices[-1], first_id, material)
     return parts, cards
@@ -155,7 +155,7 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
                 f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[item.frame, way]:>8}"
                 for part in parts[way, item.shares[way]]
             ]
-    return deck.written(
+    return deck.format_text(
         "$",
         "discrete springs and dampers along a seal line for LS-DYNA",
         [*cards, "*END"],
@@ -173,13 +173,15 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
 def _arms(deck: Deck) -> DeckText:
     materials = _linear(deck)
     # k, kt, fy: no hardening
-    materials += [("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.beside.sliders]
+    materials += [
+        ("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.nonlinear_elements.sliders
+    ]
     curve = []
-    if deck.beside.k3:
+    if deck.nonlinear_elements.k3:
         materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
         rows = (
             f"{format_fixed_width(x, 20):>20}{format_fixed_width(F, 20):>20}"
-            for x, F in deck.beside.both_ways()
+            for x, F in deck.nonlinear_elements.both_ways()
         )
         curve = ["*DEFINE_CURVE", format_fields(1), *rows]
     cards = [
@@ -199,7 +201,7 @@ def _arms(deck: Deck) -> DeckText:
             "*ELEMENT_DISCRETE",
             f"{number:>8}{number:>8}{1:>8}{2:>8}{1:>8}",
         ]
-    return deck.written(
+    return deck.format_text(
         "$",
         "discrete springs and dampers for LS-DYNA",
         [*cards, *curve, "*END"],
@@ -230,7 +232,7 @@ def _prony(
             f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
             "arms"
         )
-    return deck.written(
+    return deck.format_text(
         "$",
         "solid material for LS-DYNA",
         [

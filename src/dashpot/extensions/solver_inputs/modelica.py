@@ -55,7 +55,7 @@ def modelica(
             f"  connect(damper_{j}.flange_b, spring_{j}.flange_a);",
             f"  connect(spring_{j}.flange_b, flange_b);",
         ]
-    return deck.written(
+    return deck.format_text(
         "//",
         "Modelica model of springs and dampers",
         [

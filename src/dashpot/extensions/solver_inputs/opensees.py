@@ -58,12 +58,12 @@ def opensees(
     )
     right, *more = (
         [CYCLED]
-        if deck.beside.parts
+        if deck.nonlinear_elements.parts
         else format_procedures("opensees", deck.form, with_dashpot=deck.b > 0)
     )
     tag = first_tag + len(_list_materials(deck))
     where = _NODES if network else (f"material {tag} is the solid; {_MATERIAL[0]}", _MATERIAL[1])
-    return deck.written(
+    return deck.format_text(
         "#",
         f"{'network of zeroLength elements' if network else 'uniaxial material'} for OpenSees",
         cards,
@@ -83,9 +83,9 @@ def _list_linear_materials(deck: Deck) -> list[Command]:
 
 
 def _list_nonlinear_materials(deck: Deck) -> list[Command]:
-    materials = [["ElasticPP", text(k), text(x)] for k, _, x in deck.beside.sliders]
-    if deck.beside.k3:
-        x, F = zip(*deck.beside.both_ways(), strict=True)
+    materials = [["ElasticPP", text(k), text(x)] for k, _, x in deck.nonlinear_elements.sliders]
+    if deck.nonlinear_elements.k3:
+        x, F = zip(*deck.nonlinear_elements.both_ways(), strict=True)
         materials.append(
             ["ElasticMultiLinear", "0.", "-strain", *map(text, x), "-stress", *map(text, F)]
         )

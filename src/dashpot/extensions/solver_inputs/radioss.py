@@ -31,7 +31,7 @@ def radioss(
     """
     modulus = convert_to_si(modulus, "stress")
     long_term, terms = deck.shear(modulus, "Radioss")
-    return deck.written(
+    return deck.format_text(
         "#",
         "viscosity card for Radioss",
         [

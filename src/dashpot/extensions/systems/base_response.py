@@ -193,7 +193,7 @@ def random_response(
         density = float(np.asarray(psd, dtype=float))
         if not (np.isfinite(density) and density >= 0):
             raise DataError(f"psd = {psd!r}; expected a density >= 0, in (m/s^2)^2/Hz")
-        if _spread(model.felt for model in system.springs):
+        if _spread(model.linearised_solid for model in system.springs):
             raise DataError(
                 "the arms of a part reach over more than ten decades of time, too many for white "
                 "noise of the base; give a psd over frequencies"

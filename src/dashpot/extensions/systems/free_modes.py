@@ -73,7 +73,7 @@ class FreeModes(EqualByValue):
             damping_ratio=self.damping_ratio[which],
         )
 
-    def at(self, place: npt.ArrayLike) -> tuple[FloatArray, float]:
+    def evaluate_shapes(self, place: npt.ArrayLike) -> tuple[FloatArray, float]:
         """Shapes at a place, shape (r, 3), and how far it lies from where they are known, m.
 
         Straight between the two neighbouring points whose connection passes nearest: exact at a

@@ -66,7 +66,7 @@ class LevelResponse(FrozenArrays):
         """
         order = np.argsort(self.frequency)
         H = self.motion[order] / self.level[order]
-        return FRF.of_receptance(self.frequency[order], H, kind=kind)
+        return FRF.from_receptance(self.frequency[order], H, kind=kind)
 
 
 def response_at_level(

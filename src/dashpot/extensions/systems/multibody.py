@@ -155,7 +155,7 @@ class Mount:
             amplitudes(self.amplitude)
 
     @property
-    def felt(self) -> Solid:
+    def linearised_solid(self) -> Solid:
         """The linear solid that the mount is: its own, or what it is at the amplitude given.
 
         Raises
@@ -185,7 +185,7 @@ class ModalSpring:
     """
 
     name: str
-    felt: GeneralizedMaxwell
+    linearised_solid: GeneralizedMaxwell
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ def bent_by(body: Body, point: Point) -> FloatArray:
             f"'{body.name}' bends, and its modes do not say how it rotates at {point.at}; take a "
             "direction along which the point moves"
         )
-    return np.asarray(body.modes.at(point.at)[0] @ unit_vector(point.along))
+    return np.asarray(body.modes.evaluate_shapes(point.at)[0] @ unit_vector(point.along))
 
 
 def unit_vector(along: Vector) -> FloatArray:
@@ -408,7 +408,7 @@ class System:
         f = samples("frequency", frequency)
         s = 2j * np.pi * f + shift
         H = self.receptance(s) @ self.participation(force) @ self.participation(response)
-        return FRF.of_receptance(f, H, kind=kind, shift=shift)
+        return FRF.from_receptance(f, H, kind=kind, shift=shift)
 
     def transmissibility(
         self, *, response: str | Point, base: str, frequency: npt.ArrayLike
@@ -440,7 +440,7 @@ class System:
     ) -> ComplexArray:
         s = np.asarray(s, dtype=complex)
         entries: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
-        solids = [spring.felt for spring in self.springs]
+        solids = [spring.linearised_solid for spring in self.springs]
         for solid in solids:
             if solid not in entries:
                 entries[solid] = function(solid, s)

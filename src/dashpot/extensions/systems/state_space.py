@@ -70,7 +70,7 @@ def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
     """
     E, G = system.stretch, system.base_stretch[:, list(moving)]
     n = len(system.dofs)
-    solids = [spring.felt.maxwell for spring in system.springs]
+    solids = [spring.linearised_solid.maxwell for spring in system.springs]
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     arm_mount = np.array([i for i, solid in enumerate(solids) for _ in solid.k], dtype=np.intp)
@@ -221,7 +221,7 @@ def _observe(
     u_dot = np.concatenate((slope[:, :1], slope), axis=1)
     stretch = system.stretch @ z[:n] + system.base_stretch @ u
     speed = system.stretch @ z[n : 2 * n] + system.base_stretch @ u_dot
-    solids = [spring.felt.maxwell for spring in system.springs]
+    solids = [spring.linearised_solid.maxwell for spring in system.springs]
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     tension = np.asarray(glass[:, None] * stretch + viscous[:, None] * speed)
@@ -351,7 +351,7 @@ def _find_newton_starts(system: System) -> list[complex]:
     """Where to look for each mode: the stiffness at its own frequency, not the glassy one."""
     E = system.stretch
     inverse = np.linalg.inv(system.mass_matrix)
-    glass = np.array([spring.felt.k_0 for spring in system.springs])
+    glass = np.array([spring.linearised_solid.k_0 for spring in system.springs])
     squared = np.sort(np.linalg.eigvals(inverse @ (E.T * glass) @ E).real)
     starts = []
     for rank, value in enumerate(squared):
@@ -416,7 +416,7 @@ def _rigid_below(system: System) -> float:
     if len(system.dofs) <= (np.linalg.matrix_rank(stretch) if stretch.size else 0):
         return -1.0
     inertia = float(np.trace(system.mass_matrix))
-    glass = float(sum(spring.felt.k_0 for spring in system.springs))
+    glass = float(sum(spring.linearised_solid.k_0 for spring in system.springs))
     return float(np.sqrt(_RIGID * glass / inertia))
 
 

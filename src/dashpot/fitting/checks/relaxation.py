@@ -517,7 +517,7 @@ def noise_of_force(test: RampHold) -> float:
     if test.loading_start is None:
         rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
     else:
-        rest = test.force[test.unloaded]
+        rest = test.force[test.baseline_samples]
     return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
 
 

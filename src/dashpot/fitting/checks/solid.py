@@ -84,8 +84,8 @@ def arms_supported(
 ) -> Finding:
     """Every arm is significant.
 
-    `error` as `Fit.parameters`: k_inf, k, ln tau; `needed` if the rules chose their number, for
-    then BIC rejects fewer.
+    `error` as `Fit.estimate.parameters`: k_inf, k, ln tau; `needed` if the rules chose their
+    number, for then BIC rejects fewer.
     """
     n = model.arms
     group = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))
@@ -267,7 +267,7 @@ def loss_factor_determined(band_error: BandError | None) -> Finding:
     """The loss factor is known in the valid band, for every spectrum that fits the data."""
     if band_error is None:
         return Finding("How well the loss factor is known was not computed")
-    error = band_error.largest[1]
+    error = band_error.max_errors[1]
     size = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
     return Finding(
         f"In the valid band the loss factor is known to {size}",

@@ -109,7 +109,9 @@ class ArmColumns:
         """Return the best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
         times = np.arange(low[0], high[0], 1 / _PER_FOLD)
-        tried = [self.problem.at(np.array([t, slope])) for t in times for slope in _SLOPES]
+        tried = [
+            self.problem.solve_linear(np.array([t, slope])) for t in times for slope in _SLOPES
+        ]
         optima: list[Optimum] = []
         for near in sorted(tried, key=lambda optimum: optimum.cost):
             if all(abs(near.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima):
@@ -443,7 +445,9 @@ def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: Frac
     mine, other_sse = sse.tolist()
     fall = deviance(other_sse, effective=effective) - deviance(mine, effective=effective)
     law = bent.elastic_law
-    parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
+    parameters = (
+        len(bent.estimate.parameters) + len(bent.estimate.nuisance) + (len(law.knots) if law else 0)
+    )
     rise = fall + (len(fit.estimate.names) - parameters) * float(np.log(effective))
     explains = rise < VERY_STRONG or not is_significant_fall(fall, 1)
     other = build_alternative(

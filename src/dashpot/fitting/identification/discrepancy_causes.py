@@ -316,7 +316,7 @@ def _build_explanation(
 
 def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, float]:
     """Return what a free quantity came to, and its standard error."""
-    place = candidate.problem.at[quantity]
+    place = candidate.problem.index[quantity]
     value = float(getattr(candidate.point, quantity))
     return value, value * float(np.sqrt(candidate.covariance[place, place]))
 

@@ -302,7 +302,7 @@ def build_identified_fit(
             band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
-            moved=()
+            parameter_changes=()
             if fit is None
             else _compare_parameters(fit, point.model, names, physical, end),
             explanations=() if discrepancy is None else discrepancy.explanations,
@@ -331,9 +331,9 @@ def end_of_data(
     :math:`K' - k_\infty = \sum_j k_j \omega^2\tau_j^2/(1 + \omega^2\tau_j^2) \ge 0`.
     """
     solid = best.point.model
-    if before is not None and before.end_of_hold is not None:
-        return before.end_of_hold.holding(solid)
-    of_arms = estimate.of_arms(solid) if isinstance(solid, FractionalZener) else estimate
+    if before is not None and before.evidence.end_of_hold is not None:
+        return before.evidence.end_of_hold.holding(solid)
+    of_arms = estimate.convert_to_arms(solid) if isinstance(solid, FractionalZener) else estimate
     model = solid.maxwell
     rows = [of_arms.parameters.index(name) for name in parameter_names(model.arms)]
     covariance = of_arms.covariance[np.ix_(rows, rows)]
@@ -371,7 +371,7 @@ def _physical(
     problem, sought = best.problem, best.problem.sought
 
     def physical(theta: FloatArray) -> FloatArray:
-        b = [np.exp(theta[problem.at["b"]])] if problem.dashpot else []
+        b = [np.exp(theta[problem.index["b"]])] if problem.dashpot else []
         return np.append(sought.physical(theta[: sought.size])[1], b)
 
     names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
@@ -414,7 +414,7 @@ def _slope_of_physical(best: Candidate) -> FloatArray:
     slope = np.zeros((sought.size + problem.dashpot, len(best.theta)))
     slope[: sought.size, : sought.size] = sought.physical(best.theta[: sought.size])[2]
     if problem.dashpot:
-        slope[-1, problem.at["b"]] = np.exp(best.theta[problem.at["b"]])
+        slope[-1, problem.index["b"]] = np.exp(best.theta[problem.index["b"]])
     return slope
 
 
@@ -422,7 +422,7 @@ def _compute_rig_covariance_root(before: Fit, best: Candidate) -> FloatArray:
     """A root of what rigs add to the covariance of an earlier fit, in the rows that are kept."""
     estimate = before.estimate
     rows = best.problem.earlier_rows
-    more = (estimate.covariance - estimate.noise_alone.covariance)[np.ix_(rows, rows)]
+    more = (estimate.covariance - estimate.noise_only.covariance)[np.ix_(rows, rows)]
     values, vectors = np.linalg.eigh(more)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
@@ -462,7 +462,7 @@ def _find_loss_factor_band(
 
     def errors_by(parameter_estimate: ParameterEstimate) -> Callable[[float], tuple[float, float]]:
         arms = (
-            parameter_estimate.of_arms(solid)
+            parameter_estimate.convert_to_arms(solid)
             if isinstance(solid, FractionalZener)
             else parameter_estimate
         )
@@ -500,7 +500,7 @@ def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
 
 
 def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
-    at, point = best.problem.at, best.point
+    at, point = best.problem.index, best.point
     items = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
     items += [
         (title, name, "1")
@@ -541,10 +541,10 @@ def _compare_parameters(
 ) -> tuple[ParameterChange, ...]:
     """Return each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
-    of_noise = before.estimate.noise_alone.covariance
+    of_noise = before.estimate.noise_only.covariance
     old, new = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
-        for rows, matrix in ((before.parameters, of_noise), (names, covariance))
+        for rows, matrix in ((before.estimate.parameters, of_noise), (names, covariance))
     )
     # title and unit, then value and row before and after
     if isinstance(solid, FractionalZener):

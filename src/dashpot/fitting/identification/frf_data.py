@@ -173,9 +173,9 @@ def frf_data_of(
     lines = measured.only(keep)
     scatter, size = lines.random_sd, np.abs(lines.value)
     certain = scatter is not None
-    if scatter is None and lines.scatter_of_one is not None:
+    if scatter is None and lines.single_average_sd is not None:
         # of an unknown number of hits: the lines' shares of the misfit, which tells its size
-        share = np.hypot(lines.scatter_of_one / size, FLOOR)
+        share = np.hypot(lines.single_average_sd / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
     sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
     weighed = mass if over_base else None

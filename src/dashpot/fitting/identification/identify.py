@@ -124,8 +124,8 @@ def identify(
         Maxwell arms in all. ``"auto"`` takes the number that the data support.
     family : "maxwell", "fractional" or "auto"
         Arms, a fractional Zener model, or the one of the two that BIC prefers, as in
-        :func:`~dashpot.fitting.relaxation.fit`; `Fit.alternative` is then the other. An earlier fit
-        without its tests is a prior of its own family alone.
+        :func:`~dashpot.fitting.relaxation.fit`; `Fit.evidence.alternative` is then the other. An
+        earlier fit without its tests is a prior of its own family alone.
     rig : HammerRig
         How well mass and channels are known.
     known : KnownSolid
@@ -360,8 +360,8 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
     line with dashpot would fare worse. Of 36 FRFs that choose otherwise then, 15 lose their only
     arm, and their peak is too high by a factor of 3.6 or more; of the other 21 the peak lies within
     the limit of the loss factor in 17. Two joint fits err in k(T) by 3 %, where they erred by .2 %
-    at most, and say "use". So it stays, as a correction of the others: `Fit.unplaced` tells it, and
-    the check on the arms lets the verdict be no better than "use with care".
+    at most, and say "use". So it stays, as a correction of the others: `list_undetermined_times`
+    tells it, and the check on the arms lets the verdict be no better than "use with care".
     """
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     best = []

@@ -167,7 +167,7 @@ class IdentificationProblem:
     scale: float = 1.0
 
     @cached_property
-    def at(self) -> dict[str, int]:
+    def index(self) -> dict[str, int]:
         """Place of b, and of each nuisance, in the vector."""
         free = [
             name
@@ -195,14 +195,16 @@ class IdentificationProblem:
     def pack(self, point: Parameters) -> FloatArray:
         """Return the vector of a point."""
         of = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
-        rest = [of[name] / DELAY_UNIT if name == "delay" else np.log(of[name]) for name in self.at]
+        rest = [
+            of[name] / DELAY_UNIT if name == "delay" else np.log(of[name]) for name in self.index
+        ]
         return np.append(self.sought.pack(point.model), rest)
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """Return the point of a vector."""
         entries = {
             name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
-            for name, i in self.at.items()
+            for name, i in self.index.items()
         }
         model = self.sought.unpack(theta[: self.sought.size], entries.pop("b", 0.0))
         available = {
@@ -222,10 +224,10 @@ class IdentificationProblem:
             if name == "delay"
             else (float(np.log(prior.mean)), prior.sd / prior.mean)
             for name, prior in self.priors.priors_by_name.items()
-            if prior is not None and name in self.at
+            if prior is not None and name in self.index
         }
         mean, sd = np.array([*entries.values()]).reshape(-1, 2).T
-        return [self.at[name] for name in entries], mean, sd
+        return [self.index[name] for name in entries], mean, sd
 
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
@@ -236,8 +238,8 @@ class IdentificationProblem:
         retained, places = self.sought.extract_earlier_values(before)
         of = dict(zip(retained, places, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
-        covariance, rows = before.estimate.noise_alone.covariance, self.earlier_rows
-        names = [before.parameters[i] for i in rows]
+        covariance, rows = before.estimate.noise_only.covariance, self.earlier_rows
+        names = [before.estimate.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return [of[name] for name in names], np.array([retained[name] for name in names]), root
 
@@ -249,21 +251,21 @@ class IdentificationProblem:
             return []
         retained, variance = (
             self.sought.extract_earlier_values(before)[0],
-            np.diag(before.estimate.noise_alone.covariance),
+            np.diag(before.estimate.noise_only.covariance),
         )
         return [
-            i for i, name in enumerate(before.parameters)
+            i for i, name in enumerate(before.estimate.parameters)
             if name in retained and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
 
-    def about(self, start: FloatArray) -> least_squares.Problem:
+    def build_problem(self, start: FloatArray) -> least_squares.Problem:
         """It as least squares, about a start: every logarithm kept where doubles can follow."""
         low, high = start - 25.0, start + 12.0
         ends = self.sought.ends(self.log_tau_range)
         sought = slice(self.sought.size - len(ends), self.sought.size)
         low[sought], high[sought] = ends.T
-        if "delay" in self.at:
-            low[self.at["delay"]], high[self.at["delay"]] = -1e3, 1e3
+        if "delay" in self.index:
+            low[self.index["delay"]], high[self.index["delay"]] = -1e3, 1e3
         return least_squares.Problem(
             lambda theta: ModelPrediction(self, theta).rows,
             [Parameter(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)],
@@ -335,7 +337,7 @@ class ModelPrediction:
         for columns, residuals in zip(tests, self._relaxation_residuals, strict=True):
             columns[:, :size] = residuals.jacobian
             if self.problem.dashpot:
-                columns[:, self.problem.at["b"]] = self._b * residuals.dashpot
+                columns[:, self.problem.index["b"]] = self._b * residuals.dashpot
         return np.concatenate([*tests, self._differentiate_lines(), self.prior_residuals[1]])
 
     # -- private ------------------------------------------------------------------------------
@@ -346,7 +348,7 @@ class ModelPrediction:
 
     @property
     def _b(self) -> float:
-        return float(np.exp(self.theta[self.problem.at["b"]])) if self.problem.dashpot else 0.0
+        return float(np.exp(self.theta[self.problem.index["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
     def _relaxation_residuals(self) -> list[RelaxationResiduals]:
@@ -381,8 +383,8 @@ class ModelPrediction:
         by, *rest = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
         for (name, unit), column in zip(units.items(), rest, strict=True):
-            if name in problem.at:
-                by[:, problem.at[name]] += unit * column
+            if name in problem.index:
+                by[:, problem.index[name]] += unit * column
         return stack_real_rows(by / data.sd[:, None]) / problem.scale
 
     def _differentiate_impedance(
@@ -404,8 +406,8 @@ class ModelPrediction:
             "factor": felt,
             "spring": p.spring * spring,
         }
-        for name in rest.keys() & problem.at.keys():
-            by[:, problem.at[name]] = rest[name]
+        for name in rest.keys() & problem.index.keys():
+            by[:, problem.index[name]] = rest[name]
         return by
 
     def _iterate_solid_constraints(self) -> Iterator[tuple[float, FloatArray]]:
@@ -555,7 +557,7 @@ class Candidate:
     def copy_with_scale(self, scale: float) -> Candidate:
         """As it was found, its covariance with the scatter of the lines scaled."""
         problem = replace(self.problem, scale=scale)
-        return Candidate(problem, problem.about(self.theta).at(self.theta))
+        return Candidate(problem, problem.build_problem(self.theta).solve_linear(self.theta))
 
 
 def descend(
@@ -565,7 +567,7 @@ def descend(
 
     Until a step promises to lower chi-square by less than that part of it.
     """
-    whole = problem.about(start)
+    whole = problem.build_problem(start)
     return Candidate(
         problem, require_optimum(whole, [start], most=most, finished=SHORT, flat=tolerance)
     )

@@ -49,7 +49,7 @@ class HammerRig:
         """What cables may add, over the stiffness of the seals."""
         return USUAL["cable"].size if self.cable is None else self.cable
 
-    def on(self, machine: Machine | None) -> HammerRig:
+    def with_machine(self, machine: Machine | None) -> HammerRig:
         """Return the rig, and what a user says of its cable among what is known of the machines."""
         if machine is None or machine.cable is None:
             return self

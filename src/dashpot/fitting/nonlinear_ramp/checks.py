@@ -116,7 +116,7 @@ def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
         "It is right to 5 % if all arms share one elastic law and the motion is that of the "
         "seal. Otherwise it can be 11 to 46 % off. The secant at the depth stays right",
         "Test a second ramp rate or depth.",
-        grade="note" if law.gentle else None,
+        grade="note" if law.is_gentle else None,
     )
 
 

@@ -60,7 +60,7 @@ class KnotSpacing(NamedTuple):
     knots: int
     power: int = 1
 
-    def at(self, depth: float) -> FloatArray:
+    def place_knots(self, depth: float) -> FloatArray:
         """Return the knots down to a depth, m."""
         return np.asarray(depth * np.linspace(0.0, 1.0, self.knots) ** float(self.power))
 
@@ -328,7 +328,7 @@ def _rms(hold: HoldEstimate) -> float:
 def _solve_law(
     rows: DownsampledRows, spacing: KnotSpacing, hold: HoldEstimate, start: RampHoldOptimum
 ) -> RampHoldOptimum:
-    solid = QuasiLinear(rows, spacing.at(rows.depth))
+    solid = QuasiLinear(rows, spacing.place_knots(rows.depth))
     return fit_ramp_and_hold(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
 
 
@@ -357,7 +357,7 @@ def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[flo
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
         least = min(rows.noise[i], optimum.hold[i])
-        held = rows.held(i).sum() / hold.correlation[i]
+        held = rows.select_hold(i).sum() / hold.correlation[i]
         total += deviance(max(optimum.ramp[i], least) ** 2, effective=on)
         total += deviance(optimum.hold[i] ** 2, effective=held)
         effective += on

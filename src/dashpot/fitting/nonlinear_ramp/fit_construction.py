@@ -90,7 +90,11 @@ def ramp_fit(
             fewer=requested is not None and model.arms < requested,
         ),
         Evidence(
-            band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end, band_error=error
+            band,
+            checks=(*noticed, *answers),
+            stiffness_by_depth=by_depth,
+            end_of_hold=end,
+            band_error=error,
         ),
         provenance_of("full", tests, _step(tests, law)),
         elastic_law=replace(law.law, ratio_se=_shape_error(law)),
@@ -103,7 +107,7 @@ def held_ramps(tests: Sequence[RampHold], law: RampLaw) -> list[RelaxationData]:
         build_hold_data(
             test,
             law.model,
-            residual[test.settled.start - test.hold.stop :],
+            residual[test.settled_samples.start - test.hold.stop :],
             law=law.law,
         )
         for test, residual in zip(tests, law.residuals, strict=True)
@@ -144,7 +148,7 @@ def law_checks(tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None) -
     error = np.sqrt(np.diag(law.estimate.covariance))
     # the ramp's own misfit is priced, and judged by ramp_residual_small
     held = [
-        residual[test.settled.start - test.hold.stop :]
+        residual[test.settled_samples.start - test.hold.stop :]
         for residual, test in zip(law.residuals, tests, strict=True)
     ]
     residuals = Residuals(held, residual.rms, residual.kappa)

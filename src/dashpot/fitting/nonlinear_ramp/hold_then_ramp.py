@@ -153,7 +153,7 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
     """
-    here = rows.held(i)
+    here = rows.select_hold(i)
     time = rows.time[here] - rows.time[here][0]
     root = np.sqrt(rows.count[here])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
@@ -321,7 +321,7 @@ def with_residual_statistics(
     scaled = np.sqrt(rows.count) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):
-        ramp, held = rows.ramp & (rows.record == i), rows.held(i)
+        ramp, held = rows.ramp & (rows.record == i), rows.select_hold(i)
         size = int(ramp.sum())
         remainder = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
         kappa = noise_of(scaled[ramp]).kappa

@@ -202,7 +202,7 @@ class HoldBlocks:
         return tuple(
             compress_tests([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
-            else block_of(record, terms=_terms_of_hold(record), start=record.settled.start)
+            else block_of(record, terms=_terms_of_hold(record), start=record.settled_samples.start)
             for record in self.records
         )
 

@@ -90,7 +90,7 @@ class DownsampledRows:
         """Return the largest force of one record, N."""
         return float(np.abs(self.force[self.record == record]).max())
 
-    def held(self, record: int) -> BoolArray:
+    def select_hold(self, record: int) -> BoolArray:
         """Return the rows of one record's hold."""
         return np.asarray((self.record == record) & ~self.ramp)
 

@@ -643,7 +643,7 @@ class NoiseGain:
         """Return it for a small step of the parameters, in the order of the Jacobian."""
         return self._compute_gain(self._jacobian @ step)
 
-    def at(self, beta: FloatArray, log_tau: FloatArray) -> float:
+    def evaluate(self, beta: FloatArray, log_tau: FloatArray) -> float:
         """Return it for the way to other linear parameters and relaxation times."""
         return self._compute_gain(self._evaluate_model(beta, log_tau) - self._model)
 

@@ -140,7 +140,9 @@ class Estimate:
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
             """Return what is held has no error; None where the model says nothing."""
             try:
-                optimum = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
+                optimum = best.problem.fix_parameter(index, value).solve(
+                    [start], flat=_CLOSE / sum(count)
+                )
                 return None if optimum is None else slice_of(value, optimum)
             except DataError:
                 return None
@@ -150,7 +152,7 @@ class Estimate:
                 new_optimum, parts=count, noises=self.noises, prior_variance=self.prior_variance
             ).covariance
             covariance = np.insert(np.insert(covariance, index, 0.0, axis=0), index, 0.0, axis=1)
-            optimum = best.problem.at(np.insert(new_optimum.theta, index, value))
+            optimum = best.problem.solve_linear(np.insert(new_optimum.theta, index, value))
             root = float(np.sqrt(max(new_optimum.cost - best.cost, 0.0) / power))
             return ProfileSlice(root, replace(self, optimum=optimum, covariance=covariance))
 
@@ -181,7 +183,7 @@ class Estimate:
                 )
             return inside
 
-        centre = slice_of(middle, best.problem.held(index, middle).at(rest))
+        centre = slice_of(middle, best.problem.fix_parameter(index, middle).solve_linear(rest))
         return [*side(-1.0, parameter.low)[::-1], centre, *side(1.0, parameter.high)]
 
 

@@ -336,7 +336,7 @@ class _NamedColumns:
     def _plain_names(self) -> frozenset[str]:
         return frozenset(map(vocabulary.normalise_name, self.unique_names))
 
-    def ruled(self, kind: FileKind) -> bool:
+    def satisfies(self, kind: FileKind) -> bool:
         """Return whether the rule of a kind finds its columns."""
         find_columns = find_handler("table rule", kind)
         return find_columns is not None and find_columns(self.table, self.options) is not None
@@ -414,7 +414,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "csr",
         "it has force over hours, and no displacement",
-        lambda s: s.ruled("csr"),
+        lambda s: s.satisfies("csr"),
     ),
     (
         "modulus",
@@ -506,7 +506,7 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
 
     plugged = find_plugin("kinds", word)
     if plugged is not None:
-        return "plug-in", f"for {plugged.says}, as was said"
+        return "plug-in", f"for {plugged.label}, as was said"
     near = get_close_matches(word, RECOGNISED, 1)
     raise ReadError(
         f"'{word}' is no kind of file. "

@@ -293,7 +293,7 @@ def _get_stated_unit(
 ) -> str | None:
     if by_role:
         return options.unit_of(role, column.name)
-    return options.by_name().get(column.name.strip().casefold()) if column.name else None
+    return options.get_units_by_name().get(column.name.strip().casefold()) if column.name else None
 
 
 def _reason(column: Column, role: Role) -> str:

@@ -113,7 +113,7 @@ def open_file(
     ReadError
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
-    options = (options or ReadOptions()).of(path)
+    options = (options or ReadOptions()).for_file(path)
     file = pop_cached_file(path, options) or open_table(open_raw(path), options)
     with add_name_to_errors(file.raw.name):
         if sure and file.table.doubts:
@@ -300,9 +300,9 @@ def refuse_sizes(file: OpenedFile, answers: Sequence[tuple[Channel, Sequence[Che
     notes: list[str] = []
     for channel, checks in answers:
         failed = [check for check in checks if check.failed and not is_stated(file, channel)]
-        if requested := [check.typed for check in failed if check.grade == "stop"]:
+        if requested := [check.message_with_option for check in failed if check.grade == "stop"]:
             raise ReadError(requested[0])
-        notes += [Caution(check.typed, check.told) for check in failed]
+        notes += [Caution(check.message_with_option, check.message_with_remedy) for check in failed]
     return notes
 
 
@@ -341,13 +341,13 @@ def refuse_all_sizes(file: OpenedFile, chosen: Sequence[Channel], function: Judg
         if not stops:
             break
         role, check = stops[0]
-        questions.append(check.typed)
+        questions.append(check.message_with_option)
         stated.add(role)
         likelier = check.remedy.value.partition("=")[2] if check.remedy else ""
         meant[role] = units.find_unit(likelier, meant[role].dimension) or meant[role]
     if questions:
         raise ReadError(" ".join(questions))
-    return [Caution(check.typed, check.told) for _, check in failed]
+    return [Caution(check.message_with_option, check.message_with_remedy) for _, check in failed]
 
 
 def is_stated(file: OpenedFile, channel: Channel) -> bool:

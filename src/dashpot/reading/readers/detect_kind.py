@@ -83,7 +83,7 @@ class Recognised:
     on_a_base: bool = False
 
     @property
-    def what(self) -> str:
+    def kind_title(self) -> str:
         """What such a file is called."""
         return "a shaken base with its mass" if self.on_a_base else get_kind_label(self.kind)
 
@@ -242,7 +242,7 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
     ReadError
         If there is no such file, it cannot be read, or it is no TOML although it is called so.
     """
-    options = (options or ReadOptions()).of(path)
+    options = (options or ReadOptions()).for_file(path)
     file = channels.pop_cached_file(path, options)
     if file is not None:
         return file

@@ -274,7 +274,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             "tangent is used",
             "Test the seal deeper.",
             limit=depth,
-            faulted=point.beyond,
+            faulted=point.is_extrapolated,
         )
     near = abs(at - depth) <= DEPTH_LIMIT * depth
     tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
@@ -290,7 +290,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
         limit=depth,
         faulted=not (near or borne_out),
         # a ramp that a straight law follows went through every lesser compression
-        grade="limit" if point.beyond else "note",
+        grade="limit" if point.is_extrapolated else "note",
     )
 
 
@@ -303,7 +303,7 @@ def format_conclusion(c: Comparison) -> str:
     stiff = not checks["stiffness_agrees"].failed
     damped = not (checks["peak_agrees"].failed or checks["damping_agrees"].failed)
     if stiff and damped and (tested is None or not tested.failed):
-        return f"The prediction matches the measurement: {c.matched}."
+        return f"The prediction matches the measurement: {c.resonance_match}."
     first = _format_frequency_error(c, agrees=stiff)
     if damped:
         return f"{first} {_ASTRAY}"

@@ -348,10 +348,13 @@ def _is_arm_identified(fit: Fit | None, arm: int) -> bool:
     """
     if fit is None or arm > fit.model.arms or fit.method == "frf":
         return False
-    if any(change.name == f"k_{arm}" and change.before is None for change in fit.moved):
+    if any(
+        change.name == f"k_{arm}" and change.before is None
+        for change in fit.evidence.parameter_changes
+    ):
         return False
-    covariance = fit.estimate.noise_alone.covariance
-    rows = dict(zip(fit.parameters, np.diag(covariance), strict=True))
+    covariance = fit.estimate.noise_only.covariance
+    rows = dict(zip(fit.estimate.parameters, np.diag(covariance), strict=True))
     k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
         ratio = 1 / (2 * np.pi * fit.model.tau[arm - 1])

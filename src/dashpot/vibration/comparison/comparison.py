@@ -182,7 +182,7 @@ class Comparison(Plottable, Serialisable):
         )
 
     @property
-    def matched(self) -> str:
+    def resonance_match(self) -> str:
         """Peak and damping as measured, and how far the model is off."""
         off = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
         peak = f"peak at {self.measured_hz:.4g} Hz ({off})"
@@ -203,7 +203,7 @@ class Comparison(Plottable, Serialisable):
         )
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Measured and predicted over frequency, and what parts them in standard deviations."""
         return {
             "frequency": (self.measured.frequency, "Hz"),
@@ -213,7 +213,7 @@ class Comparison(Plottable, Serialisable):
         }
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict and the peaks."""
         rows = [("", "predicted", "measured", "difference"), *self.rows]
         return (
@@ -223,8 +223,10 @@ class Comparison(Plottable, Serialisable):
         )
 
     def __str__(self) -> str:
-        failed = (f"{check.told} [{check.name}]" for check in self.checks if check.failed)
-        return "\n".join((*self.described, *map(str, self.arms), *failed))
+        failed = (
+            f"{check.message_with_remedy} [{check.name}]" for check in self.checks if check.failed
+        )
+        return "\n".join((*self.summary_lines, *map(str, self.arms), *failed))
 
 
 def _ratio(value: float | None) -> str:

@@ -55,7 +55,7 @@ class RegressionLine(Serialisable):
     spread: float
     dof: int
 
-    def at(self, x: float) -> tuple[float, float]:
+    def predict_interval(self, x: float) -> tuple[float, float]:
         """Return the line at x, and half its 95 % interval."""
         count = self.dof + 2
         error = self.se * float(np.hypot(self.spread / np.sqrt(count), x - self.middle))
@@ -96,7 +96,7 @@ class Trend:
         return self.stiffness_line.sure
 
     @property
-    def stiffness_found(self) -> float:
+    def detectable_stiffness_change(self) -> float:
         """Change that four of five such tests find."""
         return self.stiffness_line.found
 
@@ -111,8 +111,8 @@ class Trend:
         return self.damping_line.sure
 
     @property
-    def damping_found(self) -> float:
-        """As `stiffness_found`."""
+    def detectable_damping_change(self) -> float:
+        """As `detectable_stiffness_change`."""
         return self.damping_line.found
 
 

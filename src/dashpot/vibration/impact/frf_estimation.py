@@ -267,7 +267,7 @@ def _combine(
         for spectra, value in zip(near.split_channels(), values, strict=True)
     ]
     combination = null_rocking(
-        FRFLines.measured(
+        FRFLines.from_measurement(
             near.s,
             values,
             None if near.averages < 2 else np.array(errors),

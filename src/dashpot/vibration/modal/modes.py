@@ -42,7 +42,7 @@ def compute_rms_accelerance(points: FRFSet) -> FRF:
 def lines_of(points: FRFSet) -> FRFLines:
     """Return the accelerances of a set as lines to be fitted, a row for each point."""
     first = points.frfs[0].to(Kind.ACCELERANCE)
-    return FRFLines.measured(
+    return FRFLines.from_measurement(
         first.s, points.accelerance, points.sd, record=first.record, pulse=first.pulse
     )
 

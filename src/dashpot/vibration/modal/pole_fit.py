@@ -70,7 +70,7 @@ class FRFLines:
     pulse: float = 0.0
 
     @classmethod
-    def measured(
+    def from_measurement(
         cls,
         s: ComplexArray,
         value: ComplexArray,

@@ -94,7 +94,7 @@ def test_seals_that_are_not_normal_have_a_wider_interval(name, least):
         values = np.concatenate((draw(rng, 8), draw(rng, 8)))
         _, seal = components(values, [("lot", ["a"] * 8 + ["b"] * 8)], within="seal")
         held += seal.interval[0] <= truth <= seal.interval[1]
-        normal += not seal.by_kurtosis
+        normal += not seal.is_corrected_for_kurtosis
     assert held / seeds > least - 2 * np.sqrt(least * (1 - least) / seeds), held / seeds
     # what is normal is mostly taken for it, what is skewed is not
     assert normal / seeds > 0.6 or name != "normal"
@@ -114,7 +114,7 @@ def test_an_interval_of_bonett():
     c = N / (N - z)
     wide = z * c * np.sqrt((g - 17 / 20) / n)
     square = np.sum(d**2) / n
-    assert seal.by_kurtosis
+    assert seal.is_corrected_for_kurtosis
     assert seal.interval == pytest.approx(
         (c * square * np.exp(-wide), c * square * np.exp(wide)), rel=1e-5
     )

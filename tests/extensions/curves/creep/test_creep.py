@@ -71,8 +71,8 @@ def test_without_noise_the_fit_is_the_seal_to_rounding() -> None:
     found = fit(record())
     assert found.ok
     assert found.method == "creep"
-    assert found.creep is not None
-    spectrum = found.creep.spectrum
+    assert found.evidence.creep is not None
+    spectrum = found.evidence.creep.spectrum
     assert spectrum.lam == pytest.approx((0.776312, 17.928823), rel=1e-6)
     assert spectrum.d == pytest.approx((1.638841e-3, 0.436354e-3), rel=1e-6)
     assert spectrum.glass == pytest.approx(3.013864e-3, rel=1e-6)
@@ -110,18 +110,18 @@ def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSp
 def test_a_part_that_flows_is_said_to_flow() -> None:
     fluid = CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)
     found = fit(record(fluid, noise=1e-6))
-    assert found.creep is not None
-    assert found.creep.spectrum.flow == pytest.approx(4e-5, rel=1e-2)
+    assert found.evidence.creep is not None
+    assert found.evidence.creep.spectrum.flow == pytest.approx(4e-5, rel=1e-2)
     assert found.model.k_inf == 0
     assert found.model.arms == 2
     checks = {check.name: check for check in found.checks}
     assert checks["flow_distinguished"].passed
     assert "The part flows" in checks["creep_finished"].says
     assert "plateau_determined" not in checks
-    assert found.left_open is not None
-    low, high = found.left_open["k_end"]
-    assert low < 1 / float(fluid.compliance(found.end_of_hold.time)) < high
-    assert "k_inf" not in found.parameters
+    assert found.stiffness_limits is not None
+    low, high = found.stiffness_limits["k_end"]
+    assert low < 1 / float(fluid.compliance(found.evidence.end_of_hold.time)) < high
+    assert "k_inf" not in found.estimate.parameters
 
 
 def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
@@ -193,7 +193,7 @@ def test_a_material_is_fitted_by_its_stress_and_strain() -> None:
     test = record()
     found = fit(CreepTest(test.time, test.displacement, test.force, "Pa", units="SI"))
     assert found.unit == "Pa"
-    assert found.residual.unit == "1"
+    assert found.estimate.residual.unit == "1"
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
 
 
@@ -219,7 +219,7 @@ def test_a_fit_is_kept_whole() -> None:
     found = fit(record(noise=1e-6))
     again = from_json(to_json(found))
     assert again == found
-    assert again.creep == found.creep
+    assert again.evidence.creep == found.evidence.creep
     for value in (
         record(),
         load_hold(record()),
@@ -351,7 +351,7 @@ def test_creep_tests_at_several_temperatures_are_one_seal(tmp_path: Path) -> Non
     kelvin = [one + 273.15 for one in temperatures]
     found, (curve,) = fit_files(files, temperatures=kelvin)
     assert isinstance(curve, dp.solids.Superposition)
-    for one in found.shifts:
+    for one in found.temperatures.shifts:
         assert one.log10_a_t == pytest.approx(cold.log10_a(one.temperature), abs=0.01)
     assert found.temperatures.vertical == "T/T_r"
     assert found.model.k == pytest.approx(PAPER.k, rel=0.02)

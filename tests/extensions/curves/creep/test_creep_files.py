@@ -141,4 +141,4 @@ def test_a_column_of_temperature_tells_the_curves_of_one_file_apart(tmp_path: Pa
     found = read_test(written(tmp_path / "creep.csv", text))
     assert isinstance(found, CreepCompliance)
     assert found.several_temperatures
-    assert found.at("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)
+    assert found.select_temperature("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)

@@ -103,7 +103,7 @@ def test_a_parallel_dashpot_is_found_when_it_is_asked_for() -> None:
     found = fit_dynamic(sweep(voigt), dashpot=True)
     same(found.model, voigt, 1e-8)
     assert found.model.b == pytest.approx(0.1, rel=1e-8)
-    assert found.parameters[-1] == "b"
+    assert found.estimate.parameters[-1] == "b"
 
 
 @given(
@@ -245,7 +245,7 @@ def test_tare_and_drift_of_each_relaxation_test_are_told() -> None:
     other = ramp_hold(ZENER, noise=1e-3, seed=7)
     shifted = replace(other, force=other.force + 0.5)
     found = fit_dynamic(sweep(ZENER, noise=0.01), tests=[held, shifted], arms=1)
-    told = {item.name: item for item in found.nuisance}
+    told = {item.name: item for item in found.estimate.nuisance}
     assert set(told) == {f"{kind} of test {i}" for kind in ("offset", "drift") for i in (1, 2)}
     assert told["offset of test 2"].value == pytest.approx(0.5, abs=2e-3)
     assert told["offset of test 1"].value == pytest.approx(0.0, abs=2e-3)

@@ -8,6 +8,7 @@ from kit.shell import ran, told
 from kit.sweeps import REFERENCE, TEMPERATURES, moduli, modulus, sweeps, wlf
 
 import dashpot as dp
+from dashpot.datamodel.fit import get_temperature_law
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus
@@ -48,15 +49,15 @@ def test_a_fit_of_several_temperatures_is_that_of_their_reference(fitted):
     found = fitted.model.complex_stiffness(omega=omega)
     assert np.abs(found / true - 1).max() < 0.02
     assert fitted.specimen.temperature == pytest.approx(REFERENCE)
-    assert fitted.temperature_law.kind == "wlf"
-    assert len(fitted.shifts) == 9
+    assert get_temperature_law(fitted).kind == "wlf"
+    assert len(fitted.temperatures.shifts) == 9
     assert [step.name for step in fitted.provenance.steps] == ["superpose", "fit_dynamic"]
 
 
 def test_it_foretells_a_temperature_that_was_not_tested(fitted):
     kelvin = 298.15
     frequency = np.geomspace(0.1, 10, 9)
-    found = fitted.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
+    found = fitted.model_at(temperature=kelvin).complex_stiffness(omega=2 * np.pi * frequency)
     assert np.abs(found / modulus(frequency, kelvin) - 1).max() < 0.02
     assert fitted.at_temperature(kelvin).specimen.temperature == kelvin
 
@@ -71,7 +72,10 @@ def test_few_arms_stay_where_they_follow_as_closely():
     frequency = np.geomspace(0.05, 5, 12)
     draw = np.random.default_rng(2).standard_normal((2, 36))
     value = np.concatenate(
-        [ZENER.shifted(a).complex_stiffness(omega=2 * np.pi * frequency) for a in (6.0, 1.0, 0.2)]
+        [
+            ZENER.shift_to_temperature(a).complex_stiffness(omega=2 * np.pi * frequency)
+            for a in (6.0, 1.0, 0.2)
+        ]
     )
     value = value + 0.005 * np.abs(value) * (draw[0] + 1j * draw[1])
     data = dp.DynamicTest(
@@ -84,7 +88,7 @@ def test_few_arms_stay_where_they_follow_as_closely():
     found = fit_dynamic(data)
     assert found.model.arms == 1
     assert found.model.tau[0] == pytest.approx(0.1, rel=0.02)
-    assert found.shifts[0].log10_a_t == pytest.approx(np.log10(6), abs=0.02)
+    assert found.temperatures.shifts[0].log10_a_t == pytest.approx(np.log10(6), abs=0.02)
     assert found.verdict.use == "use"
     alone = fit_dynamic(data, arms=1, temperature=293.15)
     assert alone.model.tau[0] == pytest.approx(found.model.tau[0], rel=0.02)
@@ -93,7 +97,7 @@ def test_few_arms_stay_where_they_follow_as_closely():
 
 def test_moduli_of_several_temperatures_are_fitted_alike():
     found = fit_modulus(moduli())
-    assert found.temperature_law.kind == "wlf"
+    assert get_temperature_law(found).kind == "wlf"
     time = np.geomspace(1e-3, 1e4, 20)
     true = fit_modulus(dp.solids.superpose(moduli(noise=0.0))).model.relaxation(time)
     np.testing.assert_allclose(found.model.relaxation(time), true, rtol=0.03)
@@ -119,7 +123,7 @@ def test_the_shell_takes_moduli_files_and_tables_of_shifts(tmp_path):
     whole = moduli()
     files = []
     for kelvin in TEMPERATURES[2:]:
-        part = whole.at(kelvin)
+        part = whole.select_temperature(kelvin)
         file = tmp_path / f"{kelvin:.0f}.csv"
         rows = np.column_stack((part.time, part.modulus / 1e6))
         head = f"temperature: {kelvin - 273.15:.0f} degC\ntime [s],E(t) [MPa]"

@@ -75,7 +75,7 @@ def test_compliances_of_one_file_are_those_of_one_file_each():
     np.testing.assert_allclose(
         shifts(dp.solids.superpose(whole)), shifts(dp.solids.superpose(parts)), atol=1e-9
     )
-    assert whole.at(REFERENCE) == parts[4]
+    assert whole.select_temperature(REFERENCE) == parts[4]
     with pytest.raises(dp.FitError, match="one kind and one unit"):
         dp.solids.superpose([moduli(), parts[0]])
 

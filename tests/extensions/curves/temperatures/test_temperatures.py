@@ -19,6 +19,7 @@ import dashpot as dp
 from dashpot.base.errors import Status
 from dashpot.base.option_fields import Vertical
 from dashpot.datamodel.bounds import StiffnessBounds
+from dashpot.datamodel.fit import get_temperature_law
 from dashpot.extensions.curves.temperatures.joint_problem import JointTests, ShiftedSolid
 from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -83,14 +84,14 @@ def test_a_cold_test_sees_the_arm_that_a_warm_one_cannot(pair):
 
 
 def test_shift_and_stiffness_are_those_of_the_seal(pair):
-    fridge, room = pair.shifts
+    fridge, room = pair.temperatures.shifts
     assert (fridge.temperature, room.temperature) == (273.15, 296.15)
     assert (room.log10_a_t, room.se, room.b_t) == (0.0, 0.0, 1.0)
     assert fridge.log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
     assert fridge.se < 0.005
     assert fridge.b_t == pytest.approx(273.15 / 296.15, abs=3 * fridge.b_t_se)
-    assert pair.temperature_law.kind == "free"
-    chilled = pair.at("0degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    assert get_temperature_law(pair).kind == "free"
+    chilled = pair.model_at(temperature="0degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert chilled.real == pytest.approx(
         cold.complex_stiffness("hidden", celsius=FRIDGE).real, rel=2e-3
     )
@@ -99,7 +100,7 @@ def test_shift_and_stiffness_are_those_of_the_seal(pair):
 def test_the_cold_solid_is_known_by_the_cold_test(pair):
     """Relaxation time, shift and slope err together: their product is what the test measured."""
     chilled, quiet = pair.at_temperature("0degC"), of_noise(pair)
-    arm = chilled.parameters.index("ln_tau_1")
+    arm = chilled.estimate.parameters.index("ln_tau_1")
     noise = of_noise(chilled).covariance
     found, error = np.log(chilled.model.tau[0]), float(np.sqrt(noise[arm, arm]))
     assert error < 0.2 * float(np.sqrt(quiet.covariance[arm, arm]))
@@ -114,9 +115,15 @@ def test_the_point_alone_is_that_of_the_whole_fit(pair):
     records = cold.records("hidden", PAIR, 0)
     point = fit_tests(records, arms=3, intervals=False)
     assert np.allclose(point.model.k, pair.model.k, rtol=1e-9)
-    assert point.shifts[0].log10_a_t == pytest.approx(pair.shifts[0].log10_a_t, abs=1e-9)
+    assert point.temperatures.shifts[0].log10_a_t == pytest.approx(
+        pair.temperatures.shifts[0].log10_a_t, abs=1e-9
+    )
     assert {check.name for check in point.checks} == {"uncertainty_estimated"}
-    assert point.shifts[0].se == point.at_temperature("0degC").standard_error["k_inf"] == np.inf
+    assert (
+        point.temperatures.shifts[0].se
+        == point.at_temperature("0degC").standard_error["k_inf"]
+        == np.inf
+    )
     assert from_json(to_json(point)) == point
 
 
@@ -128,7 +135,7 @@ def test_two_temperatures_are_told_that_three_see_more(pair, triple):
 
 
 def test_three_temperatures_carry_a_law(triple):
-    law = triple.temperature_law
+    law = get_temperature_law(triple)
     assert law.kind == "wlf"
     at, error = law.log10_a_t(263.15), triple.temperatures.error(263.15)[0] / np.log(10)
     assert abs(at - cold.log10_a(263.15)) < 3 * error < 0.1
@@ -219,7 +226,7 @@ def test_the_end_of_the_hold_is_left_open_as_far_as_it_is(pair, known_pair):
     k_inf, k, tau = cold.HIDDEN
     end = k_inf + np.sum(np.array(k) * np.exp(-40 / np.array(tau)))
     for found, least, most in ((pair, 1.03, 1.06), (known_pair, 1.005, 1.02)):
-        low, high = found.left_open["k_end"]
+        low, high = found.stiffness_limits["k_end"]
         assert low < end < high
         assert least * low < high < most * low
 

@@ -48,8 +48,8 @@ def found(bench) -> dp.Fit:
 
 
 def test_temperatures_stand_in_the_order_of_the_files(bench, found):
-    assert [round(shift.temperature, 2) for shift in found.shifts] == [273.15, 296.15]
-    assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    assert [round(shift.temperature, 2) for shift in found.temperatures.shifts] == [273.15, 296.15]
+    assert found.temperatures.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
     swapped, _ = fit_files(bench, temperatures=(273.15, 296.15))
     assert swapped.verdict.use == "do not use"
     # the closest solid explains neither by a shift alone

@@ -10,6 +10,7 @@ from kit.cld import ARMS, answered, bulb, dashpot_and_arms, fit_of, pressed, sti
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
+from dashpot.datamodel.fit import apply_elastic_law
 from dashpot.extensions.materials.cld.equilibrium_curve import relaxed_law
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
@@ -82,7 +83,7 @@ def test_another_memory_leaves_hysteresis_and_another_seal_another_force():
 def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
     relaxed = relaxed_law(found(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
     for held in (5e-3, 8e-3):
-        fit = fit_of(stiffening, depth=held).with_elastic_law(relaxed.law, checks=relaxed.checks)
+        fit = apply_elastic_law(fit_of(stiffening, depth=held), relaxed.law, checks=relaxed.checks)
         for x in (2.6e-3, 5e-3):
             solid = fit.model_at(x)
             assert solid.k_inf == pytest.approx(150 + 3 * 7.2656e5 * x**2, rel=0.01)
@@ -106,9 +107,9 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
         relaxed_law(one, loose)
     law = relaxed_law(one, fit).law
     with pytest.raises(DataError, match="at least as deep"):
-        fit_of(stiffening, depth=9e-3).with_elastic_law(law)
+        apply_elastic_law(fit_of(stiffening, depth=9e-3), law)
     with pytest.raises(DataError, match="no pressed part"):
-        replace(fit, elastic_law=None).with_elastic_law(law)
+        apply_elastic_law(replace(fit, elastic_law=None), law)
 
 
 def at_speeds(speeds, law=bulb, **how):

@@ -61,7 +61,7 @@ def test_figures_are_those_of_the_truth_whatever_the_signs(law, turn):
     assert len(one.cycles) == 4
     assert one.cycle.number == 4
     assert one.cycle.speed == pytest.approx(5e-3, rel=1e-3)
-    for mark in one.marked:
+    for mark in one.limit_marks:
         for inward, force in ((True, mark.loading), (False, mark.unloading)):
             true = true_force(truth, mark.compression, cycle=4, inward=inward)
             assert force == pytest.approx(true, abs=4 * mark.loading_se)

@@ -60,7 +60,7 @@ class Chart(Serialisable):
     signals: tuple[Signal, ...]
 
     @property
-    def signalled(self) -> tuple[int, ...]:
+    def signalling_points(self) -> tuple[int, ...]:
         """The points that break a rule, each once."""
         return tuple(sorted({signal.point for signal in self.signals}))
 
@@ -68,7 +68,7 @@ class Chart(Serialisable):
     def causes(self) -> tuple[tuple[int, int], ...]:
         """First and last point of each run of points that break a rule: a cause each."""
         results: list[tuple[int, int]] = []
-        for at in self.signalled:
+        for at in self.signalling_points:
             if results and at - results[-1][1] == 1:
                 results[-1] = (results[-1][0], at)
             else:

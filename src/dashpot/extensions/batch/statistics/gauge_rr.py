@@ -83,7 +83,7 @@ class Gauge:
         return next(variation for variation in self.variations if variation.name == name)
 
     @property
-    def says(self) -> str:
+    def summary(self) -> str:
         """The share of the gauge, and ndc with its interval: whole categories, the rest cut off."""
         text, low, high = (
             f"{math.floor(value)}" if math.isfinite(value) else "∞"
@@ -92,7 +92,7 @@ class Gauge:
         return f"{100 * self['gauge'].share:.1f} % of all, ndc {text} ({low} to {high})"
 
     @property
-    def pooled(self) -> bool:
+    def is_pooled(self) -> bool:
         """Whether the interaction was tried and counts as repeatability."""
         return self.interaction_p is not None and self.interaction_p > POOLED
 

@@ -65,7 +65,7 @@ class Capability:
         return f"{self.cpk:.2f}", f"{self.cpk_interval[0]:.2f}", f"{self.cpk_interval[1]:.2f}"
 
     @property
-    def says(self) -> str:
+    def summary(self) -> str:
         """Cpk with its interval."""
         cpk, low, high = self.cells
         return f"Cpk {cpk} ({low} to {high})"

@@ -62,7 +62,7 @@ class Component:
     normal: float | None = None
 
     @property
-    def by_kurtosis(self) -> bool:
+    def is_corrected_for_kurtosis(self) -> bool:
         """Whether its interval is that of values that are not normal."""
         return self.normal is not None and self.normal < NOT_NORMAL
 

@@ -34,7 +34,9 @@ def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
         "delay": np.gradient(answer, time),
     }
     items = [
-        nuisance.value * terms[nuisance.name] for nuisance in fit.nuisance if nuisance.name in terms
+        nuisance.value * terms[nuisance.name]
+        for nuisance in fit.estimate.nuisance
+        if nuisance.name in terms
     ]
     return np.asarray(answer + np.sum(items, axis=0))
 
@@ -66,7 +68,9 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     fit = fit_creep(record)
     ratio = record.displacement - fitted_displacement(fit, record)
     if not estimate_preload_baseline(record).determined:
-        drift = sum(nuisance.value for nuisance in fit.nuisance if nuisance.name == "drift")
+        drift = sum(
+            nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "drift"
+        )
         ratio = ratio + drift * (record.time - record.time[0])
     ratio = ratio[record.hold] / record.level
     since = record.time[record.hold] - (record.onset + record.ramp_end) / 2

@@ -64,7 +64,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     residual = measured - stated
     word, small = unit_of(residual, "m") if data.unit == "N/m" else ("%", 100.0)
     x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
-    rms = round_to_error(small * fit.residual.rms)
+    rms = round_to_error(small * fit.estimate.residual.rms)
     lower = Panel(
         across, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),

@@ -276,7 +276,7 @@ def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _Pr
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
-    *drift, told_drift = Machine().drift_told(slope, both, duration, unmeasured)
+    *drift, told_drift = Machine().combine_drift(slope, both, duration, unmeasured)
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, late.sd)
     return _PreloadBaseline(
@@ -593,7 +593,9 @@ def _fit_curve(
     t, values = curve.time[later], curve.compliance[later]
     rises = checks.compliance_rises(values)
     if rises.failed:
-        raise DataError(f"this is no creep compliance: {decapitalise_sentence(rises.told)}")
+        raise DataError(
+            f"this is no creep compliance: {decapitalise_sentence(rises.message_with_remedy)}"
+        )
     bad = np.flatnonzero(values <= 0)
     if bad.size:
         i = int(bad[0])
@@ -665,9 +667,9 @@ def _fit_master_curve(superposition: Superposition, options: FitOptions) -> Fit:
             "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
         )
     few = _fit_curve(curve, superposition, options)
-    if options.arms != "auto" or few.creep is None:
+    if options.arms != "auto" or few.evidence.creep is None:
         return few
-    error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1
+    error = few.evidence.creep.spectrum.compliance(curve.time) / curve.compliance - 1
     fit = shared_spectrum_if_needed(few, error, superposition, superposition.checks)
     if fit is few:
         return few

@@ -66,7 +66,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         the machine.
     """
     machine = machine or Machine()
-    machine.heeds("sync", of="a creep test")
+    machine.refuse_unused("sync", of="a creep test")
     where = test.source.file if test.source is not None else "the record"
     force = without_spikes(test.time, test.force)
     held = _find_longest_hold(test.time, force, where)

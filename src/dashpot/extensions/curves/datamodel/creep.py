@@ -99,13 +99,13 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
             refuse_absurd_record(self)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
         text, pushed = _ARE[self.unit]
         return collect_arrays(self, time="s", displacement=text, force=pushed)
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         change, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
@@ -163,7 +163,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
         validate_step_response(self, "compliance")
         _require_unit(self.unit, COMPLIANCES.values())
 
-    def at(self, temperature: Quantity) -> CreepCompliance:
+    def select_temperature(self, temperature: Quantity) -> CreepCompliance:
         """Return the samples within a kelvin of a temperature, K, in order of time.
 
         Raises
@@ -186,12 +186,12 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
         )
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Compliance over time."""
         return collect_arrays(self, time="s", compliance=self.unit)
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
         return describe_step_response(self, "compliance")
 
@@ -269,7 +269,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         _require_unit(self.unit, COMPLIANCES)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Displacement and force over time, and the load without noise."""
         text, pushed = _ARE[self.unit]
         return collect_arrays(self, time="s", displacement=text, force=pushed, load=pushed)
@@ -327,12 +327,12 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         return float(np.diff(self.corners).min()) if many else 0.0
 
     @property
-    def unloaded(self) -> bool:
+    def has_recovery(self) -> bool:
         """True if the record goes on after the load was left: a recovery."""
         return bool(self.hold.stop < len(self.time))
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, its load and hold, and what preparation noticed."""
         failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
         return (

@@ -95,14 +95,14 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Storage and loss over frequency."""
         return collect_arrays(
             self, frequency="Hz", storage=self.unit, loss=self.unit, temperature="K"
         )
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
         return (
             describe_record_source(self.source, len(self.frequency)),
@@ -122,7 +122,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
             temperature=None if self.temperature is None else self.temperature[chosen],
         )
 
-    def at(self, temperature: Quantity) -> DynamicTest:
+    def select_temperature(self, temperature: Quantity) -> DynamicTest:
         """Return the samples within a kelvin of a temperature, K.
 
         Raises

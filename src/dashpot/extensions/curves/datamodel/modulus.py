@@ -76,7 +76,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
 
-    def at(self, temperature: Quantity) -> RelaxationModulus:
+    def select_temperature(self, temperature: Quantity) -> RelaxationModulus:
         """Return the samples within a kelvin of a temperature, K, in order of time.
 
         Raises
@@ -92,11 +92,11 @@ class RelaxationModulus(EqualByValue, HasSummary):
         return has_several_temperatures(self.temperature)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Modulus over time."""
         return collect_arrays(self, time="s", modulus=self.unit, temperature="K")
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
         return describe_step_response(self, "modulus")

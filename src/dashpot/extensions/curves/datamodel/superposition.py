@@ -67,22 +67,22 @@ class Superposition(EqualByValue, Plottable):
         return self.solid
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The master curve, and the temperature that each of its samples was measured at."""
-        return {**self.curve.series, "temperature": (self.temperature, "K")}
+        return {**self.curve.table_columns, "temperature": (self.temperature, "K")}
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """What was shifted, how far, by which law, and what that leaves."""
         shifts = self.temperatures
         farthest = max(abs(shift.log10_a_t) for shift in shifts.shifts)
-        cold, warm = shifts.tested
+        cold, warm = shifts.tested_range
         return (
             (
                 f"{len(shifts.shifts)} temperatures, {celsius(cold)} to {celsius(warm)}, at "
                 f"{celsius(shifts.reference)}"
             ),
-            *self.curve.described[1:],
+            *self.curve.summary_lines[1:],
             (
                 f"shifted by up to {farthest:.3g} decades, {shifts.law.kind} law, b_T = "
                 f"{shifts.vertical}"

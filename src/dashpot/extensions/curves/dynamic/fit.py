@@ -331,7 +331,7 @@ def _select_one_temperature(
             )
         return data.curve, data
     if temperature is not None:
-        data = data.at(temperature)
+        data = data.select_temperature(temperature)
     data = data.only(np.argsort(data.frequency, kind="stable"))
     return data, UnshiftedCurve(sources_of([data]), (storage_rises(data),))
 

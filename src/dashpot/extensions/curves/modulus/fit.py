@@ -118,7 +118,9 @@ def fit_modulus(
     t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)
     if falls.failed:
-        raise DataError(f"this is no relaxation modulus: {decapitalise_sentence(falls.told)}")
+        raise DataError(
+            f"this is no relaxation modulus: {decapitalise_sentence(falls.message_with_remedy)}"
+        )
     most = validate_arm_count(arms, max_arms)
     window = _window(t)
     block = _weight_curve(t, values, weights, window, most)

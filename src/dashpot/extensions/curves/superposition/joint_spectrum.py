@@ -249,7 +249,7 @@ def vertical_step(
     n, shifts = len(isotherms), np.concatenate((best.ln_a, best.ln_b))
     free = _free(n, reference, both=True)
     problem = ShiftSearch(isotherms, best.ln_tau, shifts, free, noise).problem
-    point = problem.at(shifts[free], best.optimum.beta > 0)
+    point = problem.solve_linear(shifts[free], best.optimum.beta > 0)
     step = -np.linalg.lstsq(point.projected_jacobian, point.all_residuals, rcond=None)[0]
     values = np.zeros(2 * n)
     values[free] = step

@@ -34,7 +34,7 @@ def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) ->
 def _best(problem: Problem, falls: FloatArray) -> float:
     cost, near = [], None
     for fall in falls:
-        optimum = problem.at(np.array([fall]), near)
+        optimum = problem.solve_linear(np.array([fall]), near)
         near = optimum.beta > 0
         cost.append(optimum.cost)
     return float(falls[int(np.argmin(cost))])

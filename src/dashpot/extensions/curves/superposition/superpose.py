@@ -337,7 +337,7 @@ def _step(
     *,
     provided: bool,
 ) -> Step:
-    cold, warm = temperatures.tested
+    cold, warm = temperatures.tested_range
     tried = ", ".join(f"{score.kind} {score.bic:.4g}" for score in law_fit.scores)
     options = (
         ("reference", f"{temperatures.reference:g} K"),

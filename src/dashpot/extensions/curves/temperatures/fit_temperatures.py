@@ -110,7 +110,7 @@ def _fit_single_test(
     if bent.sound and not bend:
         return SingleTemperatureTest.from_first_fit(record, kelvin, gate.first, None)
     block = block_of(
-        record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
+        record, terms=("offset", "drift"), index=0, start=record.settled_samples.start, law=bent.law
     )
     held = FitData(
         [block],
@@ -183,7 +183,7 @@ def _find_loss_factor_band(
         data,
         time=max(test.record.hold_time for test in tests),
         own=made.model,
-        dof=made.dof,
+        dof=made.estimate.dof,
     )
     return band_of_hold(spectra, made.model, made.band)
 
@@ -201,7 +201,7 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
         [relaxation_data(record, made) for record in records],
         time=max(record.hold_time for record in records),
         own=made.model,
-        dof=made.dof,
+        dof=made.estimate.dof,
     )
 
 

@@ -165,7 +165,7 @@ def compute_joint_covariance(
         noises.append(noise_of(weight * residual.left, jacobian, rounding=least))
         solid = point.solid_at(int(joint.at[i]))
         others.append(partial(_encoder_rows, test, solid))
-        unmeasured.append(weight * test.unseen(solid))
+        unmeasured.append(weight * test.unmeasured_effects(solid))
     if "slope" in names:
         before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
     joined = np.concatenate(before)

@@ -144,7 +144,7 @@ class SingleTemperatureTest:
     @property
     def start(self) -> int:
         """The first sample that is fitted."""
-        return first_sample(self.record) if self.law is None else self.record.settled.start
+        return first_sample(self.record) if self.law is None else self.record.settled_samples.start
 
     def add_warming_column(
         self, solid: GeneralizedMaxwell, *, by_a: float, by_b: float
@@ -162,7 +162,7 @@ class SingleTemperatureTest:
         column = warming(time, x, solid, by_a=by_a, by_b=by_b)
         return replace(self, warming=column[self.start :])
 
-    def unseen(self, solid: GeneralizedMaxwell) -> FloatArray:
+    def unmeasured_effects(self, solid: GeneralizedMaxwell) -> FloatArray:
         """What the rig may add that no column looks for, N, one standard deviation each, (n, d).
 
         Of the drift, what the fit holds to be less than it may be. `solid` is that at the
@@ -174,7 +174,9 @@ class SingleTemperatureTest:
         # it is sought
         del effects["warming"]
         columns = [sd * np.interp(time, time[at], column) for column, sd in effects.values()]
-        columns.append(cell_priors.doubt.beyond(cell_priors.drift).sd * (time - cell_priors.at))
+        columns.append(
+            cell_priors.doubt.remaining_after(cell_priors.drift).sd * (time - cell_priors.at)
+        )
         return np.column_stack(columns)[self.start :]
 
 

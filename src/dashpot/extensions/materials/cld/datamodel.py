@@ -75,12 +75,12 @@ class CompressionTest(EqualByValue, HasSummary):
         refuse_absurd_record(self)
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Force over displacement, and time."""
         return collect_arrays(self, displacement="m", force="N", time="s")
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         return (
             describe_record_source(self.source, len(self.force)),
@@ -146,9 +146,16 @@ class Cycle(EqualByValue, Serialisable):
     """
 
     keys = (
-        "number", "depth", "speed", "contact", "peak", "energy", "returned", "hysteresis",
+        "number",
+        "depth",
+        "speed",
+        "contact",
+        "peak",
+        "energy",
+        "returned=recovered_energy",
+        "hysteresis",
         "hysteresis_se",
-    )  # fmt: skip
+    )
 
     number: int
     depth: float
@@ -166,14 +173,14 @@ class Cycle(EqualByValue, Serialisable):
         return self.loading.work()
 
     @property
-    def returned(self) -> float | None:
+    def recovered_energy(self) -> float | None:
         """Given back by the unloading, J."""
         return None if self.unloading is None else -self.unloading.work()
 
     @property
     def hysteresis(self) -> float | None:
         """Part of the energy that was not given back."""
-        returned = self.returned
+        returned = self.recovered_energy
         return None if returned is None else 1 - returned / self.energy
 
 
@@ -182,7 +189,10 @@ def format_hysteresis(cycle: Cycle) -> str:
     lost, error = cycle.hysteresis, cycle.hysteresis_se
     if lost is None:
         return ""
-    return ReportedValue.known("", lost, error or None, unit="1", read="%").cells.with_error + " %"
+    return (
+        ReportedValue.from_error("", lost, error or None, unit="1", read="%").cells.with_error
+        + " %"
+    )
 
 
 @dataclass(frozen=True)
@@ -332,7 +342,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         return self.delay_sd * (self.cycle.speed or 0.0)
 
     @property
-    def marked(self) -> tuple[AtCompression, ...]:
+    def limit_marks(self) -> tuple[AtCompression, ...]:
         """Least, nominal and most, as far as they are known."""
         return tuple(point for point in (self.least, self.nominal, self.most) if point is not None)
 
@@ -373,19 +383,19 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         return met[-1] if met else None
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Force over compression, and time."""
         return collect_arrays(self, compression="m", force="N", time="s")
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The force at the nominal compression."""
         point = self.nominal
         force = self.per * point.loading
         return f"{force:.3g} {self.unit} at {format_quantity(point.compression, 'mm', '.3g')}"
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, the force at the nominal compression, and the cycle that it is of."""
         point, cycle = self.nominal, self.cycle
         lost = cycle.hysteresis
@@ -403,7 +413,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
                 f"{format_quantity(cycle.depth, 'mm')}"
                 + ("" if lost is None else f", hysteresis {format_hysteresis(cycle)}")
             ),
-            *(check.told for check in self.checks if check.failed),
+            *(check.message_with_remedy for check in self.checks if check.failed),
         )
 
 
@@ -432,7 +442,7 @@ class RelaxedLaw(Serialisable):
     """
 
     keys = (
-        "elastic_law=law.bare", "force_se=knot_se", "residual", "hysteresis",
+        "elastic_law=law.without_evidence", "force_se=knot_se", "residual", "hysteresis",
         "residual_hysteresis=left", "softening",
     )  # fmt: skip
 
@@ -492,7 +502,7 @@ class RateLaw(EqualByValue, Serialisable):
     """
 
     keys = (
-        "elastic_law=law.bare", "knots", "damping", "damping_se", "arms", "residual",
+        "elastic_law=law.without_evidence", "knots", "damping", "damping_se", "arms", "residual",
         "bic_over_relaxation=bic", "checks",
     )  # fmt: skip
 
@@ -519,7 +529,7 @@ class RateLaw(EqualByValue, Serialisable):
         value, error = map(float, both)
         return value, error
 
-    def at(self, compression: float) -> GeneralizedMaxwell:
+    def model_at(self, compression: float) -> GeneralizedMaxwell:
         """Return the solid that small vibration about a compression, m, feels."""
         tangent = float(self.law.tangent(compression))
         return GeneralizedMaxwell(tangent, self.k, self.tau, self.c(compression)[0])
@@ -548,4 +558,4 @@ class ProcessCapability(Protocol):
     upper: float | None
     cpk: float | None
     cpk_interval: tuple[float, float] | None
-    says: str
+    summary: str

@@ -229,7 +229,9 @@ def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
 
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """Return the relaxed force against that of each depth that the relaxation test was held at."""
-    held = [(at.depth, at.k_inf) for at in fit.by_depth] or [(depth_of(fit), fit.model.k_inf)]
+    held = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
+        (depth_of(fit), fit.model.k_inf)
+    ]
     times = longer(cld, fit)
     return [
         checks.relaxed_agrees(

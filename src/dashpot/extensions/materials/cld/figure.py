@@ -99,7 +99,7 @@ def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
 
 def _nominal(result: CLD, *, valued: bool) -> Iterator[Mark]:
     """Each nominal compression, with its force where that is of one piece."""
-    for at in result.marked:
+    for at in result.limit_marks:
         pressed, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
         yield Rule(pressed, REF)
         if valued:

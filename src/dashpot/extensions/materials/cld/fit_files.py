@@ -19,7 +19,7 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, Range, format_quantity
 from dashpot.datamodel.checks import caution_checks
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, apply_elastic_law
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.cld.checks import pieces_capable, pieces_tested_alike
@@ -125,7 +125,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
     rate: RateLaw | None = None
 
     @property
-    def kept(self) -> Pieces | Fit:
+    def _saved_result(self) -> Pieces | Fit:
         """The fit, if there is one."""
         return self.fit or self
 
@@ -135,7 +135,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
         return self.pieces[0].unit
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Of each piece what it shows at the nominal compression, as `CLD.per` gives it."""
 
         def scale_nominal(name: str) -> list[float]:
@@ -155,10 +155,10 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
         }
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The force at the nominal compression, and that of the least and of the stiffest piece."""
         if len(self.pieces) == 1 or self.rate is not None:
-            return self.pieces[0].sound
+            return self.pieces[0].headline
         forces = [piece.per * piece.nominal.loading for piece in self.pieces]
         at = format_quantity(self.pieces[0].nominal.compression, "mm", ".3g")
         return (
@@ -309,7 +309,7 @@ def _with_memory(pieces: Pieces, memory: Sequence[Fit]) -> Pieces:
     near = find_nearest_fit(pieces.pieces[0], memory)
     # the reported law is the saved law, of a piece as long as that of the relaxation test
     stiffness = relaxed.law.stiffness / longer(pieces.pieces[0], near)
-    fed = near.with_elastic_law(relaxed.law, checks=relaxed.checks, stiffness=stiffness)
+    fed = apply_elastic_law(near, relaxed.law, checks=relaxed.checks, stiffness=stiffness)
     return replace(pieces, checks=(*pieces.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 

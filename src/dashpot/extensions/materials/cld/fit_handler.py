@@ -24,4 +24,4 @@ def run(request: FitRequest) -> CommandResult:
     follow = ""
     if request.result_path and pieces.fit is not None:
         follow = format_command("predict", request.result_path, "--mass", "MASS", "--seals", 2)
-    return request.told(pieces, follow=follow)
+    return request.write_output(pieces, follow=follow)

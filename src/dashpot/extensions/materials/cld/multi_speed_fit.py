@@ -273,11 +273,13 @@ def _best(
     if values.shape[1] + 1 < arms:  # a number that was asked for
         values = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
     starts = [np.column_stack((values, [np.log(0.15), place])).ravel() for place in places.tolist()]
-    start = min(starts, key=lambda row: problem.at(row).cost)
+    start = min(starts, key=lambda row: problem.solve_linear(row).cost)
     best = require_optimum(problem, [start], most=40, finished=1e-5, flat=1e-6)
     g, tau = best.theta.reshape(2, -1)
     order = np.argsort(tau)
-    return replace(problem.at(np.concatenate((g[order], tau[order]))), stationary=best.stationary)
+    return replace(
+        problem.solve_linear(np.concatenate((g[order], tau[order]))), stationary=best.stationary
+    )
 
 
 def _seal(knots: FloatArray, values: FloatArray) -> FloatArray:

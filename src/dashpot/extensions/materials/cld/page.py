@@ -28,7 +28,7 @@ def page(pieces: Pieces) -> KindPage:
     first, several = pieces.pieces[0], len(pieces.pieces)
     sources = sources_of(pieces.pieces)
     able = pieces.capability
-    text = "no limits given" if able is None else able.says
+    text = "no limits given" if able is None else able.summary
     topics = [
         Topic("Pieces", {"pieces_tested_alike"}, f"{several} tested alike"),
         Topic("Capability", {"pieces_capable"}, text, text),
@@ -74,10 +74,12 @@ def _make_piece_rows(pieces: Pieces) -> Iterator[Row]:
             yield row(fact, statistics.name.capitalize())._replace(unit=unit)
         return
     cld = pieces.pieces[0]
-    for at in cld.marked:
+    for at in cld.limit_marks:
         where = format_quantity(at.compression, "mm", ".4g").replace(" ", NBSP)
-        force = ReportedValue.known("", cld.per * at.loading, cld.per * at.loading_se, unit="N")
-        slope = ReportedValue.known("", cld.per * at.slope, cld.per * at.slope_se, unit="N/m")
+        force = ReportedValue.from_error(
+            "", cld.per * at.loading, cld.per * at.loading_se, unit="N"
+        )
+        slope = ReportedValue.from_error("", cld.per * at.slope, cld.per * at.slope_se, unit="N/m")
         yield row(force, f"Force at {where}")
         yield row(slope, f"Slope at {where}")
     if cld.cycle.hysteresis is not None:

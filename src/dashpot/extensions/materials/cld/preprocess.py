@@ -93,7 +93,7 @@ def cld(
         If nothing was pressed, there is no such cycle, or none reaches `at`.
     """
     machine = machine or Machine()
-    machine.heeds("sync", of="load deflection")
+    machine.refuse_unused("sync", of="load deflection")
     if machine.sync is not None and test.time is None:
         raise DataError(
             "--machine sync= is a time, and the record has no clock. Leave it out, or export the "

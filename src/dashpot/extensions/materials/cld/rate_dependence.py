@@ -124,7 +124,7 @@ def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
         starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
     sought = [Parameter()] * len(starts[0])
     problem = Problem(partial(_rows, of), sought, positive=True, priors=len(of.records))
-    start = min(starts, key=lambda values: problem.at(values).cost)
+    start = min(starts, key=lambda values: problem.solve_linear(values).cost)
     return require_optimum(problem, [start], most=40, finished=1e-6, flat=1e-8)
 
 
@@ -140,9 +140,13 @@ def _build_rate_law(pieces: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -
     retained = [int(i) for i in np.argsort(tau) if k[i] > 0]
     n = len(best.residual)
     rms = float(np.sqrt(best.sse / n))
-    kappa = min((best.sse, uncertainty.kappa), (fit.residual.sse, fit.residual.kappa))[1]
+    kappa = min(
+        (best.sse, uncertainty.kappa), (fit.estimate.residual.sse, fit.estimate.residual.kappa)
+    )[1]
     value = score(best, n / kappa)
-    other = bic(fit.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms)
+    other = bic(
+        fit.estimate.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms
+    )
     return RateLaw(
         law_of(uncertainty, of.fine, slice(len(best.theta), len(best.theta) + first)),
         tuple(of.knots.tolist()),

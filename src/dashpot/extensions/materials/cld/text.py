@@ -68,7 +68,7 @@ def _scatter(statistics: Sequence[PieceStatistics]) -> list[str]:
 def _capability(capability: ProcessCapability | None) -> list[str]:
     if capability is None or capability.cpk is None:
         return []
-    return [f"  {capability.says}, {capability.outside} of {capability.count} outside"]
+    return [f"  {capability.summary}, {capability.outside} of {capability.count} outside"]
 
 
 def _choice(rate: RateLaw) -> str:
@@ -103,7 +103,7 @@ def _rate(rate: RateLaw) -> list[str]:
 def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
     law = curve.law
     rows = [["relaxed, mm", "force, N", "secant, N/mm", "tangent, N/mm"]]
-    for mark in (at.compression for at in result.marked):
+    for mark in (at.compression for at in result.limit_marks):
         tangent, error = (
             float(law.stiffness * function(mark)) for function in (law.factor, law.factor_se)
         )
@@ -145,7 +145,7 @@ def _piece(result: CLD) -> list[str]:
     per, of = result.per, result.unit.removeprefix("N")
     rows = [["compression, mm", f"loading, {result.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip
-    for mark in result.marked:
+    for mark in result.limit_marks:
         back = "" if mark.unloading is None else format_rounded(per * mark.unloading)
         rows.append(
             [
@@ -157,7 +157,7 @@ def _piece(result: CLD) -> list[str]:
             ]
         )
     cycle, sentences = result.cycle, []
-    if cycle.hysteresis is not None and cycle.returned is not None:
+    if cycle.hysteresis is not None and cycle.recovered_energy is not None:
         sentences.append(
             f"hysteresis {ascii_only(format_hysteresis(cycle))} of "
             f"{format_quantity(per * cycle.energy, 'mJ')}{of}"
@@ -179,7 +179,7 @@ def _piece(result: CLD) -> list[str]:
 def _cycles(result: CLD) -> list[str]:
     rows = [["cycle", "depth, mm", "peak, N", "in, mJ", "back, mJ", "hysteresis, %", "met, mm"]]
     for cycle in result.cycles:
-        lost, back = cycle.hysteresis, cycle.returned
+        lost, back = cycle.hysteresis, cycle.recovered_energy
         rows.append(
             [
                 str(cycle.number),

@@ -90,12 +90,12 @@ class CounterforceTest(EqualByValue, HasSummary):
         tested_at("temperature", float(self.temperature.min()), float(self.temperature.max()))
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The readings: force, in the unit of the file, over time."""
         return collect_arrays(self, time="s", force="", temperature="K", piece="")
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how long it lasts."""
         pieces = format_count(len(np.unique(self.piece)), "piece")
         longest = format_quantity(float(self.time.max()), "h", ".4g")
@@ -170,29 +170,29 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
         named = f"chemical relaxation time at {celsius(law.reference)}"
         facts = [
-            ReportedValue.known(
+            ReportedValue.from_error(
                 "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",
                 words="physical loss in a decade of time",
             ),
             ReportedValue("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
             if law.bound_alone
-            else ReportedValue.known(
+            else ReportedValue.from_error(
                 "chemical_time", tau, chemical, law.quantile, of_log=True, unit="s", read="h",
                 words=named,
             ),
         ]  # fmt: skip
         if law.activation:
             facts.append(
-                ReportedValue.known(
+                ReportedValue.from_error(
                     "activation_energy", law.activation, activation, law.quantile, unit="J/mol"
                 )
             )
         if law.exponent != 1:
             error = exponent * law.exponent
-            facts.append(ReportedValue.known("exponent", law.exponent, error, law.quantile))
+            facts.append(ReportedValue.from_error("exponent", law.exponent, error, law.quantile))
         return tuple(facts)
 
-    def at(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+    def age_fit(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
         """The fit of a seal after a time at a temperature, as a door, a mass and a deck take it.
 
         Every stiffness is times F/F0, with its error; what
@@ -216,7 +216,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return next(iter(self.sources), None)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """How many ovens, and what drives the aging."""
         last = self.found[-1 if self.law.activation else 1]
         hours = format_quantity(self.longest, "h", ".4g")
@@ -229,6 +229,6 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 def format_fact_clause(fact: ReportedValue) -> str:
     """Return a number with its interval as a sentence has it."""
     cells = fact.cells
-    if fact.least_alone or not fact.bounded:
-        return f"the {fact.called} is {cells.value or cells.interval} {cells.unit}"
-    return f"the {fact.called} is {cells.with_unit} ({cells.interval})"
+    if fact.is_lower_bound or not fact.has_interval:
+        return f"the {fact.label} is {cells.value or cells.interval} {cells.unit}"
+    return f"the {fact.label} is {cells.with_unit} ({cells.interval})"

@@ -24,7 +24,7 @@ def _ovens() -> str:
     for number in range(9):
         oven, first = (100, 125, 150)[number // 3], 40 * (1 + 0.03 * random.standard_normal())
         for hours in _HOURS:
-            remainder = _LAW.retained(
+            remainder = _LAW.compute_retention(
                 parse_quantity(f"{oven}degC", "temperature"), parse_quantity(f"{hours}h", "time")
             )
             force = first * remainder + 0.4 * random.standard_normal()

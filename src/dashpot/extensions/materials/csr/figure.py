@@ -28,7 +28,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
     up = Scale("F/F0, %", (max(100 * least - 5, 0.0), 105.0))
     panels = []
     for item in aging.ovens:
-        values = np.array([aging.law.retained(item.temperature, entry) for entry in time])
+        values = np.array([aging.law.compute_retention(item.temperature, entry) for entry in time])
         dots = Dots(convert_to_unit(item.time, "h"), 100 * item.retained, "measured", "measured")
         marks = (Line(hours, 100 * values, FIT, "law"), dots)
         panels.append(Panel(across, up, marks, title=format_quantity(item.temperature, "°C")))
@@ -47,10 +47,11 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     law, kelvin = prediction.aging.law, prediction.temperature
-    law = law.at_least() if law.bound_alone else law
+    law = law.lower_limit() if law.bound_alone else law
     time = np.geomspace(FIRST, prediction.furthest, 200)
-    values = np.array([law.retained(kelvin, item) for item in time])
-    reference = np.array([law.error_of(lambda it: it.retained(kelvin, item)) for item in time])  # noqa: B023
+    values = np.array([law.compute_retention(kelvin, item) for item in time])
+    errors = [law.error_of(lambda it: it.compute_retention(kelvin, at)) for at in time]  # noqa: B023
+    reference = np.array(errors)
     half = 100 * law.quantile * np.where(np.isfinite(reference), reference, 0.0)
     hours = convert_to_unit(time, "h")
     measured = time <= prediction.aging.longest

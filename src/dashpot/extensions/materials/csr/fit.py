@@ -59,7 +59,7 @@ def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = 
         If the readings are not of one lot, or no law follows them.
     """
     machine = machine or Machine()
-    machine.heeds("oven", "drift", of="compression stress relaxation")
+    machine.refuse_unused("oven", "drift", of="compression stress relaxation")
     if machine.oven is not None and machine.oven > WORST_OVEN:
         raise DataError(
             f"an oven's temperature is said to be known to {machine.oven:.4g} K; expected 0 to "
@@ -180,7 +180,7 @@ def _arrhenius(
     for name, held in _HELD.items():
         problem, still = whole, [*held, *([] if several else [2])]
         for i in still:
-            problem = problem.held(i, 0.0)
+            problem = problem.fix_parameter(i, 0.0)
         best = require_optimum(problem, [np.delete(start, still)])
         tried[name] = (still, estimate(best, noises=[white_noise(best, power)]))
     count = len(read.time)

@@ -82,7 +82,7 @@ class AgingLaw(EqualByValue):
         colder = (1 / temperature - 1 / self.reference) / GAS
         return float(np.exp(self.chemical + self.activation * colder))
 
-    def retained(self, temperature: float, time: float) -> float:
+    def compute_retention(self, temperature: float, time: float) -> float:
         """F/F0 at a temperature, K, after a time, s."""
         rate = 1 / self.tau(temperature)
         return float(retained_fraction(np.array([time]), self.physical, rate, self.exponent)[0])
@@ -90,15 +90,15 @@ class AgingLaw(EqualByValue):
     def life(self, temperature: float, part: float) -> float:
         """When F/F0 has fallen to a part, s; infinite if that is never."""
         low, high = np.log(FIRST), np.log(NEVER)
-        if self.retained(temperature, NEVER) > part:
+        if self.compute_retention(temperature, NEVER) > part:
             return float("inf")
         while high - low > 1e-9:
             middle = (low + high) / 2
-            above = self.retained(temperature, float(np.exp(middle))) > part
+            above = self.compute_retention(temperature, float(np.exp(middle))) > part
             low, high = (middle, high) if above else (low, middle)
         return float(np.exp((low + high) / 2))
 
-    def at_least(self) -> AgingLaw:
+    def lower_limit(self) -> AgingLaw:
         """Return the law of a limit: with the largest physical loss that is believed."""
         return replace(self, physical=self.physical + BOUND * self.errors[0])
 

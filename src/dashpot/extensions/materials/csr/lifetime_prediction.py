@@ -6,14 +6,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source
+from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity, parse_quantity
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, scale_stiffness
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.checks import (
     robust_to_lower_activation_energy,
@@ -61,7 +63,7 @@ class Aged(HasVerdict, Serialisable):
         return tuple(fact for facts in every for fact in facts)
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
 
@@ -172,10 +174,10 @@ def aged_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
     seconds = convert_to_si(time, "time")
     prediction = predict_aging(aging, temperature=temperature, until=f"{seconds!r}s")
     law, (fact, *_) = aging.law, prediction.answers
-    chemical = replace(law, physical=0.0).retained(prediction.temperature, seconds)
+    chemical = replace(law, physical=0.0).compute_retention(prediction.temperature, seconds)
     says = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(prediction.temperature)}"
     checks = (*prediction.checks, stiffness_follows_force(1 - chemical))
-    return fit.aged(fact, says, checks=tuple(check for check in checks if check.failed))
+    return scale_for_aging(fit, fact, says, checks=tuple(check for check in checks if check.failed))
 
 
 def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
@@ -216,23 +218,23 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
     if math.isnan(part):
         words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
         if law.bound_alone:
-            remainder = law.at_least().retained(temperature, time)
+            remainder = law.lower_limit().compute_retention(temperature, time)
             return [ReportedValue("left", math.nan, remainder, math.inf, "1", None, "%", words)]
-        remainder = law.retained(temperature, time)
-        error = law.error_of(lambda aging_law: aging_law.retained(temperature, time))
+        remainder = law.compute_retention(temperature, time)
+        error = law.error_of(lambda aging_law: aging_law.compute_retention(temperature, time))
         return [
-            ReportedValue.known(
+            ReportedValue.from_error(
                 "left", remainder, error, law.quantile, unit="1", read="%", words=words
             )
         ]
     words = f"time until F/F0 is {format_quantity(part, '%', 'g')}"
     if law.bound_alone or math.isinf(law.life(temperature, part)):
-        least = min(law.at_least().life(temperature, part), NEVER)
+        least = min(law.lower_limit().life(temperature, part), NEVER)
         return [ReportedValue("life", math.nan, least, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda aging_law: math.log(aging_law.life(temperature, part)))
     life = law.life(temperature, part)
     facts = [
-        ReportedValue.known(
+        ReportedValue.from_error(
             "life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words
         )
     ]
@@ -264,8 +266,56 @@ def _compute_answer_shift(
 
     def answer(aging_law: AgingLaw) -> float:
         if math.isnan(part):
-            return aging_law.retained(temperature, time)
+            return aging_law.compute_retention(temperature, time)
         return math.log(min(aging_law.life(temperature, part), NEVER))
 
     error = law.error_of(answer)
     return (answer(law) - answer(flat)) / error if 0 < error < math.inf else None
+
+
+def scale_for_aging(
+    fit: Fit, factor: ReportedValue, condition: str, *, checks: Sequence[Check] = ()
+) -> Fit:
+    r"""Return the fit of the same part after aging: every stiffness times a factor.
+
+    .. math:: C' = f^2 C + \sigma_f^2\,k k^T
+
+    for the stiffnesses k, with the error of the factor f in the covariance: it is one of all.
+
+    Parameters
+    ----------
+    factor : ReportedValue
+        The part that is left after aging, and its standard error.
+    condition : str
+        After what.
+    checks : sequence of Check
+        Of the factor.
+
+    Raises
+    ------
+    DataError
+        If the part is not known, or only what it is at least.
+    """
+    error = factor.error or 0.0
+    if factor.is_lower_bound or not np.isfinite(error):
+        raise DataError(
+            f"a fit is scaled by a number that is known, and this is not: {factor.text}. Use a "
+            "hotter oven, or read longer"
+        )
+    step = Step(
+        "aging",
+        (("left", repr(factor.value)), ("of", fit.identity)),
+        f"{factor.value:.4g} of fit {fit.identity} is left {condition}",
+    )
+    scaled = scale_stiffness(fit, factor.value, step)
+    values = {item.name: item.value for item in fit.estimate.list_values(fit.solid, fit.unit)}
+    k = np.array([values.get(name, 0.0) for name in fit.estimate.parameters])
+    estimate, by = scaled.estimate, error**2 * np.outer(k, k)
+    of_noise = None if estimate.of_noise is None else estimate.of_noise + by
+    return replace(
+        scaled,
+        estimate=replace(
+            estimate, covariance=estimate.covariance + by, of_noise=of_noise, profiles=()
+        ),
+        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks)),
+    )

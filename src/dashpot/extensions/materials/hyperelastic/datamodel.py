@@ -108,12 +108,12 @@ class StressStrainTest(EqualByValue, HasSummary):
             )
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Stress over stretch, and time."""
         return collect_arrays(self, stretch="1", stress="Pa", time="s")
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and what was done."""
         return (
             describe_record_source(self.source, len(self.stretch)),
@@ -225,7 +225,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return sources_of(self.curves)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The law, what it leaves of the stress, and over which stretches it holds."""
         reach = [span for _, span in self.reach]
         low, high = min(values[0] for values in reach), max(values[1] for values in reach)
@@ -252,10 +252,10 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         )
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         return (
             str(self.verdict),
             f"law: {self.law.kind}",
-            *(fact.says for fact in self.found),
+            *(fact.text for fact in self.found),
         )

@@ -32,7 +32,7 @@ def run(request: FitRequest) -> CommandResult:
         warm = () if hyperelastic_fit.temperature else ("--temperature", "23degC")
         deck = ("export", request.result_path, "--to", "abaqus", "--unit-system", "mm-t-s")
         follow = format_command(*deck, *warm, *bulk)
-    return request.told(hyperelastic_fit, follow=follow)
+    return request.write_output(hyperelastic_fit, follow=follow)
 
 
 def _group_files_by_mode(request: FitRequest) -> dict[str, list[str]]:

@@ -126,7 +126,7 @@ def power_law(
     best = require_optimum(power_problem(rows, terms, poisson), starts, most=_STEPS)
     order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
     theta = np.concatenate((best.theta[order], best.theta[terms:]))
-    optimum = power_problem(rows, len(order), poisson).at(theta)
+    optimum = power_problem(rows, len(order), poisson).solve_linear(theta)
     v = poisson if poisson is not None else float(theta[-1])
     law = Hyperelastic(
         kind,

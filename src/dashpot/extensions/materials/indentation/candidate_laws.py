@@ -69,7 +69,7 @@ class Law:
     starts: tuple[tuple[float, ...], ...] = ()
     numbers: Callable[..., Sequence[float]] = lambda *own: own
 
-    def held(self, values: Sequence[float]) -> Law:
+    def fix_loss(self, values: Sequence[float]) -> Law:
         """Return the law with its loss and its time held."""
         numbers = self.numbers(*values)
         return replace(self, starts=(), numbers=lambda: numbers)

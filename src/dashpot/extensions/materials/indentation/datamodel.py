@@ -97,12 +97,12 @@ class IndentationTest(EqualByValue, HasSummary):
         return median(np.diff(self.time))
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The motion, and the force recorded beside it, over time."""
         return {**collect_arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and what was recorded."""
         return (
             describe_record_source(self.source, len(self.time)),
@@ -155,10 +155,10 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     schema = "dashpot/indentation@2"
     keys = (
-        "law", "of", "indenter", "*values", "intervals=between", "units", "orders=scores", "touch",
+        "law", "of", "indenter", "*values", "intervals", "units", "orders=scores", "touch",
         "noise", "residual", "verdict", "checks", "source",
     )  # fmt: skip
-    read_back = False
+    _is_loadable = False
 
     law: str
     contact: ContactLaw
@@ -182,7 +182,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return {fact.name: fact.value for fact in self.found}
 
     @property
-    def between(self) -> dict[str, tuple[float, float]]:
+    def intervals(self) -> dict[str, tuple[float, float]]:
         """95 %, by the same names."""
         return {fact.name: (fact.low, fact.high) for fact in self.found}
 
@@ -197,20 +197,20 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return dict(self.orders)
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The modulus or stiffness, and the restitution."""
         named = {fact.name: fact for fact in self.found}
         first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
         bounce = named.get("restitution")
-        more = f", {bounce.called} {bounce.cells.with_unit}" if bounce else ""
+        more = f", {bounce.label} {bounce.cells.with_unit}" if bounce else ""
         between = f" ({first.cells.interval})" if first.cells.interval else ""
-        return f"{first.called} {first.cells.with_unit}{between}{more}"
+        return f"{first.label} {first.cells.with_unit}{between}{more}"
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         return (
             str(self.verdict),
             f"law: {self.law}",
-            *(fact.says for fact in self.found),
+            *(fact.text for fact in self.found),
         )

@@ -305,7 +305,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         """Return the cost of a loss and a time, as motions know it that all records share."""
         start = np.append(law.make_starting_parameters(duration, values, change), begin)
         rest = [0, len(start) - 2, len(start) - 1]
-        optimum = problem(law.held(values), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
+        optimum = problem(law.fix_loss(values), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
         if optimum is None:
             return np.inf, start
         start[rest] = optimum.theta

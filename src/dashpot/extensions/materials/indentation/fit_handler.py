@@ -26,4 +26,4 @@ def run(value: FitRequest) -> CommandResult:
         law=value.model(ImpactLawAsked),
         options=value.reading,
     )
-    return value.told(indentation_fit)
+    return value.write_output(indentation_fit)

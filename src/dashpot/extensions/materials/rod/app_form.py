@@ -26,5 +26,5 @@ def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
     return rod_files(
         files, mass=form.require_quantity("mass", "mass"),
-        density=form.bare("density") or _WATER, rod=RodChoices(disc=disc), options=options,
+        density=form.get_number("density") or _WATER, rod=RodChoices(disc=disc), options=options,
     )  # fmt: skip

@@ -100,7 +100,7 @@ class RodModulus(EqualByValue):
         return compute_stiffness_change(by * slope, self.loss_factor)
 
     @property
-    def by_errors(self) -> tuple[ComplexArray, ...]:
+    def error_contributions(self) -> tuple[ComplexArray, ...]:
         """Relative change of the modulus by one standard deviation of each error that is not 0."""
         sizes = vars(self.errors).items()
         return tuple(size * getattr(self, f"by_{name}") for name, size in sizes if size)

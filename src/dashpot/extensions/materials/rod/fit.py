@@ -69,7 +69,7 @@ def fit_rod(
     if here is None:  # a dense spectrum has no errors of its own
         return fit
     added = np.zeros_like(fit.covariance)
-    for relative in lines.by_errors:
+    for relative in lines.error_contributions:
         _, change = _average_lines(lines, lines.modulus * (1 + relative))
         there = _fit_same_solid(fit, fit_modulus, change)
         by = np.zeros(len(here)) if there is None else there - here
@@ -78,9 +78,9 @@ def fit_rod(
     # a profile knows the scatter alone
     profiles = [
         profile
-        for profile in fit.profiles
-        if profile.parameter in fit.parameters
-        and added[(i := fit.parameters.index(profile.parameter)), i] < scatter[i]
+        for profile in fit.estimate.profiles
+        if profile.parameter in fit.estimate.parameters
+        and added[(i := fit.estimate.parameters.index(profile.parameter)), i] < scatter[i]
     ]
     estimate = replace(fit.estimate, covariance=fit.covariance + added, profiles=tuple(profiles))
     return replace(fit, estimate=estimate)
@@ -92,7 +92,11 @@ def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) ->
         other = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:
         return None
-    return get_parameter_values(other) if other.parameters == fit.parameters else None
+    return (
+        get_parameter_values(other)
+        if other.estimate.parameters == fit.estimate.parameters
+        else None
+    )
 
 
 def _order(fit: Fit) -> int | Literal["auto"]:

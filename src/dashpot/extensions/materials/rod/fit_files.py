@@ -77,7 +77,7 @@ class Rod(HasVerdict, Serialisable):
     reason: str = ""
 
     @property
-    def kept(self) -> Rod | Fit:
+    def _saved_result(self) -> Rod | Fit:
         """The fit, if there is one."""
         return self.fit or self
 
@@ -90,7 +90,7 @@ class Rod(HasVerdict, Serialisable):
         return checks if self.fit is None else self.fit.checks
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The modulus over frequency."""
         return collect_arrays(
             self.modulus, frequency="Hz", storage="Pa", storage_sd="Pa", loss_factor="",

@@ -37,7 +37,7 @@ def run(request: FitRequest) -> CommandResult:
     )
     if request.output and not request.page and rod.fit is None:
         raise ReadError(f"-o writes a fit, and there is none: {rod.reason}")
-    return request.told(rod, follow=_follow(rod, request))
+    return request.write_output(rod, follow=_follow(rod, request))
 
 
 def _follow(rod: Rod, request: FitRequest) -> str:

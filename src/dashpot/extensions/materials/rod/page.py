@@ -35,12 +35,12 @@ def page(rod: Rod) -> KindPage:
                     hz,
                     (
                         row(
-                            ReportedValue.known(
+                            ReportedValue.from_error(
                                 "E′", float(of.storage[i]), float(of.storage_sd[i]), unit="Pa"
                             )
                         ),
                         row(
-                            ReportedValue.known(
+                            ReportedValue.from_error(
                                 "Loss factor", float(of.loss_factor[i]), float(of.loss_factor_sd[i])
                             )
                         ),

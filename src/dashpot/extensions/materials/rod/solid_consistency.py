@@ -44,7 +44,7 @@ def compute_single_solid_misfit(lines: RodModulus, scatter: FloatArray) -> float
     count = int(np.ceil(np.log10(slowest / fastest) * _PER_DECADE)) + 1
     x = 1j * np.outer(omega, np.geomspace(fastest, slowest, count))
     solid = np.column_stack((np.ones(len(f)), 1j * omega, x / (1 + x)))
-    errors = [E * relative for relative in lines.by_errors]
+    errors = [E * relative for relative in lines.error_contributions]
     size = len(errors)
     weight = 1 / (np.abs(E) * scatter)
     A = np.vstack((

@@ -21,7 +21,7 @@ from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict, Series, collect_arrays
 from dashpot.base.serialisation import Serialisable
-from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.datamodel.specimen import Specimen
 
 
@@ -82,12 +82,12 @@ class SlamTest(EqualByValue, HasSummary):
         return median(np.diff(self.time))
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """Force and acceleration over time."""
         return collect_arrays(self, time="s", force="N", acceleration="m/s^2")
 
     @property
-    def described(self) -> tuple[str, ...]:
+    def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and what was recorded."""
         both = {"force": self.force, "acceleration": self.acceleration}
         named = " and ".join(name for name, values in both.items() if values is not None)
@@ -148,7 +148,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     schema = "dashpot/slam@2"
     keys = ("verdict", "frequency", "values=found", "mass", "hits", "checks", "sources", "fit")
-    read_back = False
+    _is_loadable = False
 
     frequency: float
     found: tuple[ReportedValue, ...]
@@ -159,9 +159,9 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources: tuple[Source, ...] = ()
 
     @property
-    def kept(self) -> Fit:
+    def _saved_result(self) -> Fit:
         """The fit with every check that decided the verdict."""
-        return self.fit.with_checks(self.checks)
+        return add_checks(self.fit, self.checks)
 
     @property
     def source(self) -> Source | None:
@@ -169,7 +169,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return next(iter(self.sources), None)
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """What was found, and of every hit its speed, force, contact and rebound."""
         return (
             *self.found,
@@ -177,7 +177,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The loss factor, and of how many slams."""
         loss = self.found[0].cells
         between = f" ({loss.interval})" if loss.interval else ""

@@ -169,9 +169,9 @@ class _SlamsSolved:
         value, error = float(of.values[place]), float(of.standard_error[place])
         times = self.known.quantile()
         if name != "arm_time":
-            return ReportedValue.known(name, value, error, times, words=words)
+            return ReportedValue.from_error(name, value, error, times, words=words)
         time = float(np.exp(value))
-        return ReportedValue.known(
+        return ReportedValue.from_error(
             name, time, error, times, of_log=True, unit="s", read="ms", words=words
         )
 
@@ -223,11 +223,11 @@ class _SlamsSolved:
         for i, (slam, motion) in enumerate(zip(self.slams.hits, self.motions, strict=True)):
             place = self.slams.shared_parameter_count + 2 * i
             speed, error = float(self.theta[place]), float(errors[place])
-            fact = ReportedValue.known("speed", speed, error, reach, unit="m/s", read="m/s")
+            fact = ReportedValue.from_error("speed", speed, error, reach, unit="m/s", read="m/s")
             time = slam.time - self.theta[place + 1]
             hit = SlamHit(
                 slam.name, fact, motion.peak.force, motion.deepest.compression,
-                motion.release.time, motion.rebound, motion.lost / motion.energy, time,
+                motion.release.time, motion.rebound, motion.absorbed_energy / motion.energy, time,
                 slam.force - zeros[i], modelled[i],
             )  # fmt: skip
             slam_hits.append(hit)

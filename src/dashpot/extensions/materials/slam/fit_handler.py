@@ -23,4 +23,4 @@ def run(request: FitRequest) -> CommandResult:
     if request.result_path:
         how = ("--drop", "1m/s", "--mass", grams(slam_fit.mass))
         follow = format_command("predict", request.result_path, *how)
-    return request.told(slam_fit, follow=follow)
+    return request.write_output(slam_fit, follow=follow)

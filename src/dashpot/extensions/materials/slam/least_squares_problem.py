@@ -297,9 +297,9 @@ class Slams:
         arm = slice(self.shared_parameter_count - 2, self.shared_parameter_count)
         held = []
         for start in self.starts:
-            still = problem.held(self.shared_parameter_count - 1, start[arm][1]).held(
-                self.shared_parameter_count - 2, start[arm][0]
-            )
+            still = problem.fix_parameter(
+                self.shared_parameter_count - 1, start[arm][1]
+            ).fix_parameter(self.shared_parameter_count - 2, start[arm][0])
             rest = np.delete(start, arm)
             if (near := still.solve([rest], most=_NEAR, flat=_ROUGHLY)) is not None:
                 held.append(

@@ -163,7 +163,7 @@ class SlamMotion(EqualByValue):
         return self.energy + self.mass * self.pull * self.deepest.compression
 
     @property
-    def lost(self) -> float:
+    def absorbed_energy(self) -> float:
         """Work of the piece to the release, J: what it absorbed for good."""
         at = self.release
         remainder = 0.5 * self.mass * at.velocity**2

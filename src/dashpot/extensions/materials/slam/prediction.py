@@ -51,7 +51,7 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
         "verdict", "*approach", "mass", "seals", "values=answers", "time", "compression", "force",
         "checks",
     )  # fmt: skip
-    read_back = False
+    _is_loadable = False
 
     approach: Approach
     mass: float
@@ -62,14 +62,14 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
     sources: tuple[Source, ...] = ()
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:
+    def reported_values(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
 
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        force, lost = self.answers[0].cells, 100 * self.motion.lost / self.motion.energy
+        force, lost = self.answers[0].cells, 100 * self.motion.absorbed_energy / self.motion.energy
         return verdict(
             self.checks,
             headline=f"the peak force is {force.with_unit} at "
@@ -188,7 +188,7 @@ def _answers(motions: Sequence[SlamMotion]) -> tuple[ReportedValue, ...]:
     size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
     errors = [value or None for value in size.tolist()]
     return tuple(
-        ReportedValue.known(name, value, error, unit=unit, read=read, words=words)
+        ReportedValue.from_error(name, value, error, unit=unit, read=read, words=words)
         for (name, unit, read, words), value, error in zip(_NAMED, first, errors, strict=True)
     )
 
@@ -197,7 +197,16 @@ def _numbers(item: SlamMotion) -> list[float]:
     """In the order of their names."""
     peak, deepest, release = item.peak, item.deepest, item.release
     return [
-        peak.force, peak.time, deepest.compression, deepest.time, release.time,
-        release.compression, item.rebound, item.loading_work, item.lost, item.lost / item.energy,
-        peak.force / deepest.relaxed, item.loading_work / item.elastic,
-    ]  # fmt: skip
+        peak.force,
+        peak.time,
+        deepest.compression,
+        deepest.time,
+        release.time,
+        release.compression,
+        item.rebound,
+        item.loading_work,
+        item.absorbed_energy,
+        item.absorbed_energy / item.energy,
+        peak.force / deepest.relaxed,
+        item.loading_work / item.elastic,
+    ]

@@ -76,7 +76,7 @@ def build_fmu(deck: Deck, mass: float | None) -> ModelUnit:
     ]
     token = _find_token(deck.form, description, body)
     right, *more = format_procedures("fmu", deck.form)
-    written = deck.written(
+    written = deck.format_text(
         "//",
         f"{_VERSIONS[deck.form]} model of {description.name}",
         [*body, f'#define TOKEN "{token}"'],

@@ -83,7 +83,7 @@ def open_door(
             choice_of_seal = door.seal
             fit = read_fit(choice_of_seal.fit)
             kelvin = choice_of_seal.temperature if temperature is None else temperature
-            section = SealSection.of(
+            section = SealSection.from_fit(
                 fit,
                 length=choice_of_seal.length,
                 temperature=kelvin,
@@ -116,7 +116,7 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
             continue
         fit = read_fit(path)
         try:
-            section = SealSection.of(fit, length=shear_choice.length, temperature=temperature)
+            section = SealSection.from_fit(fit, length=shear_choice.length, temperature=temperature)
         except DataError as error:
             raise DataError(f"{path}: {error}") from None
         values.append(section.solid)
@@ -231,7 +231,7 @@ def _corner(assembly: Assembly) -> DoorPoint:
     x, y, z = places[int(away.argmax())].tolist()
     a, b, c = (0.0, 0.0, 1.0)
     if door.line:
-        a, b, c = door.line.normal_at(door.line.along[int(away.argmax())]).tolist()
+        a, b, c = door.line.normal_at(door.line.arc_length[int(away.argmax())]).tolist()
     return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
 
 
@@ -299,8 +299,8 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
 def _check_seal_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
-    pieces = np.diff(line.along).tolist()
-    yield checks.line_closed(line.length, 0.0 if line.closed else norm, pieces)
+    pieces = np.diff(line.arc_length).tolist()
+    yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, pieces)
     yield checks.stations_suffice(station_error(assembly, below), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     pressed = stations.compression

@@ -78,7 +78,7 @@ class ClosingDoor:
             )
 
     @property
-    def closed(self) -> float:
+    def latch_angle(self) -> float:
         """The angle at which the door is latched, rad: below 0 where the latch wants more."""
         latch = self.setup.latch
         return 0.0 if latch is None else -latch.beyond / latch.lever
@@ -96,11 +96,11 @@ class ClosingDoor:
         if self.setup.start is not None:
             return self.setup.start
         travel = self.setup.latch.travel[-1] / self.setup.latch.lever if self.setup.latch else 0.0
-        return max(self.touching, self.closed + travel) or 1e-3
+        return max(self.touching, self.latch_angle + travel) or 1e-3
 
     def angles(self, steps: int = STEPS, touching: float | None = None) -> FloatArray:
         """From where the door has its speed to closed, rad, densest near closed, shape (n + 1,)."""
-        start, end = self.begins, self.closed
+        start, end = self.begins, self.latch_angle
         near = min(self.touching if touching is None else touching, start) - end
         fine = end + near * np.linspace(1.0, 0.0, steps + 1) ** 1.5
         if near >= start - end:
@@ -114,9 +114,9 @@ class ClosingDoor:
         if setup.friction:
             entries[HINGE] = np.full_like(angle, setup.friction)
         if setup.check is not None:
-            entries[CHECK] = setup.check.at(angle)
+            entries[CHECK] = setup.check.moment_at(angle)
         if setup.latch is not None:
-            entries[LATCH] = setup.latch.moment(angle - self.closed)
+            entries[LATCH] = setup.latch.moment(angle - self.latch_angle)
         if any(self.weight):
             entries[GRAVITY] = self.weight[0] * np.cos(angle) + self.weight[1] * np.sin(angle)
         return entries

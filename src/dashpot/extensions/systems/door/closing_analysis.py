@@ -51,7 +51,7 @@ class Share(Serialisable):
         The largest against closing, N m.
     """
 
-    keys = ("name", "work", "stored~", "lost~", "peak_moment=moment")
+    keys = ("name", "work", "stored~", "lost=dissipated_energy~", "peak_moment=moment")
 
     name: str
     work: float
@@ -59,7 +59,7 @@ class Share(Serialisable):
     moment: float
 
     @property
-    def lost(self) -> float:
+    def dissipated_energy(self) -> float:
         """What does not come back, J."""
         return self.work - self.stored
 
@@ -80,7 +80,7 @@ class Scatter(Serialisable):
     """
 
     keys = (
-        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=above",
+        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=share_above_limit",
         "share_leaking=leaking",
         "least_compression=least", "least_contact_force=contact",
     )  # fmt: skip
@@ -100,7 +100,7 @@ class Scatter(Serialisable):
         return self.quantile(0.95)
 
     @property
-    def above(self) -> float | None:
+    def share_above_limit(self) -> float | None:
         """Share of the doors that need more than the limit; None without one."""
         limit = self.variation.limit
         return None if limit is None else float((self.speed > limit).mean())
@@ -132,7 +132,7 @@ class SealDoubt:
     highest: float = 0.0
 
     @classmethod
-    def of(cls, fit: Fit) -> SealDoubt:
+    def from_fit(cls, fit: Fit) -> SealDoubt:
         """What a fit leaves open: its covariance, and arms that look like a lead of the force.
 
         A fast arm and clocks that differ are one column of the fit: the lead that was found may be
@@ -151,7 +151,7 @@ class SealDoubt:
                 - nuisance.value,
                 0.0,
             )
-            for nuisance in fit.nuisance
+            for nuisance in fit.estimate.nuisance
             if straight and nuisance.name.startswith("delay") and nuisance.prior_sd is not None
         ]
         return cls(
@@ -207,7 +207,7 @@ class Closing:
     scatter: Scatter | None
 
     @property
-    def latched(self) -> bool:
+    def is_latched(self) -> bool:
         """Whether it closed."""
         return bool(self.march.is_latched[0])
 
@@ -217,14 +217,14 @@ class Closing:
         return float(self.march.kinetic[0, 0])
 
     @property
-    def left(self) -> float:
+    def remaining_energy(self) -> float:
         """What is left of it when it latches, for the bumpers and the striker, J; 0 if not."""
         return float(np.nan_to_num(self.march.kinetic[-1, 0]))
 
     @property
-    def stopped(self) -> float | None:
+    def stopped_gap(self) -> float | None:
         """Where the edge stops short of closed, m; None if it does not."""
-        if self.latched:
+        if self.is_latched:
             return None
         last = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
         return self.door.edge * float(self.march.angle[last])

@@ -57,7 +57,9 @@ def waterfall(done: Closing) -> Panel:
     for energy_term in sorted(done.terms, key=lambda term: -abs(term.work)):
         rows.append((energy_term.name, at - energy_term.work, at))
         at -= energy_term.work
-    rows.append(("left", 0.0, done.left) if done.latched else ("stopped", 0.0, max(at, 0.0)))
+    rows.append(
+        ("left", 0.0, done.remaining_energy) if done.is_latched else ("stopped", 0.0, max(at, 0.0))
+    )
     begins = -_NAMES * done.energy
     # one count of decimals down the column
     decimals = max(2 - int(np.floor(np.log10(done.energy))), 0)
@@ -83,7 +85,7 @@ def waterfall(done: Closing) -> Panel:
         tuple(marks),
         title="where the energy goes",
         height=20.0 * len(rows),
-        note="closes" if done.latched else "does not close",
+        note="closes" if done.is_latched else "does not close",
     )
 
 
@@ -139,7 +141,7 @@ def speed_panel(done: Closing) -> Panel:
 def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Panel:
     """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.speed[np.isfinite(scatter.speed)]
-    limit, above = scatter.variation.limit, scatter.above
+    limit, above = scatter.variation.limit, scatter.share_above_limit
     bars, top = _bars(speed, limit)
     marks: list[Mark] = [*bars]
     ends = [speed]

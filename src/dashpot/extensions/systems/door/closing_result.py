@@ -30,13 +30,28 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
 
     schema = "dashpot/closing@2"
     keys = (
-        "closing.speed", "closing.door.edge", "closing.door.inertia", "closing.latched",
-        "closing.energy", "energy_left=closing.left", "closing.stopped", "closing.rebound",
-        "time=closing.seconds", "sealing_time=closing.sealing", "closing.terms", "peak_pressure",
-        "least_speed=closing.minimum~", "least_speed_interval=closing.interval~",
-        "least_compression", "least_contact_force", "closing.scatter", "history~", "verdict",
-        "checks", "source=sources",
-    )  # fmt: skip
+        "closing.speed",
+        "closing.door.edge",
+        "closing.door.inertia",
+        "latched=closing.is_latched",
+        "closing.energy",
+        "energy_left=closing.remaining_energy",
+        "stopped=closing.stopped_gap",
+        "closing.rebound",
+        "time=closing.seconds",
+        "sealing_time=closing.sealing",
+        "closing.terms",
+        "peak_pressure",
+        "least_speed=closing.minimum~",
+        "least_speed_interval=closing.interval~",
+        "least_compression",
+        "least_contact_force",
+        "closing.scatter",
+        "history~",
+        "verdict",
+        "checks",
+        "source=sources",
+    )
 
     door: Door
     fit: Fit | None
@@ -44,17 +59,17 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """What each term takes of the energy."""
         return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """The least speed that closes the door, and whether the speed asked for does."""
         closing = self.closing
         if not math.isfinite(closing.minimum):
             return "no speed closes the door"
-        does = "closes" if closing.latched else "does not close"
+        does = "closes" if closing.is_latched else "does not close"
         least = f"from {closing.minimum:.3g} m/s on"
         if closing.interval is not None and math.isfinite(closing.interval[1]):
             low, high = closing.interval

@@ -215,7 +215,7 @@ class CheckStrap:
     def __post_init__(self) -> None:
         _table("the check", self.angle, self.moment)
 
-    def at(self, angle: FloatArray) -> FloatArray:
+    def moment_at(self, angle: FloatArray) -> FloatArray:
         """N m against closing; none outside the table."""
         return np.interp(angle, self.angle, self.moment, left=0.0, right=0.0)
 

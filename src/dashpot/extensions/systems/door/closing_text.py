@@ -62,16 +62,17 @@ def closing_text(value: Closing) -> Text:
 
 
 def _outcome(closing: Closing) -> str:
-    if closing.latched:
+    if closing.is_latched:
         return (
             f"  The door closes in {format_rounded(closing.seconds, digits=3)} s; the last "
             f"{format_rounded(convert_to_unit(closing.sealing, 'ms'), digits=3)} ms compress the "
             "seal. "
-            f"{format_rounded(closing.left, digits=3)} J are left when it latches."
+            f"{format_rounded(closing.remaining_energy, digits=3)} J are left when it latches."
         )
     return (
         "  The door does not close. Its edge stops "
-        f"{format_rounded(convert_to_unit(closing.stopped or 0.0, 'mm'), digits=3)} mm short and "
+        f"{format_rounded(convert_to_unit(closing.stopped_gap or 0.0, 'mm'), digits=3)} mm short "
+        "and "
         "comes back at "
         f"{format_rounded(closing.rebound, digits=3)} m/s."
     )
@@ -116,9 +117,9 @@ def _scatter(closing: Closing) -> list[str]:
             f"{format_rounded(100 * scatter.leaking, digits=3)} % the seal does not touch all along"
         ),
     ]
-    if scatter.above is not None:
+    if scatter.share_above_limit is not None:
         sentences.append(
-            f"  {format_rounded(100 * scatter.above, digits=3)} % need more than "
+            f"  {format_rounded(100 * scatter.share_above_limit, digits=3)} % need more than "
             f"{format_rounded(one.limit or 0.0)} m/s"
         )
     return sentences

@@ -117,7 +117,7 @@ class View:
         if line is None:
             return None
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
-        inward = line.normal_at(line.along).mean(axis=0)
+        inward = line.normal_at(line.arc_length).mean(axis=0)
         size = float(np.linalg.norm(inward))
         across = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
         outward = -inward / size if size > 0 else across
@@ -226,7 +226,9 @@ def shape_panels(result: DoorResult, view: View) -> list[Panel]:
     if line is None:
         return []
     along = np.linspace(0.0, line.length, _FINE)
-    place = np.stack([np.interp(along, line.along, line.points[:, k]) for k in range(3)], axis=1)
+    place = np.stack(
+        [np.interp(along, line.arc_length, line.points[:, k]) for k in range(3)], axis=1
+    )
     system = result.assembly.system()
     rows = np.array(
         [

@@ -67,7 +67,7 @@ class DoorMode(Serialisable):
 def oscillations(system: System, below: float = np.inf) -> tuple[ComplexMode, ...]:
     """Return the modes of a system that oscillate, up to a frequency, Hz, by rising frequency."""
     n = len(system.dofs)
-    times = {tau for spring in system.springs for tau in spring.felt.maxwell.tau}
+    times = {tau for spring in system.springs for tau in spring.linearised_solid.maxwell.tau}
     few = 2 * n + len(times) * min(n, len(system.springs)) <= _STATES
     modes = complex_modes(system) if few else newton_modes(system)
     return tuple(mode for mode in modes if mode.oscillates and mode.frequency <= below)
@@ -121,7 +121,7 @@ def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, st
         stations = door.line.stations(assembly.door.pitch)
         where = zip(stations.place.tolist(), stations.along.tolist(), strict=True)
         places += [(tuple(place), f"the seal at {along:.3g} m") for place, along in where]
-    return max((modes.at(place)[1], name) for place, name in places)
+    return max((modes.evaluate_shapes(place)[1], name) for place, name in places)
 
 
 def count_free_motions(system: System) -> int:
@@ -159,13 +159,18 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
 def _compute_rest_stiffness(system: System) -> FloatArray:
     """Return stiffness at rest by unit masses, 1/s^2, shape (n, n)."""
     E = system.stretch / np.sqrt(np.diag(system.mass_matrix))
-    k = np.array([spring.felt.k_0 for spring in system.springs])
+    k = np.array([spring.linearised_solid.k_0 for spring in system.springs])
     return np.asarray((E.T * k) @ E)
 
 
 def _scale_stretches(system: System) -> FloatArray:
     """Stretches by the square root of stiffness over mass, so that all motions compare."""
-    stiff = np.sqrt([spring.felt.k_0 + spring.felt.maxwell.b for spring in system.springs])
+    stiff = np.sqrt(
+        [
+            spring.linearised_solid.k_0 + spring.linearised_solid.maxwell.b
+            for spring in system.springs
+        ]
+    )
     return np.asarray(stiff[:, None] * system.stretch / np.sqrt(np.diag(system.mass_matrix)))
 
 

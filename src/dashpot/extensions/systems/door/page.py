@@ -108,7 +108,7 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
         **judgement("door", verdict, every, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
-        "beside": " ".join(sentence(result.sound) for result in results),
+        "beside": " ".join(sentence(result.headline) for result in results),
         "lights": tuple(lights_of(result, closed, every, verdict)),
         "figures": dict(_figures(result, closed))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
@@ -121,7 +121,9 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
 
 
 def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Check]) -> Verdict:
-    return results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1].sound)
+    return (
+        results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1].headline)
+    )
 
 
 def format_door_summary(result: DoorResult | ClosingResult) -> str:
@@ -147,7 +149,9 @@ def lights_of(
     """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
     topics = []
     if result is not None:
-        outside = [result.beyond(mode.mode.frequency) for mode in _select_seal_modes(result)]
+        outside = [
+            result.extrapolation_factor(mode.mode.frequency) for mode in _select_seal_modes(result)
+        ]
         factors = ", ".join(f"×{value:.3g}" for value in outside if value > 1)
         topics.append(Topic(
             "Modes", _MODES, f"{len(result.modes)} to {result.band[1]:g}{NBSP}Hz",
@@ -158,7 +162,7 @@ def lights_of(
         topics.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
     yield from lights(every, Topic("Seal line", says=_line_says(result, closed)), *topics)
     scatter = None if closed is None else closed.closing.scatter
-    above = None if scatter is None else scatter.above
+    above = None if scatter is None else scatter.share_above_limit
     if above is not None and scatter is not None:
         mark = "good" if above <= _MANY else "note" if verdict.use == "use" else "care"
         limit = scatter.variation.limit
@@ -247,7 +251,7 @@ def _rows(result: DoorResult) -> Iterator[ModeRow]:
     colours = _colours(result.modes)
     for number, mode in enumerate(result.modes[:_ROWS], start=1):
         hz = mode.mode.frequency
-        excess = result.beyond(hz)
+        excess = result.extrapolation_factor(hz)
         lossy = mode.loss_share(SEAL)
         yield ModeRow(
             number,

@@ -81,5 +81,8 @@ def _merge_door_results(
         stated_text.asked,
     )
     return CommandResult(
-        DoorPrediction(result, closed), text, checks, verdict=verdict(checks, headline=closed.sound)
+        DoorPrediction(result, closed),
+        text,
+        checks,
+        verdict=verdict(checks, headline=closed.headline),
     )

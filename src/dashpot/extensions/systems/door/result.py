@@ -71,11 +71,22 @@ class SealOfDoor(Serialisable):
     """
 
     keys = (
-        "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
-        "stiffness_per_metre=section.solid.k_inf", "sideways", "slip_limit=sticks?", "force",
+        "line.length",
+        "closed=line.is_closed",
+        "stations",
+        "pitch",
+        "compression",
+        "touching",
+        "stiffness",
+        "stiffness_per_metre=section.solid.k_inf",
+        "sideways",
+        "slip_limit=sticks?",
+        "force",
         "line.joints",
-        "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
-    )  # fmt: skip
+        "fit.specimen.temperature",
+        "band_hz=fit.band",
+        "fit=fit.identity",
+    )
 
     line: SealLine
     section: SealSection
@@ -179,7 +190,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def series(self) -> Series:
+    def table_columns(self) -> Series:
         """The modes, with what the seal stores and loses of each."""
         seal = [(mode.share(SEAL), mode.loss_share(SEAL)) for mode in self.modes]
         return {
@@ -196,7 +207,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         return self.assembly.door
 
     @property
-    def sound(self) -> str:
+    def headline(self) -> str:
         """What the seal does to the first mode in which it stores energy; else the first mode."""
         held = [mode for mode in self.modes if mode.share(SEAL) > 0]
         if not self.modes:
@@ -218,7 +229,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         line = self.door.line
         return None if line is None else line.stations(self.assembly.door.pitch)
 
-    def beyond(self, frequency: float) -> float:
+    def extrapolation_factor(self, frequency: float) -> float:
         """By what factor a frequency, Hz, lies outside what the test of the seal informs.
 
         1 or less inside; nan where there is no test.

@@ -101,13 +101,13 @@ class SealLine(EqualByValue):
         return float(_lengths(self.points).sum())
 
     @property
-    def closed(self) -> bool:
+    def is_closed(self) -> bool:
         """Whether its last point is its first."""
         norm = float(np.linalg.norm(self.points[0] - self.points[-1]))
         return norm <= CLOSED * self.length
 
     @property
-    def along(self) -> FloatArray:
+    def arc_length(self) -> FloatArray:
         """How far along the line each point lies, m, shape (n,)."""
         return np.append(0.0, np.cumsum(_lengths(self.points)))
 
@@ -115,7 +115,9 @@ class SealLine(EqualByValue):
         """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
         if len(self.normal) < len(self.points):
             return np.asarray(self.normal[self._piece(along)])
-        field = np.stack([np.interp(along, self.along, item) for item in self.normal.T], axis=-1)
+        field = np.stack(
+            [np.interp(along, self.arc_length, item) for item in self.normal.T], axis=-1
+        )
         return np.asarray(field / np.linalg.norm(field, axis=-1, keepdims=True))
 
     def stations(self, pitch: Quantity) -> Stations:
@@ -149,12 +151,12 @@ class SealLine(EqualByValue):
         pressed = self.compression
         return Stations(
             at,
-            np.stack([np.interp(at, self.along, item) for item in self.points.T], axis=1),
+            np.stack([np.interp(at, self.arc_length, item) for item in self.points.T], axis=1),
             normal,
             tangent / np.linalg.norm(tangent, axis=1)[:, None],
             np.repeat(0.5 * cell, 2),
             np.repeat(self._factor(middle), 2),
-            None if pressed is None else np.interp(at, self.along, pressed),
+            None if pressed is None else np.interp(at, self.arc_length, pressed),
         )
 
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
@@ -171,7 +173,9 @@ class SealLine(EqualByValue):
 
     def _piece(self, along: FloatArray) -> IndexArray:
         """Between which two points a place lies, by the first of them."""
-        return np.clip(np.searchsorted(self.along, along, "right") - 1, 0, len(self.points) - 2)
+        return np.clip(
+            np.searchsorted(self.arc_length, along, "right") - 1, 0, len(self.points) - 2
+        )
 
     def _breaks(self, cell: float) -> FloatArray:
         """Return where no cell may reach across, from end to end, m; points of a curve are none."""
@@ -179,7 +183,7 @@ class SealLine(EqualByValue):
         ways = runs / lengths[:, None]
         turned = (ways[1:] * ways[:-1]).sum(axis=1) < _BENDS
         straight = np.maximum(lengths[1:], lengths[:-1]) >= cell
-        corners = self.along[1:-1][turned | straight]
+        corners = self.arc_length[1:-1][turned | straight]
         ends = [end for first, last, _ in self._joints() for end in (first, last)]
         inside = [end for end in (*ends, *self._touching()) if 0 < end < self.length]
         return np.unique(np.concatenate(([0.0, self.length], corners, inside)))
@@ -192,13 +196,13 @@ class SealLine(EqualByValue):
         crossed = np.flatnonzero(first * last < 0)
         share = first[crossed] / (first - last)[crossed]
         values: list[float] = (
-            self.along[crossed] + share * _lengths(self.points)[crossed]
+            self.arc_length[crossed] + share * _lengths(self.points)[crossed]
         ).tolist()
         return values
 
     def _joints(self) -> list[tuple[float, float, float]]:
         """From where to where each joint reaches, m, and its factor; round a closed line again."""
-        rounds = (-self.length, 0.0, self.length) if self.closed else (0.0,)
+        rounds = (-self.length, 0.0, self.length) if self.is_closed else (0.0,)
         return [
             (joint.at - joint.length / 2 + turn, joint.at + joint.length / 2 + turn, joint.factor)
             for joint in self.joints

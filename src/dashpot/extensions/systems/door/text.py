@@ -73,7 +73,7 @@ def _format_damping(value: float) -> str:
 
 def _format_extrapolation_factor(result: DoorResult, frequency: float) -> str:
     """By what factor a frequency lies outside what the test of the seal informs."""
-    factor = result.beyond(frequency)
+    factor = result.extrapolation_factor(frequency)
     return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
 
 
@@ -92,7 +92,7 @@ def _line(result: DoorResult) -> list[str]:
     seal = result.seal
     if seal is None:
         return ["  no seal"]
-    closed = "closed" if seal.line.closed else "open"
+    closed = "closed" if seal.line.is_closed else "open"
     count, stiffness = seal.stations, format_rounded(convert_to_unit(seal.stiffness, "N/mm"))
     length = format_rounded(seal.line.length)
     sentences = [
