@@ -71,9 +71,7 @@ def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> CLD:
     force = seal.force(pressed, step)
     noise = 2e-3 * np.random.default_rng([seed, round(1e9 * speed)]).standard_normal(len(rows))
     return cld(
-        dp.CompressionTest(
-            plate if air else pressed, force + noise, step * (rows + 100), units="SI"
-        )
+        dp.CLDTest(plate if air else pressed, force + noise, step * (rows + 100), units="SI")
     )
 
 
@@ -81,7 +79,7 @@ def figures(seed: int) -> Held:
     """Force and slope of the loading halfway and at the depth."""
     sheet = kinds.cld(seed)
     x, pure = 1e-3 * sheet["displacement"], sheet.truth["pure"]
-    test = dp.CompressionTest(x, sheet["force"], sheet["time"], units="SI")
+    test = dp.CLDTest(x, sheet["force"], sheet["time"], units="SI")
     for name, at in (("halfway", DEPTH / 2), ("at the depth", DEPTH)):
         found = cld(test, at=at)
         rows = found.loading.samples
@@ -163,7 +161,7 @@ def indentation(seed: int) -> Held:
 def aging(seed: int, *, rubber: Rubber = RUBBER, oven: float = 1.0, off: float = 1.0) -> Held:
     """Pieces in three ovens that are off: life and F/F0 at 70 degC, activation energy."""
     one = lot(rubber, seed, off=off)
-    record = dp.CounterforceTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
+    record = dp.CSRTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
     found = dp.fit(record, machine=dp.Machine(oven=oven))
     aged = dp.predict(found, temperature="70degC", until=("50%", "1000h"))
     life, left = (one for one in aged.reported_values if one.name in {"life", "left"})

@@ -503,7 +503,7 @@ def _late_loops(one: Sheet) -> Answer:
 def _late_cld(one: Sheet) -> Answer:
     """The part of the work that is lost in the cycle that is told."""
     columns = 1e-3 * one["displacement"], one["force"], one["time"]
-    found = cld(dp.CompressionTest(*columns, dp.Specimen(length=0.1), units="SI"))
+    found = cld(dp.CLDTest(*columns, dp.Specimen(length=0.1), units="SI"))
     x, force, top = cycle_of(one, found.cycle.number)
     felt = np.maximum(x, 0.0)
     put = np.trapezoid(force[: top + 1], felt[: top + 1])

@@ -14,21 +14,21 @@ from .datamodel.structure import FRFSet as FRFSet
 from .datamodel.vibration_tests import ImpactTest as ImpactTest
 from .datamodel.vibration_tests import ShakenTest as ShakenTest
 from .extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
-from .extensions.amplitude.fit_files import Levels
+from .extensions.amplitude.fit_files import AmplitudeResult
 from .extensions.batch.comparison import LotComparison
 from .extensions.batch.lot import Lot
 from .extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
 from .extensions.curves.datamodel.dynamic import DynamicTest
 from .extensions.curves.datamodel.modulus import RelaxationModulus
-from .extensions.materials.cld.datamodel import CompressionTest
-from .extensions.materials.cld.fit_files import Pieces
-from .extensions.materials.csr.datamodel import Aging, CounterforceTest
+from .extensions.materials.cld.datamodel import CLDTest
+from .extensions.materials.cld.fit_files import CLDResult
+from .extensions.materials.csr.datamodel import Aging, CSRTest
 from .extensions.materials.csr.lifetime_prediction import Aged
 from .extensions.materials.hyperelastic.datamodel import HyperelasticFit, StressStrainTest
 from .extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
 from .extensions.materials.slam.datamodel import SlamFit, SlamTest
 from .extensions.materials.slam.prediction import Slam
-from .extensions.modes.mass_series_files import ModesByMass
+from .extensions.modes.mass_series_files import MassSeriesModes
 from .extensions.systems.door.closing_result import ClosingResult
 from .extensions.systems.door.door_model import Door
 from .extensions.systems.door.result import DoorResult
@@ -36,7 +36,7 @@ from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from .solids.maxwell import Solid
 from .solids.part_geometry import Block, Disc, Geometry
 from .vibration.comparison.comparison import Comparison
-from .workflow.frf_comparison import Agreement as Agreement
+from .workflow.frf_comparison import FRFComparison as FRFComparison
 from .workflow.frf_prediction import Prediction as Prediction
 from .workflow.job import Cuts, HammerChoices
 from .workflow.measured_frf import Modes as Modes
@@ -63,7 +63,7 @@ def fit(
     seals: float = ...,
     band: Range | None = ...,
     resonance_at: Sequence[Quantity] = ...,
-) -> Levels: ...
+) -> AmplitudeResult: ...
 @overload
 def fit(
     record: Vibration,
@@ -88,7 +88,7 @@ def fit(
     mass: list[Quantity] | tuple[Quantity, ...],
     seals: float = ...,
     band: Range | None = ...,
-) -> ModesByMass: ...
+) -> MassSeriesModes: ...
 @overload
 def fit(
     first: OnBench | Vibration | Fit,
@@ -101,7 +101,7 @@ def fit(
     model: str = ...,
     band: Range | None = ...,
     compression: Quantity | None = ...,
-    known: KnownSolid | None = ...,
+    prior: KnownSolid | None = ...,
     rig: HammerRig | None = ...,
     machine: Machine | None = ...,
     impact_temperature: Quantity | None = ...,
@@ -132,19 +132,19 @@ def fit(
     reference: Quantity | None = ...,
     shift: str = ...,
     vertical: str = ...,
-    only: Quantity | None = ...,
+    temperature: Quantity | None = ...,
 ) -> Fit: ...
 @overload
 def fit(
-    first: CompressionTest,
+    first: CLDTest,
     /,
-    *more: CompressionTest,
+    *more: CLDTest,
     compression: Quantity | None = ...,
     between: Range | None = ...,
     force_limits: Range | None = ...,
     memory: Fit | Sequence[Fit] = ...,
     cycle: int | None = ...,
-) -> Pieces: ...
+) -> CLDResult: ...
 @overload
 def fit(
     first: StressStrainTest,
@@ -159,9 +159,7 @@ def fit(
     cycle: int | None = ...,
 ) -> HyperelasticFit: ...
 @overload
-def fit(
-    first: CounterforceTest, /, *more: CounterforceTest, machine: Machine | None = ...
-) -> Aging: ...
+def fit(first: CSRTest, /, *more: CSRTest, machine: Machine | None = ...) -> Aging: ...
 @overload
 def fit(
     first: SlamTest,
@@ -238,7 +236,7 @@ def compare(
     compression: Quantity | None = ...,
     record: Records = ...,
     hammer: HammerChoices | None = ...,
-) -> Agreement: ...
+) -> FRFComparison: ...
 @overload
 def compare(one: FRF, other: FRF, /, *, band: Range | None = ...) -> Comparison: ...
 @overload
@@ -262,13 +260,13 @@ def read(
 @overload
 def read(path: Place, *, kind: Literal["frf", "transmissibility"], **how: Unpack[How]) -> FRF: ...
 @overload
-def read(path: Place, *, kind: Literal["cld"], **how: Unpack[How]) -> CompressionTest: ...
+def read(path: Place, *, kind: Literal["cld"], **how: Unpack[How]) -> CLDTest: ...
 @overload
 def read(
     path: Place, *, kind: Literal["stress-strain"], **how: Unpack[How]
 ) -> StressStrainTest: ...
 @overload
-def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CounterforceTest: ...
+def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CSRTest: ...
 @overload
 def read(path: Place, *, kind: Literal["slam"], **how: Unpack[How]) -> SlamTest: ...
 @overload

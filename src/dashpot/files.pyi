@@ -23,4 +23,4 @@ from dashpot.simulation.robot import (
 from dashpot.workflow.json_archive import from_json as from_json
 from dashpot.workflow.json_archive import to_json as to_json
 
-recording = _acquisition
+acquisition = _acquisition

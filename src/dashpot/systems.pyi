@@ -6,7 +6,7 @@ from dashpot.extensions.modes.stabilisation import stabilisation as stabilisatio
 from dashpot.extensions.systems.base_response import random_base as random_base
 from dashpot.extensions.systems.base_response import random_response as random_response
 from dashpot.extensions.systems.door.closing import ClosingDoor as ClosingDoor
-from dashpot.extensions.systems.door.closing_analysis import Closing as Closing
+from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis as ClosingAnalysis
 from dashpot.extensions.systems.door.closing_analysis import close_door as close_door
 from dashpot.extensions.systems.door.closing_setup import ClosingSetup as ClosingSetup
 from dashpot.extensions.systems.door.energy_shares import energy_shares as energy_shares

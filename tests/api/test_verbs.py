@@ -18,9 +18,9 @@ RECORDS = {
     "hammer.csv": ("ImpactTest", "ImpactResult"),
     "sweep.csv": ("DynamicTest", "Fit"),
     "curve.csv": ("RelaxationModulus", "Fit"),
-    "cld_1.csv": ("CompressionTest", "Pieces"),
+    "cld_1.csv": ("CLDTest", "CLDResult"),
     "tension.csv": ("StressStrainTest", "HyperelasticFit"),
-    "ovens.csv": ("CounterforceTest", "Aging"),
+    "ovens.csv": ("CSRTest", "Aging"),
     "loops.csv": ("AmplitudeSweep", "AmplitudeFit"),
 }
 

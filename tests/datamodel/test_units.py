@@ -15,7 +15,7 @@ from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.extensions.materials.cld.datamodel import CompressionTest
+from dashpot.extensions.materials.cld.datamodel import CLDTest
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.indentation.datamodel import IndentationTest, Indenter
 from dashpot.workflow.json_archive import from_json, to_json
@@ -34,8 +34,8 @@ CLASSES = [
     (DynamicTest, {"frequency": F, "storage": F, "loss": F}, "kHz, MPa, MPa", (1e3, 1e6, 1e6)),
     (DynamicTest, {"frequency": F, "storage": F, "loss": F}, "Hz, N/mm, N/mm", (1, 1e3, 1e3)),
     (RelaxationModulus, {"time": T, "modulus": F}, "min, MPa", (60, 1e6)),
-    (CompressionTest, {"displacement": X, "force": F}, "mm, N", (1e-3, 1)),
-    (CompressionTest, {"displacement": X, "force": F, "time": T}, "mm, N, s", (1e-3, 1, 1)),
+    (CLDTest, {"displacement": X, "force": F}, "mm, N", (1e-3, 1)),
+    (CLDTest, {"displacement": X, "force": F, "time": T}, "mm, N, s", (1e-3, 1, 1)),
     (ImpactTest, {"time": T, "force": F, "acceleration": [F]}, "ms, N, g", (1e-3, 1, 9.80665)),
     (FRF, {"frequency": F, "value": F + 1j}, "kHz, g/N", (1e3, 9.80665)),
 ]  # fmt: skip
@@ -106,7 +106,7 @@ def test_no_document_holds_the_word():
     assert from_json(to_json(test)) == test
 
 
-@pytest.mark.parametrize("cls", [RelaxationTest, CreepTest, CompressionTest])
+@pytest.mark.parametrize("cls", [RelaxationTest, CreepTest, CLDTest])
 @pytest.mark.parametrize(
     ("name", "just", "beyond", "says"),
     [

@@ -205,7 +205,7 @@ def test_stated_clocks_narrow_the_loss_of_loops():
 
 
 def pressed(one: Sheet, sync: float | None = None) -> dp.CLD:
-    test = dp.CompressionTest(
+    test = dp.CLDTest(
         1e-3 * one["displacement"], one["force"], one["time"], dp.Specimen(length=0.1), units="SI"
     )
     return cld(test, at=0.6 * one.truth["seal"].depth, machine=machine(sync))
@@ -247,7 +247,7 @@ def test_stated_clocks_narrow_the_dissipated_work_of_a_cld():
 
 def test_without_a_clock_a_delay_is_of_samples_and_cannot_be_stated():
     one = delayed("cld", 7, 0.0, 50.0)
-    test = dp.CompressionTest(1e-3 * one["displacement"], one["force"], units="SI")
+    test = dp.CLDTest(1e-3 * one["displacement"], one["force"], units="SI")
     timed = pressed(one)
     assert cld(test).delay_sd == 1.0
     assert cld(test).cycle.hysteresis_se == pytest.approx(timed.cycle.hysteresis_se, rel=0.05)

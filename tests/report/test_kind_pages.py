@@ -43,11 +43,11 @@ pytestmark = pytest.mark.once
 S = handmade.study()
 
 
-def pressed(scale: float = 1.0) -> dp.CompressionTest:
+def pressed(scale: float = 1.0) -> dp.CLDTest:
     """One piece, pressed and released."""
     t = np.linspace(0, 20, 800)
     x = 8 * np.sin(np.pi * t / 20)
-    return dp.CompressionTest(displacement=x, force=scale * x / 4, time=t, units="mm, N, s")
+    return dp.CLDTest(displacement=x, force=scale * x / 4, time=t, units="mm, N, s")
 
 
 RESULTS = {
@@ -132,7 +132,7 @@ def test_pieces_at_speeds_have_the_speed_at_their_line():
 def pieces_at(speed: float) -> CLD:
     t = np.linspace(0, 4 / speed, 400)
     x = 8 * (1 - np.abs(1 - 2 * t / t[-1])) * 0.1
-    test = dp.CompressionTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
+    test = dp.CLDTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
     return dp.fit(test).pieces[0]
 
 

@@ -62,7 +62,7 @@ def fit(*records: Any, **how: Any) -> Any:
         Of tests on a bench, and of vibration under a mass.
     Modes
         Of hits and FRFs without a mass.
-    Pieces, HyperelasticFit, IndentationFit, AmplitudeFit, Levels, ModesByMass
+    CLDResult, HyperelasticFit, IndentationFit, AmplitudeFit, AmplitudeResult, MassSeriesModes
         Of the kinds that have a result of their own.
 
     Raises
@@ -168,12 +168,12 @@ def fit_bench_tests(
     reference: Quantity | None = None,
     shift: Any = "auto",
     vertical: Any = "auto",
-    only: Quantity | None = None,
+    temperature: Quantity | None = None,
 ) -> Fit:
     """Fit the solid of tests on a bench."""
     by_depth = elastic == "by-depth"
     shifting = ShiftChoices(
-        at=convert_to_si(only, "temperature"),
+        at=convert_to_si(temperature, "temperature"),
         reference=convert_to_si(reference, "temperature"),
         law=shift,
         vertical=vertical,
@@ -206,7 +206,7 @@ def fit_jointly(
     model: FamilyAsked = "maxwell",
     band: Range | None = None,
     compression: Quantity | None = None,
-    known: KnownSolid | None = None,
+    prior: KnownSolid | None = None,
     rig: HammerRig | None = None,
     machine: Machine | None = None,
     impact_temperature: Quantity | None = None,
@@ -235,7 +235,7 @@ def fit_jointly(
         hammer=hammer,
         arms=arms,
         family=model,
-        known=known or KnownSolid(),
+        known=prior or KnownSolid(),
         rig=(rig or HammerRig()).with_machine(machine),
     )
     return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))

@@ -34,7 +34,7 @@ def plan(
     mass: Quantity | None = None,
     seals: float = 1.0,
     hits: int = 5,
-    wanted: float = 0.1,
+    max_std: float = 0.1,
 ) -> Plan:
     """Say how well a planned test will measure stiffness and loss factor at a frequency.
 
@@ -52,7 +52,7 @@ def plan(
         Temperatures at which the test is repeated, K or ``"0degC"``.
     mass, seals, hits
         Of a hammer test besides.
-    wanted : float
+    max_std : float
         Relative standard deviation of the loss factor that would do.
 
     Raises
@@ -89,7 +89,7 @@ def plan(
         seal=SupposedSeal(model=solid.maxwell, law=law),
         hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
         cold=[convert_to_si(item, "temperature") for item in cold],
-        wanted=wanted,
+        wanted=max_std,
     )
 
 

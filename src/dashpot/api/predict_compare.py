@@ -23,7 +23,7 @@ from dashpot.datamodel.structure import FRFSet
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.registry import find_handler, load_object, row_of
-from dashpot.workflow.frf_comparison import Agreement, agreement
+from dashpot.workflow.frf_comparison import FRFComparison, agreement
 from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
 from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, LevelChoices, PartChoices
 
@@ -226,7 +226,7 @@ def _agreement(
     compression: Quantity | None = None,
     record: Records = (),
     hammer: HammerChoices | None = None,
-) -> Agreement:
+) -> FRFComparison:
     kilograms, at = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
     if isinstance(first, Prediction):
         kilograms = first.moving_mass if kilograms is None else kilograms
@@ -342,7 +342,7 @@ def export(
 
     Parameters
     ----------
-    solid : Fit, a solid, HyperelasticFit or Levels
+    solid : Fit, a solid, HyperelasticFit or AmplitudeResult
     path : path, optional
         Where the deck is written.
     to : str

@@ -35,7 +35,7 @@ EXTENSION = Extension(
                 nouns={"dashpot.datamodel.vibration_tests:ImpactTest": ""},
                 pages={
                     "dashpot.workflow.measured_frf:Modes": "dashpot.report.solid_and_frf_pages:modes_page",
-                    "dashpot.workflow.frf_comparison:Agreement": "dashpot.report.solid_and_frf_pages:agreement_page",
+                    "dashpot.workflow.frf_comparison:FRFComparison": "dashpot.report.solid_and_frf_pages:agreement_page",
                 },
                 checks="dashpot.vibration.impact.checks", order=1,
         ),
@@ -57,7 +57,7 @@ EXTENSION = Extension(
         "text": {
             "dashpot.planning.plan:Plan": "dashpot.text_output.results:render_summary",
             "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:fit",
-            "dashpot.workflow.frf_comparison:Agreement": "dashpot.text_output.results:agreement",
+            "dashpot.workflow.frf_comparison:FRFComparison": "dashpot.text_output.results:agreement",
             "dashpot.workflow.identification:Identified": "dashpot.text_output.results:render_identification",
             "dashpot.workflow.measured_frf:ImpactResult": "dashpot.text_output.results:impact",
             "dashpot.workflow.frf_prediction:Prediction": "dashpot.text_output.results:prediction",

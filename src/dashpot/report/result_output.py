@@ -25,7 +25,7 @@ from dashpot.reading.readers.inspect import Inspection
 from dashpot.reading.write import write_frf, write_impact, write_relaxation
 from dashpot.registry import figure_of
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.frf_comparison import Agreement
+from dashpot.workflow.frf_comparison import FRFComparison
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
@@ -138,7 +138,7 @@ def _(result: Modes) -> Picture:
 
 
 @picture.register
-def _(result: Agreement) -> Picture:
+def _(result: FRFComparison) -> Picture:
     return plot.comparison(result.comparison, band=result.limits, interval=result.interval)
 
 

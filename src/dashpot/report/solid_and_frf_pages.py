@@ -37,7 +37,7 @@ from dashpot.report.result_page import (
     row,
 )
 from dashpot.report.tables import TextTable
-from dashpot.workflow.frf_comparison import Agreement
+from dashpot.workflow.frf_comparison import FRFComparison
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
@@ -139,7 +139,7 @@ def prediction_page(prediction: Prediction) -> KindPage:
     )  # fmt: skip
 
 
-def agreement_page(agreement: Agreement) -> KindPage:
+def agreement_page(agreement: FRFComparison) -> KindPage:
     """Return the page of a prediction compared with a hammer test."""
     c = agreement.comparison
     rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)

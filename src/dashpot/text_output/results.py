@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from dashpot.datamodel.parameter_estimate import Residual
     from dashpot.datamodel.shift_factors import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
-    from dashpot.workflow.frf_comparison import Agreement
+    from dashpot.workflow.frf_comparison import FRFComparison
     from dashpot.workflow.frf_prediction import Prediction, ShakenMass
     from dashpot.workflow.identification import Identified
     from dashpot.workflow.measured_frf import ImpactResult
@@ -366,7 +366,7 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
     return [*table(rows), *left_out]
 
 
-def agreement(result: Agreement) -> Text:
+def agreement(result: FRFComparison) -> Text:
     """Return predicted against measured, where the mass rests, and whether it was inferred."""
     lines = comparison(result.comparison)
     if str(result.at_rest):

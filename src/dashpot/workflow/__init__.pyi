@@ -18,7 +18,7 @@ from .example_files import CAPTIONS as CAPTIONS
 from .example_files import EXAMPLES as EXAMPLES
 from .example_files import FIRST as FIRST
 from .example_files import MASS as MASS
-from .frf_comparison import Agreement as Agreement
+from .frf_comparison import FRFComparison as FRFComparison
 from .frf_comparison import compare_files as compare_files
 from .frf_prediction import Prediction as Prediction
 from .frf_prediction import predict_files as predict_files

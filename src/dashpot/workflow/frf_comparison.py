@@ -106,7 +106,7 @@ class LeaveOneOut(Serialisable):
 
 
 @dataclass(frozen=True, repr=False)
-class Agreement(HasVerdict, Serialisable):
+class FRFComparison(HasVerdict, Serialisable):
     """Result of ``dashpot compare``.
 
     Attributes
@@ -212,7 +212,7 @@ def compare_files(
     band: tuple[float, float] | None = None,
     records: Sequence[str | Path] = (),
     options_with: ReadOptions | None = None,
-) -> Agreement:
+) -> FRFComparison:
     """Hold the prediction of a fit against the hits or the FRF in files.
 
     Parameters
@@ -257,7 +257,7 @@ def agreement(
     *,
     tests: Sequence[RampHold] = (),
     band: tuple[float, float] | None = None,
-) -> Agreement:
+) -> FRFComparison:
     """Hold the prediction of a fit against an FRF.
 
     Parameters
@@ -286,7 +286,7 @@ def agreement(
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(fit, tests, rests.point, on, frequency=about)
     noted = (*frf.checks, *noted, measurement_independent_of_fit(len(circular)))
-    return Agreement(
+    return FRFComparison(
         comparison, on.mass, block.mass is None, noted, rests, (lines, formal), limits, on.seals,
         in_sample=bool(circular),
     )  # fmt: skip

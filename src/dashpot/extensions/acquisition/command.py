@@ -83,7 +83,7 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
     device = recorder.describe().device
     send_progress(f"recording from {device}; Ctrl-C ends it")
     with _stopped_by_signals(recorder):
-        rows, notes = dp.files.recording.record(
+        rows, notes = dp.files.acquisition.record(
             recorder,
             output,
             seconds=math.inf if seconds is None else seconds,
@@ -97,7 +97,7 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
 
 
 @contextmanager
-def _stopped_by_signals(recorder: dp.files.recording.Recorder) -> Iterator[None]:
+def _stopped_by_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
     """Let Ctrl-C end the record in good order, not between a read and its write."""
     before = {}
     with suppress(ValueError):  # not the main thread of whoever calls
@@ -119,15 +119,15 @@ def _device(
     played: str | None,
     seal: str,
     speed: float,
-) -> dp.files.recording.Recorder:
+) -> dp.files.acquisition.Recorder:
     """Return the device that was asked for."""
     if driver == "serial":
         if port is None:
             raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")
-        return dp.files.recording.SerialLine(port, columns=columns.split(","), baud=baud)
+        return dp.files.acquisition.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
-        return dp.files.recording.create_simulated_device(seal_named(seal).solid, speed=speed)
+        return dp.files.acquisition.create_simulated_device(seal_named(seal).solid, speed=speed)
     if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
     with as_it_stands(played):
-        return dp.files.recording.replay(played, speed=speed)
+        return dp.files.acquisition.replay(played, speed=speed)

@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
-from dashpot.extensions.amplitude.fit_files import Levels
+from dashpot.extensions.amplitude.fit_files import AmplitudeResult
 from dashpot.registry import KINDS, load_object
 from dashpot.workflow.job import require_test_for_machine
 
@@ -34,7 +34,7 @@ def fit_levels(
     model: AmplitudeLawAsked = "auto",
     resonance_at: Sequence[Quantity] = (),
     machine: Machine | None = None,
-) -> Levels | AmplitudeFit:
+) -> AmplitudeResult | AmplitudeFit:
     """Fit the law of tests at several amplitudes."""
     from dashpot.extensions.amplitude.fit_files import (
         fit_amplitude_record,

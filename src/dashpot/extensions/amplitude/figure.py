@@ -51,7 +51,7 @@ from dashpot.solids.rate_independent import InParallel
 from dashpot.vibration.impact.amplitude_trend import DECAYED
 
 if TYPE_CHECKING:
-    from dashpot.extensions.amplitude.fit_files import Levels
+    from dashpot.extensions.amplitude.fit_files import AmplitudeResult
 
 
 _HEIGHT = 240.0
@@ -92,7 +92,7 @@ def level(
     return amplitude_sweep(first, result, stamp=stamp)
 
 
-def draw_levels(levels: Levels) -> Picture:
+def draw_levels(levels: AmplitudeResult) -> Picture:
     """Return the figure of a fit over amplitude with its records."""
     return level(levels.fit, levels.records)
 

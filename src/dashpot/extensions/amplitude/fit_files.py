@@ -43,7 +43,7 @@ from dashpot.workflow.measured_frf import as_measured
 
 
 @dataclass(frozen=True, repr=False)
-class Levels(HasVerdict, Serialisable):
+class AmplitudeResult(HasVerdict, Serialisable):
     """Result of ``dashpot fit`` on tests at several amplitudes.
 
     Attributes
@@ -60,7 +60,7 @@ class Levels(HasVerdict, Serialisable):
     >>> import dashpot as dp
     >>> hits = dp.simulate("impact", hits=4)
     >>> type(dp.fit(hits, hits, levels=["3N", "3N"])).__name__  # doctest: +SKIP
-    'Levels'
+    'AmplitudeResult'
     """
 
     schema = "dashpot/levels@2"
@@ -122,7 +122,7 @@ def level_files(
     motion: str = "absolute",
     machine: Machine | None = None,
     options: ReadOptions | None = None,
-) -> Levels:
+) -> AmplitudeResult:
     """Find how stiffness and damping move with amplitude.
 
     Parameters
@@ -177,7 +177,7 @@ def level_files(
 
 def fit_amplitude_record(
     record: AmplitudeSweep | RelaxationTest, *, law: str = "auto", machine: Machine | None = None
-) -> Levels:
+) -> AmplitudeResult:
     """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
     if isinstance(record, RelaxationTest):
         sweep = sweep_of_loops(record, machine)
@@ -190,12 +190,12 @@ def fit_amplitude_record(
     return _swept(fit_amplitude(sweep, law=law), record)
 
 
-def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> Levels:
+def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> AmplitudeResult:
     if isinstance(record, RelaxationTest):
         amplitude_fit = replace(
             amplitude_fit, loss_per_lag=float(2 * np.pi * amplitude_fit.frequency.max())
         )
-    return Levels(amplitude_fit, (), amplitude_fit.checks, (record,))
+    return AmplitudeResult(amplitude_fit, (), amplitude_fit.checks, (record,))
 
 
 _OF_HITS = ("--amplitude", "--mass", "--band", "--resonance-amplitude")
@@ -253,7 +253,7 @@ def _fit_hit_files(
     band: tuple[float, float] | None,
     at: Sequence[float],
     options: ReadOptions | None,
-) -> Levels:
+) -> AmplitudeResult:
     _forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
     with add_name_to_errors(", ".join(Path(path).name for path in files)):
@@ -267,7 +267,7 @@ def hits_at_levels(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     at: Sequence[float] = (),
-) -> Levels:
+) -> AmplitudeResult:
     """Find what hits of different height say; the parameters are those of :func:`level_files`."""
     stated = _forces(levels, len(tests))
     frf = estimate_frf(tests, resonance_band=band, mass=mass)
@@ -289,7 +289,7 @@ def hits_at_levels(
         amplitude_in_tested_range(peak.amplitude, hit_levels.amplitudes, at=f"{peak.level:.4g} N")
         for peak in peaks
     )
-    return Levels(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
+    return AmplitudeResult(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
 
 
 def frfs_at_levels(
@@ -300,7 +300,7 @@ def frfs_at_levels(
     seals: float = 1.0,
     band: tuple[float, float] | None = None,
     at: Sequence[float] = (),
-) -> Levels:
+) -> AmplitudeResult:
     """Find what FRFs of one mass at several levels say; parameters as of :func:`level_files`."""
     if mass is None or len(levels) != len(frfs):
         raise ReadError(
@@ -314,7 +314,7 @@ def frfs_at_levels(
         amplitude_in_tested_range(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
         for peak in peaks
     )
-    return Levels(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
+    return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
 
 
 def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:

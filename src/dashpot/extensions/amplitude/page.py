@@ -14,7 +14,7 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.progress import send_progress
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit
-from dashpot.extensions.amplitude.fit_files import Levels, level_files
+from dashpot.extensions.amplitude.fit_files import AmplitudeResult, level_files
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
@@ -40,7 +40,7 @@ _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
 
 
-def page(levels: Levels) -> KindPage:
+def page(levels: AmplitudeResult) -> KindPage:
     """Return what the page of levels holds."""
     fit = levels.fit
     stiff = {
@@ -106,7 +106,7 @@ def draw_prediction(prediction: LevelPrediction) -> Picture:
     )
 
 
-def fit_job(job: LevelJob) -> tuple[Levels, JobPage]:
+def fit_job(job: LevelJob) -> tuple[AmplitudeResult, JobPage]:
     """Fit the files of a job, and list what the app shows of them."""
     send_progress(f"fitting {', '.join(Path(path).name for path in job.files)}")
     levels = level_files(**vars(job))
@@ -119,7 +119,7 @@ def fit_job(job: LevelJob) -> tuple[Levels, JobPage]:
     )
 
 
-def numbers(levels: Levels) -> list[ReportedValue]:
+def numbers(levels: AmplitudeResult) -> list[ReportedValue]:
     """Return what moves with amplitude, and the resonance at every level that was asked for."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
@@ -128,7 +128,7 @@ def numbers(levels: Levels) -> list[ReportedValue]:
     return [*rows, *(row for peak in levels.at for row in peak.facts)]
 
 
-def format_residual_note(levels: Levels) -> str:
+def format_residual_note(levels: AmplitudeResult) -> str:
     """Return what the fit leaves, and where nothing is known of it."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):

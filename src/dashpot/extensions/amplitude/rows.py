@@ -14,7 +14,7 @@ EXTENSION = Extension(
                     "dashpot.extensions.amplitude.level_results:LevelFit": "",
                 },
                 pages={
-                    "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.page:page",
+                    "dashpot.extensions.amplitude.fit_files:AmplitudeResult": "dashpot.extensions.amplitude.page:page",
                     "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:prediction_page",
                 },
                 checks="dashpot.extensions.amplitude.checks", order=6,
@@ -35,7 +35,7 @@ EXTENSION = Extension(
             "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.level_prediction:LevelEffect",
         },
         "figure": {
-            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.figure:draw_levels",
+            "dashpot.extensions.amplitude.fit_files:AmplitudeResult": "dashpot.extensions.amplitude.figure:draw_levels",
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.page:draw_prediction",
         },
         "predict with sweep": {
@@ -49,7 +49,7 @@ EXTENSION = Extension(
             "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.extensions.amplitude.text:amplitude",
             "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.extensions.amplitude.text:amplitude",
             "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.extensions.amplitude.text:amplitude",
-            "dashpot.extensions.amplitude.fit_files:Levels": "dashpot.extensions.amplitude.text:levels",
+            "dashpot.extensions.amplitude.fit_files:AmplitudeResult": "dashpot.extensions.amplitude.text:levels",
         },
         "plot": {
             "amplitude_sweep": "dashpot.extensions.amplitude.figure:amplitude_sweep",

@@ -12,10 +12,10 @@ from dashpot.text_output.results import list_notes, with_error
 
 if TYPE_CHECKING:
     from dashpot.extensions.amplitude.datamodel import AmplitudeFit
-    from dashpot.extensions.amplitude.fit_files import Levels
+    from dashpot.extensions.amplitude.fit_files import AmplitudeResult
 
 
-def levels(value: Levels) -> Text:
+def levels(value: AmplitudeResult) -> Text:
     """Return what moves with amplitude, and the resonance at each level that was asked for."""
     lines = [f"  {line}" for line in value.fit.summary_lines[1:]]
     if value.loss_per_lag is not None:
@@ -52,9 +52,9 @@ def _loops(amplitude_fit: AmplitudeFit) -> list[str]:
 
 def amplitude(result: Any) -> Text:
     """Return what moves with amplitude, of a fit alone."""
-    from dashpot.extensions.amplitude.fit_files import Levels  # with the numbers
+    from dashpot.extensions.amplitude.fit_files import AmplitudeResult  # with the numbers
 
-    return levels(Levels(result, (), result.checks, ()))
+    return levels(AmplitudeResult(result, (), result.checks, ()))
 
 
 _HARMONIC = 1e-4

@@ -20,7 +20,7 @@ from dashpot.plot.svg import strip
 from dashpot.registry import find_handler
 
 if TYPE_CHECKING:
-    from dashpot.files import recording
+    from dashpot.files import acquisition
 
 
 MOST = 2000
@@ -87,7 +87,7 @@ class Live:
     def __init__(self, store: Store) -> None:
         self._store, self._lock, self._one = store, threading.Lock(), threading.Lock()
         self._thread: threading.Thread | None = None
-        self._recorder: recording.Recorder | None = None
+        self._recorder: acquisition.Recorder | None = None
         self._traces: list[Trace] = []
         self._rows, self._said, self._failed = 0, (), ""  # type: tuple[int, tuple[str, ...], str]
         self._path = Path()
@@ -156,7 +156,7 @@ class Live:
             return ["it goes with the app: name a folder to keep the next one"]
         return [f"kept in {self._path}"]
 
-    def _run(self, recorder: recording.Recorder) -> None:
+    def _run(self, recorder: acquisition.Recorder) -> None:
         """Read until the end, in a thread of its own."""
         failed, sentences, retained = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
@@ -174,7 +174,7 @@ class Live:
         with self._lock:
             self._failed, self._said, self._kept = failed, sentences, retained
 
-    def _add_block(self, block: recording.Block) -> None:
+    def _add_block(self, block: acquisition.Block) -> None:
         with self._lock:
             self._rows += len(block[0])
             for trace, values in zip(self._traces, block[1].T, strict=True):
@@ -191,9 +191,9 @@ class Live:
             raise DataError(f"{named} is no folder; name one that is there")
         return folder
 
-    def _device(self, driver: str, options: Mapping[str, Any]) -> recording.Recorder:
+    def _device(self, driver: str, options: Mapping[str, Any]) -> acquisition.Recorder:
         require_choice("driver", driver, Driver)
-        open_device: Callable[..., recording.Recorder] = find_handler("recorder", driver)
+        open_device: Callable[..., acquisition.Recorder] = find_handler("recorder", driver)
         if driver == "serial":
             return open_device(
                 str(options.get("port", "")).strip(),

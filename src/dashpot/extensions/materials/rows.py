@@ -9,10 +9,10 @@ EXTENSION = Extension(
                 "cld", "dashpot.extensions.materials.cld.read:read_cld", "dashpot.extensions.materials.cld.fit_files:cld_files", meant="cld",
                 place="judged",
                 nouns={
-                    "dashpot.extensions.materials.cld.datamodel:CompressionTest": "",
+                    "dashpot.extensions.materials.cld.datamodel:CLDTest": "",
                     "dashpot.extensions.materials.cld.datamodel:CLD": "dashpot.extensions.materials.cld.figure:cld",
                 },
-                pages={"dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.page:page"},
+                pages={"dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.page:page"},
                 panel="dashpot.extensions.materials.cld.app_form",
                 checks="dashpot.extensions.materials.cld.checks",
                 row="dashpot.extensions.materials.cld.lot_row:build_lot_row",
@@ -64,7 +64,7 @@ EXTENSION = Extension(
                 "csr", "dashpot.extensions.materials.csr.read:read_csr", "dashpot.extensions.materials.csr.fit_files:csr_files", meant="csr",
                 place="judged",
                 nouns={
-                    "dashpot.extensions.materials.csr.datamodel:CounterforceTest": "",
+                    "dashpot.extensions.materials.csr.datamodel:CSRTest": "",
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
                     "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:draw_aged_force",
                 },
@@ -108,13 +108,13 @@ EXTENSION = Extension(
         },
         "table rule": {"csr": "dashpot.extensions.materials.csr.table_rule:counterforce"},
         "text": {
-            "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.text:cld",
+            "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",
             "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.text:indentation",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
         "figure": {
-            "dashpot.extensions.materials.cld.fit_files:Pieces": "dashpot.extensions.materials.cld.figure:draw_pieces",
+            "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.figure:draw_pieces",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.figure:draw_rod",
         },
         "plot": {

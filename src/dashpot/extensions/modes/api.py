@@ -9,7 +9,7 @@ from typing import Any
 from dashpot.api.fit import identify_record_kinds
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.structure import FRFSet
-from dashpot.extensions.modes.mass_series_files import ModesByMass
+from dashpot.extensions.modes.mass_series_files import MassSeriesModes
 from dashpot.extensions.modes.measured_modes import modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.workflow.measured_frf import Modes
@@ -38,7 +38,7 @@ def fit_mass_series(
     mass: Sequence[Quantity],
     seals: float = 1.0,
     band: Range | None = None,
-) -> ModesByMass:
+) -> MassSeriesModes:
     """Fit modes to FRFs under several masses."""
     from dashpot.extensions.modes.mass_series_files import fit_modes_by_mass
 

@@ -20,7 +20,7 @@ from dashpot.plot.plotted_data import compute_padded_limits, compute_padded_log_
 from dashpot.plot.style import sequential
 
 if TYPE_CHECKING:
-    from dashpot.extensions.modes.mass_series_files import ModesByMass
+    from dashpot.extensions.modes.mass_series_files import MassSeriesModes
 
 
 FOUND = Pen("fit", 1.2, (7, 4))
@@ -150,7 +150,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
     return Picture("masses", caption, tuple((panel,) for panel in panels), 3, stamp, width=1100.0)
 
 
-def draw_masses(modes: ModesByMass) -> Picture:
+def draw_masses(modes: MassSeriesModes) -> Picture:
     """Return the figure of modes under several masses, of what was fitted."""
     return several_masses(modes.together, [test.frf for test in modes.tests])
 

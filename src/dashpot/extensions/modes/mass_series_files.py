@@ -42,7 +42,7 @@ class StiffnessAtMode(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class ModesByMass(HasChecks, HasVerdict, Serialisable):
+class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     """Result of ``dashpot fit`` under several masses.
 
     Attributes
@@ -120,7 +120,7 @@ def modes_by_mass(
     seals: float = 1.0,
     options: ReadOptions | None = None,
     band: tuple[float, float] | None = None,
-) -> ModesByMass:
+) -> MassSeriesModes:
     """Find the main mode under each of several masses, and hold them against one solid.
 
     Parameters
@@ -152,7 +152,7 @@ def fit_modes_by_mass(
     *,
     seals: float = 1.0,
     band: tuple[float, float] | None = None,
-) -> ModesByMass:
+) -> MassSeriesModes:
     """Hold the main modes of FRFs under several masses against one solid; each has a name."""
     if len(measured) != len(masses) or len(measured) < 2:
         raise DataError(
@@ -178,7 +178,7 @@ def fit_modes_by_mass(
         for check in test.frf.checks
     ]
     across = one_solid_explains_masses(new_masses.distance, masses, (masses[new_masses.worst], by))
-    return ModesByMass(tests, new_masses, (across, *checks))
+    return MassSeriesModes(tests, new_masses, (across, *checks))
 
 
 def _refuse_same(

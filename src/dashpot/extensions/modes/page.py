@@ -17,7 +17,7 @@ from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.frf import Mode
-from dashpot.extensions.modes.mass_series_files import ModesByMass, modes_by_mass
+from dashpot.extensions.modes.mass_series_files import MassSeriesModes, modes_by_mass
 from dashpot.extensions.modes.measured_modes import MeasuredModes, modes_files
 from dashpot.report.result_page import AppCard, Group, JobPage, KindPage, Topic, lights
 from dashpot.report.solid_and_frf_pages import mode_rows
@@ -25,7 +25,7 @@ from dashpot.report.tables import TextTable
 from dashpot.workflow.job import ModesJob
 
 
-def masses_page(modes: ModesByMass) -> KindPage:
+def masses_page(modes: MassSeriesModes) -> KindPage:
     """Return what the page of one solid under several masses holds."""
     of = modes.together
     facts = tuple(
@@ -49,11 +49,11 @@ def masses_page(modes: ModesByMass) -> KindPage:
     )
 
 
-def _list_sources(modes: ModesByMass) -> tuple[Source, ...]:
+def _list_sources(modes: MassSeriesModes) -> tuple[Source, ...]:
     return tuple(dict.fromkeys(source for test in modes.tests for source in test.frf.source))
 
 
-def fit_job(job: ModesJob) -> tuple[MeasuredModes | ModesByMass, JobPage]:
+def fit_job(job: ModesJob) -> tuple[MeasuredModes | MassSeriesModes, JobPage]:
     """Find the modes in the files of a job, and list what the app shows of them."""
     send_progress(f"seeking the modes of {', '.join(Path(path).name for path in job.files)}")
     options, band = job.options, job.band
@@ -71,7 +71,7 @@ def fit_job(job: ModesJob) -> tuple[MeasuredModes | ModesByMass, JobPage]:
     )
 
 
-def _describe_masses(modes: ModesByMass) -> JobPage:
+def _describe_masses(modes: MassSeriesModes) -> JobPage:
     of = modes.together
     picture = plot.several_masses(of, [test.frf for test in modes.tests])
     pairs = zip(of.masses, of.modes, strict=True)

@@ -24,13 +24,13 @@ EXTENSION = Extension(
         },
         "text": {
             "dashpot.extensions.modes.measured_modes:MeasuredModes": "dashpot.extensions.modes.text:modes",
-            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.text:modes_by_mass",
+            "dashpot.extensions.modes.mass_series_files:MassSeriesModes": "dashpot.extensions.modes.text:modes_by_mass",
         },
         "page": {
-            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.page:masses_page",
+            "dashpot.extensions.modes.mass_series_files:MassSeriesModes": "dashpot.extensions.modes.page:masses_page",
         },
         "figure": {
-            "dashpot.extensions.modes.mass_series_files:ModesByMass": "dashpot.extensions.modes.figure:draw_masses",
+            "dashpot.extensions.modes.mass_series_files:MassSeriesModes": "dashpot.extensions.modes.figure:draw_masses",
         },
         "pole figure": {
             "dashpot.datamodel.frf:FRF": "dashpot.extensions.modes.figure:draw_poles",

@@ -11,7 +11,7 @@ from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import hertz, with_error
 
 if TYPE_CHECKING:
-    from dashpot.extensions.modes.mass_series_files import ModesByMass
+    from dashpot.extensions.modes.mass_series_files import MassSeriesModes
     from dashpot.extensions.modes.measured_modes import MeasuredModes
 
 
@@ -85,7 +85,7 @@ def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
     return table(rows)
 
 
-def modes_by_mass(modes_by_mass: ModesByMass) -> Text:
+def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
     """Return the main mode under each mass, the stiffness there, and how near one solid comes."""
     held = modes_by_mass.together
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]

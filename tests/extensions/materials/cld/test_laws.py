@@ -21,7 +21,7 @@ AT = np.array([1e-3, 2e-3, 4e-3, 6e-3, 7.5e-3])
 
 
 def found(truth, **how):
-    return cld(dp.CompressionTest(truth.displacement, truth.force, truth.time, units="SI"), **how)
+    return cld(dp.CLDTest(truth.displacement, truth.force, truth.time, units="SI"), **how)
 
 
 pytestmark = pytest.mark.once
@@ -98,7 +98,7 @@ def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
 def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
     truth = pressed(softening=0.0)
     fit = fit_of(stiffening)
-    bare = cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
+    bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
         relaxed_law(bare, fit)
     one = found(truth)
@@ -158,7 +158,7 @@ def test_one_speed_is_refused():
     one = found(truth)
     with pytest.raises(FitError, match="one speed alone"):
         fit_speeds([one, one])
-    bare = cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
+    bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
         fit_speeds([one, bare])
 
@@ -201,7 +201,7 @@ def between(back, speed, arms=((0.3, 2.0),)):
     x = 8e-3 * np.interp(time / step, [-50, *(rows - 100)], [-0.125, *turns])
     force = answered(stiffening(np.maximum(x, 0.0)), x > 0, arms, step)
     noise = 2e-3 * np.random.default_rng(1).standard_normal(len(x))
-    return cld(dp.CompressionTest(x, force + noise, time - time[0], units="SI"))
+    return cld(dp.CLDTest(x, force + noise, time - time[0], units="SI"))
 
 
 @pytest.mark.parametrize("back", [0.4, 0.0])

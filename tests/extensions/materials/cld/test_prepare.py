@@ -19,7 +19,7 @@ ELASTIC = {"arms": (), "softening": 0.0}
 
 
 def found(truth, **how):
-    test = dp.CompressionTest(truth.displacement, truth.force, truth.time, SPECIMEN, units="SI")
+    test = dp.CLDTest(truth.displacement, truth.force, truth.time, SPECIMEN, units="SI")
     return cld(test, **how)
 
 
@@ -35,7 +35,7 @@ def test_a_spring_stores_what_it_is_given():
     """5 N of 100 mm at 6 mm: 15 mJ, none lost; whatever the length of the piece."""
     spring = pressed(lambda x: 5 / 6e-3 * x, depth=6e-3, noise=0.0, bias=0.0, count=0.0, **ELASTIC)
     for length in (0.1, 0.05):
-        test = dp.CompressionTest(
+        test = dp.CLDTest(
             spring.displacement,
             spring.force * length / 0.1,
             spring.time,
@@ -128,7 +128,7 @@ def test_a_stop_in_the_stroke_is_no_turning_point_but_no_even_speed():
     still = np.flatnonzero((truth.compression > 4e-3) & (np.gradient(truth.compression) > 0))
     i = int(still[-1]) - 60
     held = [np.insert(one, i, np.full(100, one[i])) for one in (truth.displacement, truth.force)]
-    test = dp.CompressionTest(*held, np.arange(len(held[0])) / 100, SPECIMEN, units="SI")
+    test = dp.CLDTest(*held, np.arange(len(held[0])) / 100, SPECIMEN, units="SI")
     one = cld(test, at=6e-3)
     assert len(one.cycles) == 3
     assert "plate_speed_constant" in failed(one)
@@ -154,7 +154,7 @@ def test_the_cycle_asked_for_and_the_one_that_reaches():
 def test_without_a_clock_the_curve_is_the_same_and_no_speed_is_said():
     truth = pressed()
     timed = found(truth, at=6e-3)
-    one = cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"), at=6e-3)
+    one = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
     assert one.cycle.speed is None
     assert (one.unit, one.per) == ("N", 1)
@@ -166,7 +166,7 @@ def test_nothing_pressed_is_refused(still):
     signals = {"displacement": np.linspace(0, 1e-3, 50), "force": np.linspace(0, 1, 50)}
     signals[still] = np.ones(50)
     with pytest.raises(DataError, match=f"the {still} never changes"):
-        cld(dp.CompressionTest(**signals, units="SI"))
+        cld(dp.CLDTest(**signals, units="SI"))
 
 
 @pytest.mark.parametrize(("share", "strokes"), [(0.98, 1), (1.02, 3)])
@@ -196,9 +196,7 @@ def test_memory_is_what_makes_a_release_fall_behind():
 
 def test_swapped_columns_make_energy_and_are_not_to_be_used():
     truth = pressed(cycles=3)
-    swapped = dp.CompressionTest(
-        1e-3 * truth.force, 1e3 * truth.displacement, truth.time, units="SI"
-    )
+    swapped = dp.CLDTest(1e-3 * truth.force, 1e3 * truth.displacement, truth.time, units="SI")
     one = cld(swapped)
     assert one.verdict.use == "do not use"
     assert "swapped" in one.verdict.says
@@ -207,12 +205,12 @@ def test_swapped_columns_make_energy_and_are_not_to_be_used():
 def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     """A few rows from 0 mm and 0 N, without a clock, a rest or the way back."""
     x = np.linspace(0, 8e-3, 17)
-    one = cld(dp.CompressionTest(x, 200.0 * x, units="SI"), at=6e-3)
+    one = cld(dp.CLDTest(x, 200.0 * x, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(1.2)
     assert one.preload == 0
     assert failed(one) == {"specimen_conditioned", "unloading_recorded", "length_given"}
     up = np.concatenate((x, x[-2::-1]))
-    assert cld(dp.CompressionTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
+    assert cld(dp.CLDTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
         0, abs=1e-9
     )
 

@@ -15,7 +15,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks as csr_checks
-from dashpot.extensions.materials.csr.datamodel import CounterforceTest
+from dashpot.extensions.materials.csr.datamodel import CSRTest
 from dashpot.extensions.materials.csr.fit import fit_aging
 from dashpot.extensions.materials.csr.law import BOUND, AgingLaw
 from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
@@ -29,7 +29,7 @@ LAW = AgingLaw(0.03, float(np.log(2500 * HOUR)), 90e3, 1.0, 398.15, np.zeros((4,
 
 
 def recorded(one):
-    return CounterforceTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
+    return CSRTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
 
 
 def fitted(rubber=TRUE, seed=0, oven=1.0, drift=0.0, **how):
@@ -77,9 +77,7 @@ def test_exact_readings_give_the_truth_back():
 def test_what_a_force_is_measured_in_changes_nothing():
     one = lot(TRUE, 1)
     first = np.repeat(one.force.reshape(9, -1)[:, 0], len(HOURS))
-    parts = CounterforceTest(
-        one.hours, 100 * one.force / first, one.celsius, one.piece, units="h, N, degC"
-    )
+    parts = CSRTest(one.hours, 100 * one.force / first, one.celsius, one.piece, units="h, N, degC")
     still = Machine(drift=0.0)  # a drift in newtons is another of each ratio
     given, ratio = (fit_aging([each], machine=still).law for each in (recorded(one), parts))
     assert ratio.activation == pytest.approx(given.activation, rel=1e-6)
@@ -89,7 +87,7 @@ def test_what_a_force_is_measured_in_changes_nothing():
 def test_pieces_of_several_records_are_those_of_one():
     one = lot(TRUE, 1)
     apart = [
-        CounterforceTest(one.hours[own], one.force[own], one.celsius[own], one.piece[own] % 3,
+        CSRTest(one.hours[own], one.force[own], one.celsius[own], one.piece[own] % 3,
                          units="h, N, degC")
         for own in (one.celsius == oven for oven in (150.0, 100.0, 125.0))
     ]  # fmt: skip
@@ -249,7 +247,7 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     slow = Rubber(hours=5000.0)
     force = np.where(hot, one.force * slow.left(one.hours, 150) / TRUE.left(one.hours, 150),
                      one.force)  # fmt: skip
-    found = CounterforceTest(one.hours, force, one.celsius, one.piece, units="h, N, degC")
+    found = CSRTest(one.hours, force, one.celsius, one.piece, units="h, N, degC")
     assert "one_activation_energy_explains_ovens" in failed(fit_aging([found]))
 
 
@@ -340,7 +338,7 @@ def test_readings_that_are_no_lot_are_refused(change, says):
     for name, how in change.items():
         arrays[name] = how(arrays[name]) if callable(how) else how
     with pytest.raises(DataError, match=says):
-        fit_aging([CounterforceTest(**arrays, units="h, N, degC")])
+        fit_aging([CSRTest(**arrays, units="h, N, degC")])
 
 
 @pytest.mark.parametrize(("minutes", "fine"), [(10.0, True), (9.99, False)])
@@ -358,7 +356,7 @@ def test_f0_is_not_read_before_ten_minutes(minutes, fine):
 def test_a_record_counts_from_zero(name):
     arrays = {"time": [0.5, 1.0], "force": [40.0, 39.0], "temperature": [125.0, 125.0]}
     with pytest.raises(DataError, match=f"a {name} is 0; expected numbers above 0"):
-        CounterforceTest(**arrays | {name: [0.0, 1.0]}, units="h, N, degC")
+        CSRTest(**arrays | {name: [0.0, 1.0]}, units="h, N, degC")
 
 
 def test_a_fit_ages_as_the_force_does():

@@ -9,7 +9,7 @@ from dashpot.api.fit import identify_record_kinds
 from dashpot.base.units import Quantity, Range, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.machine import Machine
-from dashpot.extensions.materials.cld.fit_files import Pieces
+from dashpot.extensions.materials.cld.fit_files import CLDResult
 
 
 def fit_load_deflection(
@@ -21,7 +21,7 @@ def fit_load_deflection(
     memory: Fit | Sequence[Fit] = (),
     cycle: int | None = None,
     machine: Machine | None = None,
-) -> Pieces:
+) -> CLDResult:
     """Evaluate tests of load over deflection."""
     from dashpot.extensions.materials.cld.fit_files import cld_of
 

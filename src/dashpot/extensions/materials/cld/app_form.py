@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dashpot.base.option_fields import FormData, FormField
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.materials.cld.fit_files import Pieces, cld_files
+from dashpot.extensions.materials.cld.fit_files import CLDResult, cld_files
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
@@ -16,7 +16,7 @@ ASKS = (
 )
 
 
-def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Pieces:
+def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> CLDResult:
     """Return the figures of the pieces."""
     length = form.number("length", "length")
     return cld_files(

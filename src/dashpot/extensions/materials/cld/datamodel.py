@@ -33,7 +33,7 @@ SAME_SPEED = 1.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CompressionTest(EqualByValue, HasSummary):
+class CLDTest(EqualByValue, HasSummary):
     """Compression load deflection test as recorded, in SI units.
 
     Attributes
@@ -57,7 +57,7 @@ class CompressionTest(EqualByValue, HasSummary):
     --------
     >>> import dashpot as dp, numpy as np
     >>> t = np.linspace(0, 10, 50)
-    >>> piece = dp.CompressionTest(displacement=t, force=t**2, units="mm, N")
+    >>> piece = dp.CLDTest(displacement=t, force=t**2, units="mm, N")
     >>> float(piece.displacement[-1])
     0.01
     """

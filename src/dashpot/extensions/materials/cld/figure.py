@@ -17,7 +17,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
 if TYPE_CHECKING:
-    from dashpot.extensions.materials.cld.fit_files import Pieces
+    from dashpot.extensions.materials.cld.fit_files import CLDResult
 
 
 _FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
@@ -73,7 +73,7 @@ def cld(
     )
 
 
-def draw_pieces(pieces: Pieces) -> Picture:
+def draw_pieces(pieces: CLDResult) -> Picture:
     """Return the figure of pieces that were fitted together."""
     return cld(pieces.pieces)
 

@@ -27,7 +27,7 @@ from dashpot.extensions.materials.cld.datamodel import (
     CLD,
     SAME_SPEED,
     AtCompression,
-    CompressionTest,
+    CLDTest,
     ProcessCapability,
     RateLaw,
     RelaxedLaw,
@@ -80,7 +80,7 @@ class PieceStatistics:
 
 
 @dataclass(frozen=True, repr=False)
-class Pieces(HasChecks, HasVerdict, Serialisable):
+class CLDResult(HasChecks, HasVerdict, Serialisable):
     """Result of ``dashpot fit`` on compression load deflection.
 
     Attributes
@@ -105,7 +105,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
     >>> import dashpot as dp, numpy as np
     >>> x = 8 * np.sin(np.linspace(0, np.pi, 400))
     >>> t = np.linspace(0, 20, 400)
-    >>> piece = dp.CompressionTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
+    >>> piece = dp.CLDTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
     >>> round(dp.fit(piece, compression="6mm").pieces[0].nominal.loading, 2)
     1.5
     """
@@ -125,7 +125,7 @@ class Pieces(HasChecks, HasVerdict, Serialisable):
     rate: RateLaw | None = None
 
     @property
-    def _saved_result(self) -> Pieces | Fit:
+    def _saved_result(self) -> CLDResult | Fit:
         """The fit, if there is one."""
         return self.fit or self
 
@@ -177,7 +177,7 @@ def cld_files(
     specimen: Specimen | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
-) -> Pieces:
+) -> CLDResult:
     """Find the figures of compression load deflection of pieces, and how they scatter.
 
     Records at speeds that differ by half or more are taken for one seal, whose elastic law and
@@ -216,7 +216,7 @@ def cld_files(
 
 
 def cld_of(
-    tests: Sequence[CompressionTest],
+    tests: Sequence[CLDTest],
     *,
     at: Quantity | None = None,
     between: Range | None = None,
@@ -225,7 +225,7 @@ def cld_of(
     cycle: int | None = None,
     names: Sequence[str] = (),
     machine: Machine | None = None,
-) -> Pieces:
+) -> CLDResult:
     """Find the figures of pieces, as :func:`cld_files` does of those in files.
 
     `names` are put before what is wrong with one of them, `cycle` is the one of the figures.
@@ -235,7 +235,7 @@ def cld_of(
     pieces = _figures(
         tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
     )
-    scatter = Pieces(
+    scatter = CLDResult(
         pieces, (), None, (*_select_worst_checks(pieces), *caution_checks(sources_of(pieces)))
     )
     if not memory and limits is None and _several_speeds(pieces):
@@ -246,7 +246,7 @@ def cld_of(
 
 
 def _figures(
-    tests: Sequence[CompressionTest],
+    tests: Sequence[CLDTest],
     names: Sequence[str],
     cycle: int | None,
     *,
@@ -257,7 +257,7 @@ def _figures(
     """Return each piece, all at one nominal compression."""
     _refuse_twice(tests)
 
-    def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
+    def figures(test: CLDTest, nominal: Quantity | None) -> CLD:
         return cld(test, at=nominal, between=between, cycle=cycle, machine=machine)
 
     pieces = []
@@ -278,7 +278,7 @@ def _select_worst_checks(pieces: Sequence[CLD]) -> tuple[Check, ...]:
     )
 
 
-def _add_speed_fit(pieces: Pieces) -> Pieces:
+def _add_speed_fit(pieces: CLDResult) -> CLDResult:
     """With the elastic law and the memory of one seal at several speeds."""
     fit = fit_speeds(pieces.pieces)
     rate = fit_rate(pieces.pieces, fit)
@@ -289,7 +289,7 @@ def _add_speed_fit(pieces: Pieces) -> Pieces:
     return replace(pieces, checks=(*pieces.checks, *fit.checks), fit=fit, rate=rate)
 
 
-def _add_piece_scatter(new_pieces: Pieces, limits: tuple[float, float] | None) -> Pieces:
+def _add_piece_scatter(new_pieces: CLDResult, limits: tuple[float, float] | None) -> CLDResult:
     """With how several pieces scatter, and whether their forces keep within limits."""
     pieces, within = new_pieces.pieces, None
     checks = [pieces_tested_alike(_otherwise(pieces))]
@@ -303,7 +303,7 @@ def _add_piece_scatter(new_pieces: Pieces, limits: tuple[float, float] | None) -
     )
 
 
-def _with_memory(pieces: Pieces, memory: Sequence[Fit]) -> Pieces:
+def _with_memory(pieces: CLDResult, memory: Sequence[Fit]) -> CLDResult:
     """With the elastic law under the first piece."""
     relaxed = relaxed_law(pieces.pieces[0], memory)
     near = find_nearest_fit(pieces.pieces[0], memory)
@@ -313,7 +313,7 @@ def _with_memory(pieces: Pieces, memory: Sequence[Fit]) -> Pieces:
     return replace(pieces, checks=(*pieces.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 
-def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
+def _refuse_twice(tests: Sequence[CLDTest]) -> None:
     seen: dict[str, str] = {}
     for source in (test.source for test in tests if test.source is not None):
         if source.sha256 in seen:

@@ -9,7 +9,7 @@ from dashpot.base.number_format import format_count, round_to_error
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.extensions.materials.cld.fit_files import Pieces
+from dashpot.extensions.materials.cld.fit_files import CLDResult
 from dashpot.report.first_screen import NBSP, Row
 from dashpot.report.result_page import (
     CollapsibleSection,
@@ -23,7 +23,7 @@ from dashpot.report.result_page import (
 from dashpot.report.tables import TextTable
 
 
-def page(pieces: Pieces) -> KindPage:
+def page(pieces: CLDResult) -> KindPage:
     """Return what the page of one piece or of several holds."""
     first, several = pieces.pieces[0], len(pieces.pieces)
     sources = sources_of(pieces.pieces)
@@ -64,7 +64,7 @@ def page(pieces: Pieces) -> KindPage:
     )  # fmt: skip
 
 
-def _make_piece_rows(pieces: Pieces) -> Iterator[Row]:
+def _make_piece_rows(pieces: CLDResult) -> Iterator[Row]:
     """Mean of each figure with its interval; of one piece its own."""
     if pieces.scatter:
         for statistics in pieces.scatter:
@@ -88,7 +88,7 @@ def _make_piece_rows(pieces: Pieces) -> Iterator[Row]:
         yield row(ReportedValue("", cld.set, unit="m"), "Set")
 
 
-def _cycles(pieces: Pieces) -> TextTable:
+def _cycles(pieces: CLDResult) -> TextTable:
     rows = []
     for piece in pieces.pieces:
         name = "" if piece.source is None else piece.source.file

@@ -20,7 +20,7 @@ from dashpot.extensions.materials.cld.datamodel import (
     CLD,
     AtCompression,
     Branch,
-    CompressionTest,
+    CLDTest,
     Cycle,
 )
 from dashpot.extensions.materials.cld.local_stiffness import (
@@ -58,7 +58,7 @@ class _RecordCycles(NamedTuple):
 
 
 def cld(
-    test: CompressionTest,
+    test: CLDTest,
     *,
     at: Quantity | None = None,
     between: Range | None = None,
@@ -73,7 +73,7 @@ def cld(
 
     Parameters
     ----------
-    test : CompressionTest
+    test : CLDTest
     at : float or str, optional
         Nominal compression, m or with its unit; by default the depth of the cycle.
     between : (float, float) or str, optional
@@ -147,13 +147,13 @@ _Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | N
 """What a cycle shows at the least, the nominal and the greatest compression."""
 
 
-def clock_of_samples(test: CompressionTest) -> FloatArray:
+def clock_of_samples(test: CLDTest) -> FloatArray:
     """Return the clock of a test, s; the number of each sample where it has none."""
     return np.arange(float(len(test.force))) if test.time is None else test.time
 
 
 def _with_delay(
-    test: CompressionTest, new_cycles: _RecordCycles, index: int, marks: _Marks, delay: Prior
+    test: CLDTest, new_cycles: _RecordCycles, index: int, marks: _Marks, delay: Prior
 ) -> tuple[_RecordCycles, _Marks]:
     """Return the cycles and marks with what a delay of the force leaves unknown in their errors."""
     points = [mark for mark in marks if mark is not None]
@@ -228,7 +228,7 @@ def _evaluate_record_cycle(
     )
 
 
-def _cycles(test: CompressionTest) -> _RecordCycles:
+def _cycles(test: CLDTest) -> _RecordCycles:
     turn, push = inward(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = clock_of_samples(test)
@@ -328,9 +328,7 @@ def _pull(cycle: Cycle, zero: Zero) -> float | None:
     return float(max(-means.min() - chance, 0.0) / cycle.peak)
 
 
-def _checks(
-    new_cycles: _RecordCycles, index: int, most: float, test: CompressionTest
-) -> tuple[Check, ...]:
+def _checks(new_cycles: _RecordCycles, index: int, most: float, test: CLDTest) -> tuple[Check, ...]:
     cycles, zero = new_cycles.cycles, new_cycles.zero
     used, before = cycles[index], cycles[:index]
     drift = zero.drift / used.peak if zero.drift else None

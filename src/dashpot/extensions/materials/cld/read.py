@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.materials.cld.datamodel import CompressionTest
+from dashpot.extensions.materials.cld.datamodel import CLDTest
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
@@ -24,7 +24,7 @@ _SIGNALS: tuple[Role, Role] = ("displacement", "force")
 
 def read_cld(
     path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
-) -> CompressionTest:
+) -> CLDTest:
     """Return the compression load deflection test in a file, in SI units; ``-`` is stdin.
 
     Parameters
@@ -46,7 +46,7 @@ def read_cld(
         return cld_in(file, specimen or Specimen())
 
 
-def cld_in(file: OpenedFile, specimen: Specimen) -> CompressionTest:
+def cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
     """Return the compression load deflection test in an opened file."""
     channels.refuse_summary(file)
     channels.expect(
@@ -61,7 +61,7 @@ def cld_in(file: OpenedFile, specimen: Specimen) -> CompressionTest:
     notes += _refuse_sizes(file, chosen, values)
     specimen, sentences = add_specimen_temperature(file, specimen, chosen)
     source = channels.source(file, [channel.says for channel in chosen], [*notes, *sentences])
-    return CompressionTest(
+    return CLDTest(
         values["displacement"],
         values["force"],
         values.get("time"),

@@ -14,7 +14,7 @@ from dashpot.extensions.materials.cld.datamodel import (
     RelaxedLaw,
     format_hysteresis,
 )
-from dashpot.extensions.materials.cld.fit_files import Pieces
+from dashpot.extensions.materials.cld.fit_files import CLDResult
 from dashpot.text_output import results
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import cell, format_rounded, with_error
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.cld.fit_files import PieceStatistics
 
 
-def cld(pieces: Pieces) -> Text:
+def cld(pieces: CLDResult) -> Text:
     """Return the figures of each piece, then of all; the cycles for who asks."""
     lines, details = [], []
     for piece in pieces.pieces:
@@ -125,7 +125,7 @@ _BLOCKS = 2
 """Pieces that are shown one by one."""
 
 
-def _overview(pieces: Pieces) -> list[str]:
+def _overview(pieces: CLDResult) -> list[str]:
     rows = [["", "mm/s", f"{pieces.unit} at nominal", "hysteresis, %", "set, mm"]]
     for piece in pieces.pieces:
         lost = piece.cycle.hysteresis

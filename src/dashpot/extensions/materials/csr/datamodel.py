@@ -30,7 +30,7 @@ from dashpot.extensions.materials.csr.law import AgingLaw
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CounterforceTest(EqualByValue, HasSummary):
+class CSRTest(EqualByValue, HasSummary):
     """Counterforce of pieces at constant compression over hours to months.
 
     Attributes
@@ -56,7 +56,7 @@ class CounterforceTest(EqualByValue, HasSummary):
     Examples
     --------
     >>> import dashpot as dp
-    >>> read = dp.CounterforceTest([0.5, 24, 500], [40, 38, 33], [125] * 3, units="h, N, degC")
+    >>> read = dp.CSRTest([0.5, 24, 500], [40, 38, 33], [125] * 3, units="h, N, degC")
     >>> float(read.time[0])
     1800.0
     """

@@ -19,7 +19,7 @@ from dashpot.base.provenance import sources_of
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
-from dashpot.extensions.materials.csr.datamodel import Aging, CounterforceTest, Oven
+from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, Oven
 from dashpot.extensions.materials.csr.law import BOUND, AgingLaw, retained_fraction
 from dashpot.extensions.materials.csr.preprocess import Readings, readings_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
@@ -42,12 +42,12 @@ _HELD = {"exponential": (3,), "stretched": ()}
 """Of physical loss, ln tau, activation energy and ln exponent what each law holds at 0."""
 
 
-def fit_aging(records: Sequence[CounterforceTest], *, machine: Machine | None = None) -> Aging:
+def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> Aging:
     """Fit the law of aging to the pieces of one compound, shape and method.
 
     Parameters
     ----------
-    records : sequence of CounterforceTest
+    records : sequence of CSRTest
     machine : Machine, optional
         How well the temperature of each oven is known, by default to 1 K: two ovens then show no
         error of the activation energy. How the load cell drifts, one standard deviation, by

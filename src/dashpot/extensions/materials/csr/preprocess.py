@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.extensions.materials.csr.datamodel import CounterforceTest, Oven
+from dashpot.extensions.materials.csr.datamodel import CSRTest, Oven
 from dashpot.extensions.materials.csr.law import FIRST
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
@@ -69,7 +69,7 @@ class Readings(NamedTuple):
         return tuple(ovens)
 
 
-def readings_of(tests: Sequence[CounterforceTest]) -> Readings:
+def readings_of(tests: Sequence[CSRTest]) -> Readings:
     """Return the readings of all pieces of some records, by oven.
 
     Raises
@@ -104,7 +104,7 @@ def readings_of(tests: Sequence[CounterforceTest]) -> Readings:
 
 
 def _refuse(
-    tests: Sequence[CounterforceTest],
+    tests: Sequence[CSRTest],
     time: FloatArray,
     cells: IndexArray,
     first: IndexArray,

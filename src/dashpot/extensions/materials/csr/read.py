@@ -16,7 +16,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import celsius
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.materials.csr.datamodel import CounterforceTest
+from dashpot.extensions.materials.csr.datamodel import CSRTest
 from dashpot.extensions.materials.csr.table_rule import counterforce, is_ratio
 from dashpot.reading.columns.vocabulary import tokens
 from dashpot.reading.read_options import DELIMITERS, ReadOptions
@@ -62,7 +62,7 @@ _WHOLE = 1.5
 
 def read_csr(
     path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
-) -> CounterforceTest:
+) -> CSRTest:
     """Return the counterforce of the pieces in a file, in SI units; ``-`` is stdin.
 
     Parameters
@@ -109,7 +109,7 @@ def read_csr(
         source = channels.source(
             file, [channel.says for channel in chosen], [*file.table.notes, *notes, *sentences]
         )
-        return CounterforceTest(
+        return CSRTest(
             values["time"], values["force"], kelvin, number + 1,
             "".join(sorted(read & {"A", "B"})), source, units="SI",
         )  # fmt: skip

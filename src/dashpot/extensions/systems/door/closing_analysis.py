@@ -175,7 +175,7 @@ class SealDoubt:
 
 
 @dataclass(frozen=True)
-class Closing:
+class ClosingAnalysis:
     """Closing of a door.
 
     Attributes
@@ -263,7 +263,7 @@ def close_door(
     *,
     doubt: SealDoubt | None = None,
     steps: int = STEPS,
-) -> Closing:
+) -> ClosingAnalysis:
     r"""Close a door against its seal.
 
     Parameters
@@ -291,7 +291,7 @@ def close_door(
         )
     moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
     done = march(moving, np.array([v]), steps=steps)
-    closing = Closing(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
+    closing = ClosingAnalysis(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
     load, hidden = np.ones(1), np.zeros(1)
     if doubt is not None:
         extremes = doubt.extremes(moving.section.solid.maxwell, closing.frequency)

@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import format_with_error, round_to_error
 from dashpot.base.units import convert_to_unit
-from dashpot.extensions.systems.door.closing_analysis import Closing, Scatter
+from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis, Scatter
 from dashpot.extensions.systems.door.closing_result import ClosingResult
 from dashpot.plot.picture import FIT, REF, Area, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
 from dashpot.plot.plotted_data import compute_padded_limits
@@ -50,7 +50,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     )
 
 
-def waterfall(done: Closing) -> Panel:
+def waterfall(done: ClosingAnalysis) -> Panel:
     """Return what each term takes of the energy, the largest first, and what is left."""
     rows = [("door", 0.0, done.energy)]
     at = done.energy
@@ -89,7 +89,7 @@ def waterfall(done: Closing) -> Panel:
     )
 
 
-def _way(done: Closing) -> tuple[FloatArray, float]:
+def _way(done: ClosingAnalysis) -> tuple[FloatArray, float]:
     """Return where the edge is, mm to closed, and how far of it is drawn."""
     way = convert_to_unit(done.door.edge * done.march.angle, "mm")
     door = done.door
@@ -100,7 +100,7 @@ def _way(done: Closing) -> tuple[FloatArray, float]:
     return way, min(float(way[0]), most) if most > 0 else float(way[0])
 
 
-def moments_panel(done: Closing) -> Panel:
+def moments_panel(done: ClosingAnalysis) -> Panel:
     """Return the moment of each term over the last of the way."""
     way, most = _way(done)
     middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(done.march.angle)
@@ -122,7 +122,7 @@ def moments_panel(done: Closing) -> Panel:
     )
 
 
-def speed_panel(done: Closing) -> Panel:
+def speed_panel(done: ClosingAnalysis) -> Panel:
     """Return the speed of the edge over its way."""
     way, _ = _way(done)
     speed = done.door.edge * np.sqrt(2 * done.march.kinetic[:, 0] / done.door.inertia)
@@ -138,7 +138,7 @@ def speed_panel(done: Closing) -> Panel:
     )
 
 
-def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Panel:
+def doors_panel(done: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
     """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.speed[np.isfinite(scatter.speed)]
     limit, above = scatter.variation.limit, scatter.share_above_limit

@@ -15,7 +15,7 @@ from dashpot.extensions.systems.door.analyse_file import (
     open_door,
     touches_along,
 )
-from dashpot.extensions.systems.door.closing_analysis import Closing, SealDoubt, close_door
+from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis, SealDoubt, close_door
 from dashpot.extensions.systems.door.closing_result import ClosingResult
 from dashpot.extensions.systems.door.door_model import Door
 from dashpot.vibration.checks import compression_tested
@@ -52,7 +52,7 @@ def close_file(
         return ClosingResult(assembly.door, fit, closing, tuple(_check_closing(closing, fit)))
 
 
-def _check_closing(closing: Closing, fit: Fit | None) -> Iterator[Check]:
+def _check_closing(closing: ClosingAnalysis, fit: Fit | None) -> Iterator[Check]:
     yield checks.faster_closings_latch(closing.monotone)
     pressed, pieces = closing.door.compression, closing.door.length
     yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))

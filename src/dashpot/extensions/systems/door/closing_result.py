@@ -11,7 +11,7 @@ from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.systems.door.closing_analysis import Closing
+from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis
 from dashpot.extensions.systems.door.door_model import Door
 
 
@@ -55,7 +55,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
 
     door: Door
     fit: Fit | None
-    closing: Closing
+    closing: ClosingAnalysis
     checks: tuple[Check, ...]
 
     @property

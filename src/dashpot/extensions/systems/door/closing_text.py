@@ -10,7 +10,7 @@ from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded
 
 if TYPE_CHECKING:
-    from dashpot.extensions.systems.door.closing_analysis import Closing
+    from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis
     from dashpot.extensions.systems.door.closing_result import ClosingResult
 
 
@@ -19,7 +19,7 @@ def render_closing(closing: ClosingResult) -> Text:
     return closing_text(closing.closing)
 
 
-def closing_text(value: Closing) -> Text:
+def closing_text(value: ClosingAnalysis) -> Text:
     """Return the outcome, its energy by terms, the least speed and how it scatters."""
     lines = [
         (
@@ -61,7 +61,7 @@ def closing_text(value: Closing) -> Text:
     return Text([*lines, *table(rows), *([f"  highest pressure: {peaks}"] if peaks else [])])
 
 
-def _outcome(closing: Closing) -> str:
+def _outcome(closing: ClosingAnalysis) -> str:
     if closing.is_latched:
         return (
             f"  The door closes in {format_rounded(closing.seconds, digits=3)} s; the last "
@@ -78,7 +78,7 @@ def _outcome(closing: Closing) -> str:
     )
 
 
-def _least(closing: Closing) -> str:
+def _least(closing: ClosingAnalysis) -> str:
     if not math.isfinite(closing.minimum):
         return "  No speed closes it."
     if closing.minimum == 0:
@@ -94,7 +94,7 @@ def _least(closing: Closing) -> str:
     return f"  Least closing speed: {format_rounded(closing.minimum)} m/s{name}"
 
 
-def _scatter(closing: Closing) -> list[str]:
+def _scatter(closing: ClosingAnalysis) -> list[str]:
     scatter = closing.scatter
     if scatter is None:
         return []
