@@ -819,7 +819,7 @@ def work_of_curves(options: argparse.Namespace) -> Iterator[tuple[dict, Callable
 def judged_curve(one: curves.Curve) -> dict[str, object]:
     """One line of a curve."""
     start = time.process_time()
-    said = curve_ends.judged(one)
+    said = curve_ends.evaluate_curve(one)
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 

@@ -30,8 +30,8 @@ from dashpot.solids.demo_seals import BROAD, BROAD_MASS  # noqa: E402
 from dashpot.solids.maxwell import GeneralizedMaxwell  # noqa: E402
 from dashpot.vibration.impact.frf_estimation import estimate_frf  # noqa: E402
 
-collect_ignore = ["public_use.py"]
-"""Read by a type checker, never run."""
+collect_ignore = ["public_use.py", "data/asammdf/write.py", "data/pyarrow/write.py"]
+"""Read by a type checker, or run by hand with libraries that the tests do without."""
 
 # how long an example takes is the machine's affair; by day a law is tried on a few, the same each
 # time: what a new one finds is no fault of who works there, and is looked for at night

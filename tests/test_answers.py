@@ -73,6 +73,6 @@ FIT = {"model": {"arms": [{"k": 20.0}]}, "standard_error": {"arms": [{"k": 2.0}]
         ({"ok": True}, {"ok": True}, {"ok": False}),
     ],
 )  # fmt: skip
-def test_a_number_moves_by_its_own_measure(before, inside, outside):
+def test_agree_uses_the_tolerance_of_a_quantity(before, inside, outside):
     assert agree(before, inside)
     assert not agree(before, outside)

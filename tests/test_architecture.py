@@ -78,7 +78,7 @@ def test_no_lazy_name_is_that_of_its_module():
         assert hidden == (set(dp.VERBS) if stub.parent.name == "dashpot" else set()), stub
 
 
-def test_a_verb_stays_one_when_the_room_of_its_name_is_imported():
+def test_api_function_survives_the_import_of_its_package():
     """`dp.report` is the verb, before and after `dashpot.report` has been imported."""
     for verb in dp.VERBS:
         room = import_module(f"dashpot.{verb}")
@@ -86,7 +86,7 @@ def test_a_verb_stays_one_when_the_room_of_its_name_is_imported():
         assert getattr(dp, verb) is not room
 
 
-def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
+def test_names_given_to_load_function_resolve():
     """A package that names one above it does so by `load_function`; such names are no imports."""
     offered = {}
     for file in (ROOT / "src").rglob("*.py"):
@@ -117,7 +117,7 @@ def test_help_loads_click_and_no_numbers():
 
 
 @pytest.mark.parametrize(("said", "heard"), [(None, "1"), ("3", "3")])
-def test_the_command_line_works_with_one_thread_of_blas_unless_told(said, heard):
+def test_command_line_uses_one_blas_thread_by_default(said, heard):
     """More wait at full load for the one that works: named before NumPy is there."""
     names = [f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")]
     told = {name: said for name in names if said}

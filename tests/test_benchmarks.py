@@ -93,16 +93,16 @@ def test_what_a_benchmark_asks_of_dashpot_is_there(name: str) -> None:
 def test_what_has_rotted_is_seen():
     head = "import dashpot as dp\nfrom functools import partial\nfit = partial(dp.fit, record)\n"
 
-    def found(text: str) -> list[str]:
+    def find_rotten(text: str) -> list[str]:
         return list(rotten(ast.parse(head + text)))
 
-    assert not found("dp.fit(record, arms=2)")
-    assert not found("fit(arms=2)")
-    assert found("dp.fit(arms=2)") == ["dp.fit(arms=2)"]
+    assert not find_rotten("dp.fit(record, arms=2)")
+    assert not find_rotten("fit(arms=2)")
+    assert find_rotten("dp.fit(arms=2)") == ["dp.fit(arms=2)"]
     for text in ("dp.fit(record, intervals=False)", "fit(arms=2, intervals=False)"):
-        assert found(text) == [text]
+        assert find_rotten(text) == [text]
     with pytest.raises(AttributeError, match="fit_many"):
-        found("dp.fit_many")
+        find_rotten("dp.fit_many")
 
 
 def rotten(tree: ast.Module) -> Iterator[str]:

@@ -384,13 +384,13 @@ def law(missed: float) -> LawScore:
     return LawScore("wlf", 1e4, 6, 0.0, missed, 273.15)
 
 
-def known(width: float) -> Check:
+def check_k_inf(width: float) -> Check:
     """k_inf within an interval of this part of the stiffness at the end of the hold."""
     spring = GeneralizedMaxwell(1.0)
     return relaxation.k_end_determined(spring, width / 4, [RECORD])
 
 
-def known_at_the_end(width: float) -> Check:
+def check_k_end(width: float) -> Check:
     """k(T) = 1 N/m within an interval of this width, and k_inf anywhere."""
     end = EndOfHold(40.0, (1 - width / 2, 1 + width / 2), (0.0, 9.0), (0.0, 9.0), 0.0)
     return relaxation.k_end_determined(GeneralizedMaxwell(1.0), np.inf, [RECORD], end)
@@ -546,8 +546,8 @@ COLD_AND_WARM = np.array([273.15, 296.15])
 FITTING = [
     Case("uncertainty_estimated", lambda x: solid.uncertainty_estimated(made=bool(x)), 1, 0),
     Case("optimum_found", lambda x: solid.optimum_found(stationary=bool(x)), 1, 0),
-    Case("k_end_determined", known, 0.499, 0.501),
-    Case("k_end_determined", known_at_the_end, 0.499, 0.501),
+    Case("k_end_determined", check_k_inf, 0.499, 0.501),
+    Case("k_end_determined", check_k_end, 0.499, 0.501),
     Case(
         "arms_where_force_relaxes",
         lambda x: relaxation.arms_where_force_relaxes(GeneralizedMaxwell(1.0), falling(x)),
@@ -896,7 +896,7 @@ RAMP = [
 ]
 
 
-def beside(parts_at: float | None, *, explains: bool = True) -> Alternative:
+def make_alternative(parts_at: float | None, *, explains: bool = True) -> Alternative:
     """Another family of solids, which parts from the fit's own at a frequency."""
     return Alternative(PAPER, 3.0, explains, parts_at, "another solid explains the data too")
 
@@ -916,7 +916,7 @@ FRACTIONAL = [
     ),
     Case(
         "model_families_distinguished",
-        lambda x: fractional.model_families_distinguished(beside(x)),
+        lambda x: fractional.model_families_distinguished(make_alternative(x)),
         101.0,
         99.0,
     ),
@@ -2279,8 +2279,8 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
 @pytest.mark.parametrize(
     ("at", "limit", "stop"),
     [
-        pytest.param(known, 0.99, 1.01, id="k_end_determined"),
-        pytest.param(known_at_the_end, 0.99, 1.01, id="k_end"),
+        pytest.param(check_k_inf, 0.99, 1.01, id="k_end_determined"),
+        pytest.param(check_k_end, 0.99, 1.01, id="k_end"),
         pytest.param(lambda x: preparation.clock_steady(leaping(x)), 4.09, 4.11, id="clock_steady"),
         pytest.param(
             lambda x: seals.mode_shapes_cover_points(x, "latch"),
@@ -2435,7 +2435,7 @@ def test_no_registered_check_is_missing_here() -> None:
     assert cases == set(REGISTER), "add its case here: just at its limit, and just beyond"
 
 
-def test_checks_are_built_in_the_register_alone() -> None:
+def test_checks_are_constructed_in_the_register_only() -> None:
     built = [
         file.relative_to(SOURCES).as_posix()
         for file in SOURCES.rglob("*.py")
@@ -2490,7 +2490,7 @@ def test_a_slight_disagreement_that_is_explained_is_a_limit_and_any_other_a_stop
     assert identification.tests_agree(stiffer(0.01, explains=False)).grade == "stop"
 
 
-def test_two_criteria_of_one_name_are_refused() -> None:
+def test_criterion_refuses_a_duplicate_name() -> None:
     def overshoot_small() -> Finding:
         """Whatever."""
         return Finding("nothing")
@@ -2503,7 +2503,7 @@ def test_two_criteria_of_one_name_are_refused() -> None:
 # -- what is not judged, and what is excused ------------------------------------------------------
 
 
-def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
+def test_undecidable_check_neither_passes_nor_fails() -> None:
     spring = GeneralizedMaxwell(1.0)
     unknown = held(measured_damping=None)
     for found in (
@@ -2548,7 +2548,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         assert found.value is None
 
 
-def test_what_was_not_found_fails_without_a_value() -> None:
+def test_check_of_a_failed_search_fails_without_a_value() -> None:
     for found in (
         relaxation.filter_bias(parse_filter("lowpass:20Hz"), "it is a spike"),
         curves.kramers_kronig(None),
@@ -2669,7 +2669,7 @@ def _ar_1(phi: float, samples: int, seed: int) -> np.ndarray:
 
 
 def test_another_family_that_explains_nothing_or_parts_nowhere_limits_nothing() -> None:
-    for other in (None, beside(1.0, explains=False), beside(None)):
+    for other in (None, make_alternative(1.0, explains=False), make_alternative(None)):
         assert fractional.model_families_distinguished(other).passed is True
     assert fractional.fractional_slope_determined(0.01, edge=True).passed is False
     assert fractional.fractional_model_suffices(1.1001, 2).grade == "stop"

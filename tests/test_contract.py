@@ -85,7 +85,7 @@ found.update(locals())
 """
 
 
-def test_many_arrays_on_one_clock(folder):
+def test_batch_accepts_arrays_on_a_common_clock(folder):
     test = dp.read(folder / "seal_8mm.csv").prepare()
     many = dp.batch(
         [test.force, 2 * test.force], time=test.time, displacement=1e3 * test.displacement,
@@ -248,7 +248,7 @@ def test_strict_turns_a_failed_check_into_exit_code_1(folder):
     did("fit", folder / "seal_8mm.csv", "--arms", "0", "--strict", code=1)
 
 
-def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
+def test_bench_and_hammer_have_separate_profiles(folder, tmp_path):
     """Hammer columns whose names say nothing are named in a profile of their own."""
     head = "time [s],ch1,ch2 [m/s^2],ch3 [m/s^2]"
     plain = (folder / "impact.csv").read_text().splitlines()

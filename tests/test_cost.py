@@ -20,7 +20,7 @@ def test_every_dear_test_is_there() -> None:
         assert re.search(rf"def {function}\b", files[file]), name
 
 
-def test_the_cases_that_are_kept_run_and_no_other_test_waits() -> None:
+def test_selected_cases_run_and_other_tests_do_not_wait() -> None:
     name = next(name for name, kept in KEPT.items() if kept == 2)
     cases = [SimpleNamespace(nodeid=f"tests/{name}[{i}]") for i in range(5)]
     other = SimpleNamespace(nodeid="tests/test_cost.py::test_every_dear_test_is_there[x]")

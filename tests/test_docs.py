@@ -75,7 +75,7 @@ SCRIPTS_BY_DAY = {"README.md", "docs/first_seal.md"}
 """Pages whose Python runs every time; the others' is of the same verbs."""
 
 
-def elsewhere(name: str, words: list[str]) -> tuple[str, str] | None:
+def find_other_test(name: str, words: list[str]) -> tuple[str, str] | None:
     """Where a command is run in place of these tests; None if these run it."""
     if name == "demo" and "--files" in words:
         return None
@@ -186,7 +186,7 @@ def test_every_command_runs_as_it_stands(page, left_out, bench):
         if line.startswith(tuple(waiting)):
             continue
         _, name, *words = shlex.split(line, comments=True)
-        there = elsewhere(name, words)
+        there = find_other_test(name, words)
         if there is not None:
             file, stands = there
             assert stands in (ROOT / file).read_text("utf-8")
@@ -211,7 +211,7 @@ def test_every_line_is_a_command_with_options_that_it_has(page):
             command.make_context(name, words[:-2] if words[-2:-1] == [">"] else words)
 
 
-def test_commands_are_found_and_output_is_compared():
+def test_typed_finds_commands_and_agree_compares_output():
     page = (
         "```sh\ndashpot fit a # b\npip install x\n```\n```console\n$ dashpot plan\nuse: x\n...\n```"
     )
@@ -362,7 +362,7 @@ def test_every_path_that_a_page_names_is_there(page):
         assert stands, word
 
 
-def test_the_layers_of_the_house_are_those_that_are_held():
+def test_documented_layers_equal_the_contracts():
     held = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]
     page = (ROOT / "docs" / "architecture.md").read_text("utf-8")
     layers = [line for line in held["contracts"][0]["layers"] if line != "__main__"]

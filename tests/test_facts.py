@@ -1,4 +1,4 @@
-"""Every number that a user sees is the same in every face: text, document, page, app, frame, lot.
+"""Every number is the same in text, document, page, app, table and lot.
 
 A face is read as its reader reads it: what is printed is taken apart, brought to SI from the unit
 that stands beside it, and held to the number itself by the digits that stand there.
@@ -170,7 +170,7 @@ def test_the_text_has_every_fact(fit):
     held(list_known_values(fit), in_the_terminal(fit))
 
 
-def test_the_row_of_an_arm_holds_what_is_known_of_it(fit):
+def test_text_row_of_an_arm_equals_its_reported_values(fit):
     rows, known = (
         table(results.fit(fit).lines),
         {fact.name: fact for fact in list_known_values(fit)},
@@ -257,7 +257,7 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
         assert unit == one.unit
 
 
-def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
+def test_batch_row_has_every_value_of_the_arms(fit):
     room = fit.model.arms
     row_of = row._build_fit_columns(fit, 40.0, room) | row._build_uncertainty_columns(fit, room)
     for one in list_arm_values(fit):
@@ -275,7 +275,7 @@ def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
     assert row_of[f"{letter}_0_{ending}"] == fit.model.k_0
 
 
-def test_what_a_fit_needed_is_told_alike(fits, bench):
+def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
     for fit in fits.values():
         if not fit.estimate.nuisance:
             continue
@@ -290,7 +290,7 @@ def test_what_a_fit_needed_is_told_alike(fits, bench):
     assert any(fit.estimate.nuisance for fit in fits.values())
 
 
-def test_compliances_and_shifts_are_told_as_they_are(fits):
+def test_compliances_and_shifts_are_equal_in_text_and_values(fits):
     found = fits["creep"]
     (line,) = [one for one in results.fit(found).lines if one.startswith("  creep ")]
     for fact in found.evidence.creep.list_values("1/Pa"):

@@ -1,4 +1,4 @@
-"""What a user is asked for is declared once: every face of it is held to the declaration."""
+"""Inputs are declared once; command line, app and Python agree with the declaration."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
         (BatchOptions, batch), (Job, characterise),
     ],
 )  # fmt: skip
-def test_what_python_takes_where_nothing_is_said_is_the_same(
+def test_python_defaults_equal_option_defaults(
     cls: type, function: Callable[..., Any]
 ) -> None:
     usually = {
@@ -172,7 +172,7 @@ def test_what_python_takes_where_nothing_is_said_is_the_same(
     assert not wrong
 
 
-def test_a_rod_is_known_as_well_as_the_work_takes_it_to_be() -> None:
+def test_rod_defaults_equal_those_of_rod_errors() -> None:
     said = RodChoices()
     assert (said.gain_error, said.phase_error) == (RodErrors.gain, RodErrors.phase)
 
@@ -197,7 +197,7 @@ def page() -> str:
     return fill_form(static.read_text(encoding="utf-8"))
 
 
-def test_a_job_stands_in_the_form_or_it_is_said_why_not() -> None:
+def test_every_job_field_is_in_the_form_or_listed_as_absent() -> None:
     text = page()
     names = {one.name for one in fields(Job) if "argument" not in one.metadata}
     in_form = {name for name in names if f'id="{name}"' in text or f"data-{name}=" in text}
@@ -240,7 +240,7 @@ def test_a_field_says_the_unit_that_a_command_line_would(name: str, unit: str) -
     assert re.search(rf'id="{name}"[^>]*><i>{unit}</i>', page())
 
 
-def test_the_form_begins_as_a_job_of_which_nothing_was_said(tmp_path: Path) -> None:
+def test_form_defaults_make_the_default_job(tmp_path: Path) -> None:
     store = Store()
     try:
         file = store.put("a.csv", b"")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pytest
 from kit.structure import (
+    VAGUE_TEST_NAMES,
     begins_with_verb,
     compute_share,
     compute_vague_share,
@@ -15,7 +16,9 @@ from kit.structure import (
     is_bare,
     list_bare_modules,
     list_functions,
+    list_vague_test_names,
     read_bare_names,
+    read_rows,
 )
 
 MOST_BARE_FUNCTIONS = 3.4  # % of all functions
@@ -47,6 +50,16 @@ def test_functions_begin_with_a_verb():
 
 def test_few_identifiers_hold_a_vague_word():
     assert compute_vague_share() <= MOST_VAGUE_IDENTIFIERS
+
+
+def test_no_name_of_a_test_is_vague():
+    """Name a test ``test_<subject>_<behaviour>`` in the terms of the field."""
+    assert sorted(list_vague_test_names() - read_rows(VAGUE_TEST_NAMES).keys()) == []
+
+
+def test_every_allowed_vague_name_of_a_test_exists():
+    """Shorten the list by ``python tests/kit/structure.py --write-lists``."""
+    assert sorted(read_rows(VAGUE_TEST_NAMES).keys() - list_vague_test_names()) == []
 
 
 @pytest.mark.parametrize(

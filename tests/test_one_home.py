@@ -1,4 +1,4 @@
-"""Each idea of the spine is written once: where else it stands, it is another thing, and says why.
+"""Each concept is implemented in one module; other places are listed with a reason.
 
 A list here may only shrink: a line that is no longer needed fails, as one that is missing does.
 """
@@ -118,7 +118,7 @@ def places(pattern: str, homes: tuple[str, ...]) -> set[str]:
 
 
 @pytest.mark.parametrize("idea", IDEAS)
-def test_an_idea_has_one_home(idea: str) -> None:
+def test_concept_is_implemented_only_in_its_module(idea: str) -> None:
     pattern, homes, others = IDEAS[idea]
     assert all(others.values()), "every other place says why"
     found = places(pattern, homes)
@@ -128,7 +128,7 @@ def test_an_idea_has_one_home(idea: str) -> None:
 
 
 @pytest.mark.parametrize("idea", [name for name, (_, homes, _) in IDEAS.items() if homes])
-def test_what_shows_an_idea_is_found_at_home(idea: str) -> None:
+def test_concept_pattern_matches_its_module(idea: str) -> None:
     pattern, homes, _ = IDEAS[idea]
     assert any(
         re.search(pattern, path.read_text(encoding="utf-8"))
@@ -137,7 +137,7 @@ def test_what_shows_an_idea_is_found_at_home(idea: str) -> None:
     )
 
 
-def test_one_word_means_one_thing() -> None:
+def test_class_name_is_unique() -> None:
     """An underscore makes no other word."""
     homes = defaultdict(list)
     for path in sorted(SOURCE.rglob("*.py")):

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.reading import raw_file
@@ -124,7 +124,7 @@ def sample(path: Path) -> Path:
 
 @pytest.mark.usefixtures("labkit")
 def test_a_list_imports_nothing() -> None:
-    found = told("inspect", "--plugins")
+    found = run_json("inspect", "--plugins")
     assert [(one["group"], one["name"]) for one in found["plugins"]] == [
         ("formats", "labkit"), ("kinds", "peel"), ("solver_inputs", "labsolver"),
     ]  # fmt: skip
@@ -137,7 +137,7 @@ def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
     file, kept = sample(tmp_path / "seal.lab"), tmp_path / "fit.json"
     said = ("--file-part", "format=labkit")
     assert "labkit (labkit 0.1.0)" in ran("inspect", file, *said).stdout
-    found = told("fit", file, *said, "--arms", 1, "-o", kept)
+    found = run_json("fit", file, *said, "--arms", 1, "-o", kept)
     (source,) = found["provenance"]["source"] if "provenance" in found else found["source"]
     assert source["reader"] == "labkit (labkit 0.1.0)"
     assert source["notes"][0] == "read by the plug-in 'labkit' of labkit 0.1.0"
@@ -147,17 +147,17 @@ def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
     assert "labkit 0.1.0" in page.read_text()
     profile = tmp_path / "lab.toml"
     assert ran("inspect", file, *said, "--save", profile).exit_code == 0
-    assert told("fit", file, "--profile", profile, "--arms", 1)["model"] == found["model"]
+    assert run_json("fit", file, "--profile", profile, "--arms", 1)["model"] == found["model"]
     # without the name nobody asks the plug-in
     assert "labkit" not in ran("fit", file).stderr.replace("seal.lab", "")
 
 
 @pytest.mark.usefixtures("labkit")
-def test_a_kind_gives_its_numbers_under_its_own_name(tmp_path: Path) -> None:
+def test_plugin_kind_reports_numbers_under_its_name(tmp_path: Path) -> None:
     file = sample(tmp_path / "seal.lab")
     kept = tmp_path / "peel.json"
     words = ("fit", file, "--file-part", "format=labkit", "--kind", "peel")
-    found = told(*words, "-o", kept)
+    found = run_json(*words, "-o", kept)
     (force,) = found["values"]
     assert (force["name"], force["unit"]) == ("peel_force", "N")
     assert force["value"] == pytest.approx(1.602, abs=1e-3)
@@ -186,7 +186,7 @@ def test_a_deck_says_whose_it_is() -> None:
 
 
 @pytest.mark.parametrize("body", MISBEHAVING)
-def test_what_a_format_does_wrong_is_one_sentence(
+def test_plugin_format_fault_is_reported_in_a_sentence(
     body: str,
     installed: Callable[..., None],
     tmp_path: Path,
@@ -208,7 +208,7 @@ def test_what_a_format_does_wrong_is_one_sentence(
     assert "Traceback" not in done.output
 
 
-def test_units_and_blanks_are_judged_as_in_any_file(
+def test_plugin_format_units_and_blanks_are_checked(
     installed: Callable[..., None], tmp_path: Path
 ) -> None:
     installed(
@@ -249,7 +249,7 @@ def test_units_and_blanks_are_judged_as_in_any_file(
         ),
     ],
 )
-def test_what_a_kind_does_wrong_is_one_sentence(
+def test_plugin_kind_fault_is_reported_in_a_sentence(
     found: str, says: str, installed: Callable[..., None], tmp_path: Path
 ) -> None:
     module = f"def fit(columns, options):\n    return {found}\n"
@@ -264,7 +264,7 @@ def test_what_a_kind_does_wrong_is_one_sentence(
     assert "odd 0.1.0" in done.stderr
 
 
-def test_names_of_dashpots_own_cannot_be_taken(
+def test_plugin_cannot_take_built_in_names(
     installed: Callable[..., None], tmp_path: Path
 ) -> None:
     stolen = "def nastran(solid, *, units, name):\n    raise SystemExit('stolen')\n"
@@ -284,7 +284,7 @@ def test_names_of_dashpots_own_cannot_be_taken(
     assert ran("fit", path, "--kind", "relaxation", "--arms", 1).exit_code == 0
 
 
-def test_one_name_by_two_packages_is_refused(
+def test_plugin_name_of_two_packages_is_refused(
     installed: Callable[..., None], tmp_path: Path
 ) -> None:
     for name in ("one", "two"):
@@ -311,12 +311,12 @@ def test_one_name_by_two_packages_is_refused(
         (2 * '[[kinds]]\nname = "a"\nfits = "b:c"\n', "a name of 'kinds' twice"),
     ],
 )
-def test_a_row_that_is_wrong_is_one_sentence(
+def test_invalid_plugin_row_is_reported_in_a_sentence(
     row: str, says: str, installed: Callable[..., None], tmp_path: Path
 ) -> None:
     installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
     installed("bad", {}, row)
-    found = told("inspect", "--plugins")
+    found = run_json("inspect", "--plugins")
     assert [plugin["name"] for plugin in found["plugins"]] == ["good"]
     (sentence,) = found["refused"]
     assert sentence.startswith("bad 0.1.0 is not used: bad/dashpot_extension.toml: ")
@@ -331,12 +331,12 @@ def test_a_row_that_is_wrong_is_one_sentence(
     assert "By plug-ins: good. bad 0.1.0 is not used" in done.stderr
 
 
-def test_a_row_that_is_missing_is_one_sentence(
+def test_missing_plugin_row_is_reported_in_a_sentence(
     installed: Callable[..., None], tmp_path: Path
 ) -> None:
     installed("bad", {}, "")
     (tmp_path / "site" / "bad" / plugins.ROW).unlink()
-    (sentence,) = told("inspect", "--plugins")["refused"]
+    (sentence,) = run_json("inspect", "--plugins")["refused"]
     assert "its entry point says 'bad', where no dashpot_extension.toml is" in sentence
 
 
@@ -351,7 +351,7 @@ def test_none_is_used_where_they_are_off(
     plugins.read_plugins.cache_clear()
     done = ran("inspect", file, "--file-part", "format=good")
     assert (done.exit_code, "Plug-ins are off" in done.stderr) == (2, True)
-    assert told("inspect", "--plugins")["plugins"] == []
+    assert run_json("inspect", "--plugins")["plugins"] == []
 
 
 def test_a_plug_in_that_is_gone_is_named(tmp_path: Path) -> None:
@@ -386,7 +386,7 @@ def test_no_command_pays_for_what_it_does_not_name() -> None:
          "    return"), "which dashpot does not know"),
     ],
 )  # fmt: skip
-def test_authors_are_told_what_is_wrong(code: str, says: str, tmp_path: Path) -> None:
+def test_check_format_reports_a_fault_to_authors(code: str, says: str, tmp_path: Path) -> None:
     from types import ModuleType
 
     module = ModuleType("theirs")
@@ -400,7 +400,7 @@ def test_authors_are_told_what_is_wrong(code: str, says: str, tmp_path: Path) ->
         check_format(module, file)
 
 
-def test_of_a_package_that_is_found_twice_the_first_on_the_path_counts(
+def test_first_plugin_on_the_path_is_used(
     installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     installed("twice", {}, {"formats": "rig = later_on_the_path"})

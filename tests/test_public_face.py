@@ -1,4 +1,4 @@
-"""Every public name stands by itself, says what it is, and is in the documents."""
+"""Public names: each imports by itself, has a docstring and is documented."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ for name in dashpot.__all__:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_every_public_name_is_there_first_and_alone():
+def test_every_public_name_imports_first():
     done = subprocess.run(
         [sys.executable, "-c", EACH_ALONE], capture_output=True, text=True, check=True
     )

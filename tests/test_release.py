@@ -33,7 +33,7 @@ def pinned():
 
 
 @pytest.mark.parametrize("asked", ASKED, ids=str)
-def test_what_is_asked_for_is_pinned_at_a_version_that_will_do(pinned, asked):
+def test_pinned_versions_satisfy_the_requirements(pinned, asked):
     (pin,) = pinned[canonicalize_name(asked.name)]
     assert pin.operator == "=="
     assert asked.specifier.contains(pin.version, prereleases=True)
@@ -53,7 +53,7 @@ def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pinned):
         assert {canonicalize_name(Requirement(one).name) for one in group} <= {*held}
 
 
-def test_a_bill_gets_the_hash_of_every_part_or_is_refused():
+def test_bill_has_the_hash_of_every_component_or_is_refused():
     hashed = runpy.run_path(str(ROOT / ".ci" / "bill.py"))["hashed"]
     file = {"archive_info": {"hashes": {"sha256": "ab" * 32}}}
     one = {"metadata": {"name": "Some_Part", "version": "1.0"}, "download_info": file}
@@ -93,11 +93,11 @@ def test_the_version_sorts_and_stands_in_the_byline():
 @pytest.mark.parametrize(
     "version", ["0.1.0", "0.1.1.dev409+ga25fdc401.d20261122", "0.1.dev3+g1", "1.0.0rc1", "10.2.0"]
 )
-def test_every_version_is_known_again(version):
+def test_is_ours_accepts_every_version(version):
     assert is_ours(f"$ dashpot {version}: network of springs".encode())
 
 
-def test_a_night_is_told_by_what_it_left(tmp_path, monkeypatch):
+def test_nightly_summary_reads_the_result_files(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     monkeypatch.syspath_prepend(ROOT / "tests")
     (tmp_path / "fuzz.xml").write_text(

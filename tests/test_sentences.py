@@ -158,7 +158,7 @@ def options() -> Iterator[tuple[str, str]]:
 LISTS = {"export --to"}
 
 
-def test_the_help_of_an_option_is_a_short_noun_phrase() -> None:
+def test_help_of_every_option_is_a_short_phrase() -> None:
     each = dict(options())
     assert len(each) > 150
     assert {name for name, says in each.items() if len(says) > 60} <= LISTS
@@ -258,7 +258,7 @@ EXAMPLES = (
 
 
 @pytest.mark.slow
-def test_the_verdict_on_every_example_is_one_line_with_a_number(
+def test_verdict_on_every_example_is_a_line_with_a_number(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -34,7 +34,7 @@ def test_the_fractional_seal_is_mittag_lefflers():
     np.testing.assert_allclose(seal.stiffness(omega), 100 + 50 * power / (1 + power), rtol=1e-5)
 
 
-def test_the_power_law_is_one():
+def test_trial_power_law_agrees_with_its_transform():
     seal = Seal.power_law(100.0, 50.0, 0.02, 0.2)
     np.testing.assert_allclose(seal.relaxation(T), 100 + 50 * (1 + T / 0.02) ** -0.2, rtol=5e-7)
     for s in (0.01, 1.0, 80.0):
@@ -52,7 +52,7 @@ def test_the_force_is_the_closed_form_of_a_ramp_and_a_hold():
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_a_law_has_its_slope_and_meets_one(name):
+def test_trial_law_reaches_unity_with_its_slope(name):
     law, u = LAWS[name], np.linspace(0, 1, 201)
     assert law.shape(np.zeros(1))[0] == pytest.approx(0, abs=1e-15)
     assert law.shape(np.ones(1))[0] == pytest.approx(1)

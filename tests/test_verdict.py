@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from kit import handmade
 from kit.fits import altered
 from kit.trials import DISTURBANCES, KINDS, LAWS, trial
-from kit.verdicts import failures, judged, table
+from kit.verdicts import failures, evaluate_record, table
 
 import dashpot as dp
 from dashpot.base.checks import Check, Remedy, select_gravest_check, verdict
@@ -55,7 +55,7 @@ def test_the_gravest_failure_decides() -> None:
     assert found.says == "A stop. Do that. 1 more check failed."
 
 
-def test_of_several_tests_the_gravest_is_told() -> None:
+def test_select_gravest_check_of_several_tests() -> None:
     assert select_gravest_check([OPEN, replace(OPEN, passed=True)]).passed
     assert select_gravest_check([OPEN]).passed is None
     assert select_gravest_check([LIMIT]) is LIMIT
@@ -165,7 +165,7 @@ def test_tests_that_disagree_have_not_converged() -> None:
 # -- of a study -----------------------------------------------------------------------------------
 
 
-def test_a_study_is_judged_by_the_solid_that_it_ends_with() -> None:
+def test_study_verdict_is_that_of_its_final_model() -> None:
     study = handmade.study()
     spoilt = replace(study, joint=altered(study.joint, checks=(STOP,)))
     assert spoilt.verdict.use == "do not use"
@@ -209,7 +209,7 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
     assert [check["grade"] for check in document["checks"]] == ["stop", "stop", "note"]
 
 
-def test_a_check_says_below_the_verdict_what_that_left_out() -> None:
+def test_check_details_follow_the_verdict() -> None:
     why = "It fell by 88 % in all, and " + "on and " * 30 + "on."
     check = Check("level", False, f"The end falls. {why}", remedy=Remedy("Go on.", "hold", "9s"))
     judged = verdict((check,))
@@ -227,21 +227,21 @@ def test_a_check_says_below_the_verdict_what_that_left_out() -> None:
 # -- against records whose truth is known ---------------------------------------------------------
 
 
-def test_a_few_sound_records_are_to_be_used() -> None:
-    found = [judged(trial(kind, seed=0)) for kind in KINDS[::5]]
+def test_verdict_of_a_few_valid_records_is_use() -> None:
+    found = [evaluate_record(trial(kind, seed=0)) for kind in KINDS[::5]]
     assert sum(one.use == "use" for one in found) >= 7, failures(found)
     assert not [one for one in found if one.wrong and one.use == "use"]
 
 
 def test_a_few_nonlinear_records_are_not() -> None:
     for law in ("cubic", "foam"):
-        found = judged(trial(KINDS[14], seed=1, law=law))
+        found = evaluate_record(trial(KINDS[14], seed=1, law=law))
         assert found.use != "use" or not found.wrong, found
 
 
 @pytest.mark.slow
-def test_sound_records_are_to_be_used() -> None:
-    found = [judged(trial(kind, seed=seed)) for kind in KINDS for seed in range(3)]
+def test_verdict_of_valid_records_is_use() -> None:
+    found = [evaluate_record(trial(kind, seed=seed)) for kind in KINDS for seed in range(3)]
     print(table({"sound": found}), failures(found), sep="\n")
     assert np.mean([one.use == "use" for one in found]) >= 0.8
 
@@ -251,11 +251,11 @@ def test_disturbed_records_whose_result_is_wrong_are_not_to_be_used() -> None:
     """Also those that are sound but for what the record cannot show, such as a slow arm."""
     kinds = [KINDS[i] for i in (14, 16, 18, 19, 20)]
     groups = {
-        name: [judged(trial(kind, seed=seed, bench=bench)) for kind in kinds for seed in range(2)]
+        name: [evaluate_record(trial(kind, seed=seed, bench=bench)) for kind in kinds for seed in range(2)]
         for name, bench in DISTURBANCES.items()
     }
     groups |= {
-        law: [judged(trial(kind, seed=seed, law=law)) for kind in kinds for seed in range(2)]
+        law: [evaluate_record(trial(kind, seed=seed, law=law)) for kind in kinds for seed in range(2)]
         for law in LAWS
         if law != "linear"
     }

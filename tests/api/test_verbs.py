@@ -1,4 +1,4 @@
-"""The verbs take what the files hold, and say what they do not take."""
+"""The functions of the API accept what files hold and report what they refuse."""
 
 from __future__ import annotations
 
@@ -65,13 +65,13 @@ def test_every_kind_of_record_has_an_example_here():
     }
 
 
-def test_a_kind_that_is_said_is_checked(examples):
+def test_read_checks_the_requested_kind(examples):
     assert isinstance(dp.read(examples("seal_8mm.csv"), kind="relaxation"), dp.RelaxationTest)
     with pytest.raises(dp.DashpotError, match="relaxatio"):
         dp.read(examples("seal_8mm.csv"), kind="relaxatoin")
 
 
-def test_several_files_are_one_record_of_hits_alone(examples):
+def test_read_joins_several_files_only_if_all_are_hammer_records(examples):
     hits = dp.read([examples("hammer.csv")])
     assert isinstance(hits, dp.ImpactTest)
     with pytest.raises(dp.ReadError, match=r"hammer\.csv is a hammer file.*dp\.fit\(one, two\)"):
@@ -92,7 +92,7 @@ def test_results_are_read_back(examples, tmp_path):
         dp.save(fit.elastic_law, tmp_path / "law.html")
 
 
-def test_vibration_under_a_mass_is_one_solid(examples):
+def test_fit_of_hits_and_frf_under_a_mass_agree(examples):
     hits, test = dp.read(examples("hammer.csv")), dp.read(examples("seal_8mm.csv"))
     frf = hits.frf()
     assert dp.fit(hits)[0].frequency == pytest.approx(frf.modes()[0].frequency, rel=1e-9)
@@ -186,7 +186,7 @@ def test_every_verb_says_what_it_raises(name):
         assert "Raises" in doc
 
 
-def test_a_shape_is_said_in_words_or_as_what_it_is():
+def test_shape_words_accepts_text_and_shape_objects():
     for name in ("disc", "block", "bush", "bulb"):
         assert shape_words(f"{name}:1mm,2mm") == {name: "1mm,2mm"}
     assert shape_words(Disc(0.02, 0.01)) == {"disc": "0.02m,0.01m"}

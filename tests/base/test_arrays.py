@@ -1,4 +1,4 @@
-"""What an instrument can have read, and how many samples a record may have."""
+"""Validation of arrays: range of an instrument and number of samples."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from dashpot.base.errors import DataError
 
 
 @given(st.lists(st.floats(-MOST, MOST), min_size=1), st.sampled_from([LEAST, -LEAST, MOST, -MOST]))
-def test_what_can_be_measured_is_kept(values, peak):
+def test_validate_measured_accepts_values_within_range(values, peak):
     array = validate_measured("force", [*values, peak])
     assert array.tolist() == [*values, peak]
 

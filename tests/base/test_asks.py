@@ -1,4 +1,4 @@
-"""What is typed into a field of the app, and the words of a shell that say the same."""
+"""Fields of the app's forms and the command-line options that they stand for."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def test_a_field_is_an_option_of_the_shell(ask, typed, words):
     assert said.options(1) == tuple(word for each in words for word in (ask.flag, each))
 
 
-def test_what_is_asked_of_every_file_has_a_choice_for_each():
+def test_per_file_form_field_has_a_choice_for_each_file():
     said = FormData.from_fields((MODE,), {"test 1": "biaxial", "other": "1"})
     assert said.options(2) == ("--test", "uniaxial", "--test", "biaxial")
 
 
-def test_numbers_are_those_of_si_and_what_is_none_is_said():
+def test_form_data_converts_numbers_to_si_and_reports_missing_ones():
     said = FormData.from_fields((MASS, BETWEEN, DENSITY), {"mass": "114,8", "between": "4 to 8"})
     assert said.number("mass", "mass") == pytest.approx(0.1148)
     assert said.range("between", "length") == pytest.approx((4e-3, 8e-3))

@@ -53,7 +53,7 @@ def test_the_interval_of_cpk_holds_the_truth_as_often_as_it_says(size, mean):
 
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("count", [2, 5, 30])
-def test_a_limit_far_off_is_judged_as_one_that_is_less_so(count, side):
+def test_capability_interval_scales_with_distance_of_limit(count, side):
     near, further = (
         np.array(capability(having(0.0, 1.0, count), None, side * d).cpk_interval)
         for d in (89.9, 9e5)

@@ -1,4 +1,4 @@
-"""One statement of a number, from which every face takes its own."""
+"""Reported values: text, table cells and documents of one number."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
         (0.1, "2.00 ± 0.10"),
     ],
 )
-def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> None:
+def test_reported_value_prints_its_error(error: float | None, said: str) -> None:
     assert ReportedValue("tau_1", 2.0, unit="s", error=error).cells.with_error == said
 
 
-def test_what_is_known_to_be_at_least_so_much_says_no_value() -> None:
+def test_reported_value_with_infinite_upper_end_prints_a_lower_limit() -> None:
     found = ReportedValue("life", math.nan, 3.6e6, math.inf, "s", read="h")
     assert found.text == "life at least 1000 h"
     assert found.cells[1:] == ("", "", "at least 1000", "h")
@@ -48,7 +48,7 @@ def test_what_is_known_to_be_at_least_so_much_says_no_value() -> None:
     assert ReportedValue("life", 7.2e6, 3.6e6, math.inf, "s", read="h").cells.value == "2000"
 
 
-def test_a_bound_alone_says_no_value() -> None:
+def test_reported_value_with_upper_bound_only_prints_no_value() -> None:
     found = ReportedValue("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
     assert found.text == "viscous time below 22.0 ms"
 
@@ -99,7 +99,7 @@ class Whole(Serialisable):
         return True
 
 
-def test_what_is_not_known_is_null_and_what_is_not_there_is_left_out() -> None:
+def test_document_writes_null_for_nan_and_omits_missing_fields() -> None:
     found = Whole(Part(math.nan)).to_dict()
     seal = found.pop(DIGEST)
     assert found == {

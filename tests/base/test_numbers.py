@@ -1,4 +1,4 @@
-"""Numbers carry no more digits than are known."""
+"""Printed numbers carry no more digits than their error allows."""
 
 from __future__ import annotations
 

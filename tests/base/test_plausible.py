@@ -1,4 +1,4 @@
-"""The table of plausible sizes: its ends, on both sides, and what real tests have."""
+"""The table of plausible sizes: its lower and upper limits, and real tests inside them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ENDS = {
 }  # fmt: skip
 
 
-def test_every_row_is_typed_here():
+def test_plausible_sizes_match_the_typed_limits():
     assert {name: row.hard for name, row in SIZES.items()} == ENDS
 
 
@@ -51,7 +51,7 @@ def test_real_tests_pass_and_slips_do_not():
             SIZES[name].refuse(size)
 
 
-def test_a_size_is_said_as_people_do():
+def test_format_quantity_short_uses_readable_units():
     said = [
         format_quantity_short(8.71, "m"),
         format_quantity_short(2e-3, "m"),

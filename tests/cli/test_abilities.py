@@ -1,4 +1,4 @@
-"""Bad inputs of the paper, ovens, lines, levels, slams and parts: one sentence each."""
+"""The commands refuse invalid input of every extension in one sentence."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(("words", "says"), ROWS, ids=[one for one, _ in ROWS])
-def test_what_is_asked_wrongly_is_one_sentence(
+def test_command_refuses_invalid_input_in_one_sentence(
     folder: Path, monkeypatch: pytest.MonkeyPatch, words: str, says: str
 ) -> None:
     monkeypatch.chdir(folder)

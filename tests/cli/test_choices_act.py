@@ -196,7 +196,7 @@ def test_the_light_of_stiffness_sees_a_wrong_mass(
     assert stiffness.says.startswith("agrees" if marks == {"good"} else "misses")
 
 
-def test_the_law_of_load_deflection_is_kept_as_it_is_told(
+def test_predict_uses_the_elastic_law_of_load_deflection_unchanged(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also where the relaxation test of another piece has another stiffness."""

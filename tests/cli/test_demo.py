@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from kit.shell import told
+from kit.shell import run_json
 
 from dashpot.datamodel.machine import Machine
 from dashpot.fitting.prediction_bounds import unseen_arm_band
@@ -17,7 +17,7 @@ from dashpot.workflow.json_archive import from_json
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
-    seal = told("demo", "-o", tmp_path, "--seed", seed)["seals"]["broad"]
+    seal = run_json("demo", "-o", tmp_path, "--seed", seed)["seals"]["broad"]
     alone, cold = seal["comparison"], seal["cold"]["comparison"]
     assert alone["predicted_damping"] / alone["measured_damping"] < 0.5
     assert cold["predicted_hz"] == pytest.approx(cold["measured_hz"], rel=0.01)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot import workflow
@@ -27,12 +27,12 @@ NO_FIT = {"line.csv", "door.toml", "door_line.csv", "door_modes.csv"}
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("learn") / "lab"
-    made = told("demo", "--files", "-o", path, "--all")
+    made = run_json("demo", "--files", "-o", path, "--all")
     assert made["files"] == [str(path / name) for name in workflow.EXAMPLES]
     return path
 
 
-def test_two_files_are_written_unless_all_are_asked_for(tmp_path):
+def test_demo_writes_two_files_unless_all_are_requested(tmp_path):
     done = ran("demo", "--files", "-o", tmp_path / "lab")
     assert done.exit_code == 0, done.output
     assert {path.name for path in (tmp_path / "lab").iterdir()} == set(workflow.FIRST)
@@ -54,7 +54,7 @@ def test_a_file_is_always_the_same(folder, name):
     assert (folder / name).read_text("utf-8") == FILES[name].write()
 
 
-def test_the_first_seal_is_the_one_that_was_simulated(folder):
+def test_fit_of_first_example_recovers_the_simulated_seal(folder):
     test, hits = read_relaxation(folder / "seal_8mm.csv"), read_impact(folder / "hammer.csv")
     assert test.source.simulated
     study = characterise(
@@ -72,14 +72,14 @@ def test_the_first_seal_is_the_one_that_was_simulated(folder):
     assert abs(found / truth - 1) < 0.01
 
 
-def test_the_bad_tests_are_found_out(folder):
+def test_fit_detects_the_faults_of_the_bad_examples(folder):
     with pytest.raises(dp.DataError, match="The force is clipped"):
         fit_tests(read_relaxation(folder / "clipped.csv"))
     short = fit_tests(read_relaxation(folder / "short_hold.csv"))
     assert short.verdict.use != "use"
 
 
-def test_three_depths_have_one_elastic_law(folder):
+def test_fit_of_three_depths_recovers_one_elastic_law(folder):
     tests = [read_relaxation(folder / f"depth_{depth}mm.csv") for depth in (4, 6, 8)]
     fit = fit_tests(tests)
     assert fit.verdict.use == "use"
@@ -89,7 +89,7 @@ def test_three_depths_have_one_elastic_law(folder):
         assert abs(law.tangent(x) / truth - 1) < 0.05
 
 
-def test_every_example_is_told_of() -> None:
+def test_every_example_has_a_caption() -> None:
     assert list(workflow.CAPTIONS) == list(workflow.EXAMPLES)
 
 
@@ -103,7 +103,7 @@ def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, monkey
     assert "(25 degC)" in deck.stdout
 
 
-def test_a_temperature_other_than_the_files_own_is_told_in_full(folder, monkeypatch):
+def test_fit_states_a_temperature_that_differs_from_the_header(folder, monkeypatch):
     monkeypatch.chdir(folder)
     words = ["fit", "at_23degC.csv", "--arms", "1", "-v", "--temperature"]
     said = "the header says 'temperature: 23 degC'; the temperature is 60 degC, as given"

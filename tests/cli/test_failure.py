@@ -1,4 +1,4 @@
-"""Whatever goes wrong is a sentence and an exit code; nothing in it is obeyed by a terminal."""
+"""Failures of commands: a sentence and an exit code, with escape sequences removed."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def outputs(name):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_that_writes_can_be_told_to_replace(name):
+def test_every_command_that_writes_has_an_overwrite_option(name):
     command, written = outputs(name)
     known = {option for one in command.params for option in one.opts}
     # demo writes a folder; verify clears what killed runs left

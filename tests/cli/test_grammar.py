@@ -1,4 +1,4 @@
-"""The laws of the command line: verbs are tasks, kinds are recognised, a word has one meaning."""
+"""Grammar of the command line: tasks as commands, recognised kinds, options with one meaning."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 import pytest
 from kit.kinds import bench, files, ramp_and_hold
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 from dashpot import workflow
 from dashpot.base.option_fields import get_choice_values
@@ -108,7 +108,7 @@ def test_an_option_says_in_a_line_what_it_does(name: str) -> None:
         assert one.group, one.flag
 
 
-def test_a_word_takes_one_thing_in_every_verb() -> None:
+def test_option_has_one_meaning_in_every_command() -> None:
     taken: dict[str, set[object]] = defaultdict(set)
     for name in VERBS:
         for one in verb(name).options:
@@ -140,7 +140,7 @@ def test_no_help_needs_numpy() -> None:
 def test_the_help_of_a_file_shows_the_options_of_its_kind(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.write_text(workflow.EXAMPLES[name](), encoding="utf-8")
-    (found,) = told("inspect", path)["files"] if path.suffix != ".toml" else ({"kind": "door"},)
+    (found,) = run_json("inspect", path)["files"] if path.suffix != ".toml" else ({"kind": "door"},)
     text = ran("fit", path, "--help").stdout
     assert max(map(len, text.splitlines())) <= WIDTH
     if found["kind"] in {"unclear", "not-a-test"}:
@@ -214,14 +214,14 @@ def test_units_are_of_a_role_or_a_column(typed: str, means: tuple[str, dict[str,
         (r"raw*.txt:C:\lab.toml", ("raw*.txt", r"C:\lab.toml")),
     ],
 )
-def test_a_value_for_some_files_alone(typed: str, means: tuple[str, str]) -> None:
+def test_scoped_option_parses_its_file_pattern(typed: str, means: tuple[str, str]) -> None:
     assert Scoped(click.STRING).convert(typed, None, None) == means
 
 
 def test_a_column_whose_name_has_a_colon_keeps_its_unit(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(bench(ramp_and_hold(), head="time [s],displacement [mm],ch1: load"))
-    (found,) = told("inspect", path, "--column", "force=ch1: load", "--units", "ch1: load=N")[
+    (found,) = run_json("inspect", path, "--column", "force=ch1: load", "--units", "ch1: load=N")[
         "files"
     ]
     assert found["columns"][2]["role"] == "force"
@@ -232,7 +232,7 @@ def test_a_column_whose_name_has_a_colon_keeps_its_unit(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("at_lab")
 def test_an_answer_is_for_the_files_that_its_pattern_matches() -> None:
     asked = ("--kind", "c*.csv:relaxation", "--column", "s*.csv:force=2,displacement=3")
-    found = told("inspect", "creep.csv", "triangle.csv", "seal.csv", *asked)["files"]
+    found = run_json("inspect", "creep.csv", "triangle.csv", "seal.csv", *asked)["files"]
     assert [one["kind"] for one in found[:2]] == ["relaxation", "cld"]
     roles = [[column["role"] for column in one["columns"]] for one in found]
     assert roles[0] == roles[1] == ["time", "displacement", "force"]
@@ -247,7 +247,7 @@ def test_a_pattern_that_matches_no_file_is_refused(flag: str) -> None:
     assert "'seel*.csv:' matches none of the files seal.csv" in said
 
 
-def test_a_job_of_several_files_reads_each_by_its_own() -> None:
+def test_read_options_apply_per_file_overrides() -> None:
     said = ReadOptions(force="F", own=(("h*.csv", ReadOptions(hammer="H")),))
     assert (said.for_file("lab/h1.csv").hammer, said.for_file("lab/seal.csv").hammer) == ("H", None)
     assert said.for_file("lab/h1.csv").force == "F"
@@ -257,7 +257,7 @@ def test_a_job_of_several_files_reads_each_by_its_own() -> None:
 
 
 @pytest.mark.usefixtures("at_lab")
-def test_what_a_file_is_taken_for_is_said_and_may_be_overruled() -> None:
+def test_fit_states_the_recognised_kind_and_accepts_another() -> None:
     assert ran("fit", "triangle.csv").stderr.startswith("recognised triangle.csv: a compression")
     for said in ("relaxation", "triangle.csv:relaxation", "*.csv:relaxation"):
         done = ran("fit", "triangle.csv", "--kind", said)

@@ -1,4 +1,4 @@
-"""Every option that a message names is one of the command that speaks, or of the one it names."""
+"""Options named in messages exist in the command that prints them or that they name."""
 
 from __future__ import annotations
 
@@ -304,7 +304,7 @@ def arguments() -> frozenset[str]:
     return frozenset(found)
 
 
-def test_what_is_said_to_python_is_an_argument() -> None:
+def test_hints_for_python_name_real_arguments() -> None:
     said = {word for _, word in PYTHON_ONLY} - {"ramp"}
     for message in messages():
         for part in _PYTHON.findall(message.text):

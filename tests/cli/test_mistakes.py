@@ -1,4 +1,4 @@
-"""What people type wrong: one sentence, no traceback, and the advice obeyed leads on."""
+"""Typing mistakes: one sentence, no traceback, and the advice leads to a result."""
 
 from __future__ import annotations
 

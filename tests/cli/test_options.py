@@ -1,4 +1,4 @@
-"""The fields of a dataclass make the options of a command, and the options make its value."""
+"""Options made from the fields of a dataclass, and the value made from the options."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def brewed(*words):
     return result, got
 
 
-def test_no_option_is_the_noun_itself():
+def test_options_of_no_field_make_the_default_value():
     assert brewed()[1] == [Tea()]
 
 
@@ -62,7 +62,7 @@ def test_every_kind_of_option_fills_its_field():
     assert tea == Tea("black", pytest.approx(353.15), 3, ("milk", "sugar"), (2, 3), 180.0, "whole")
 
 
-def test_a_key_may_be_told_at_its_own_time():
+def test_key_value_option_may_be_repeated():
     _, (tea,) = brewed("--pot", "leaf=whole, with stalks", "--pot", "time=3min")
     assert (tea.steep, tea.leaf) == (180.0, "whole, with stalks")
 
@@ -136,11 +136,11 @@ def test_the_list_of_commands_needs_none_of_them():
 
 def test_the_next_command_says_each_of_several_temperatures() -> None:
     @verb("asked", "Say it again.", piece(flag=True))
-    def asked(**_: object) -> None:
+    def print_typed_options(**_: object) -> None:
         click.echo(" ".join(get_typed_options()))
 
     said = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]
-    done = CliRunner().invoke(asked, said)
+    done = CliRunner().invoke(print_typed_options, said)
     assert done.output.split() == said
 
 
@@ -167,7 +167,7 @@ FORMER = {
 
 
 @pytest.mark.parametrize("name", FORMER)
-def test_a_former_name_of_an_option_is_taken_and_not_shown(name):
+def test_option_takes_its_earlier_spelling_and_hides_it(name):
     command = main.get_command(click.Context(main), name)
     help_text = ran(name, "--help-all").output
     parser = command.make_parser(click.Context(command))
@@ -184,7 +184,7 @@ def test_a_former_name_of_an_option_is_taken_and_not_shown(name):
         assert taken == parser.parse_args(["file", flag, "5"])[0] != {}
 
 
-def test_the_type_of_frf_has_its_former_name(tmp_path):
+def test_predict_takes_kind_for_frf_type(tmp_path):
     fit = tmp_path / "fit.json"
     fit.write_text('{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": []}}')
     words = ("predict", fit, "--mass", "104g", "--json")

@@ -1,4 +1,4 @@
-"""Forty things that people do, as they are typed."""
+"""Forty tasks of users, as they are typed."""
 
 from __future__ import annotations
 

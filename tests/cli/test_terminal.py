@@ -55,7 +55,7 @@ def bare(lines):
     st.lists(st.text(st.characters(exclude_categories=["Cs"]), max_size=400), max_size=60),
     st.lists(st.sampled_from([STOP, LONG, NOTE, replace(NOTE, passed=True)]), max_size=60),
 )
-def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, checks):
+def test_screen_output_fits_and_begins_with_the_verdict(lines, checks):
     found = verdict(checks)
     printed = bare(format_for_screen(Text(lines, ["more"]), found, checks, verbose=False))
     assert len(printed) <= LINES
@@ -65,13 +65,13 @@ def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, check
 
 
 @pytest.mark.parametrize(("rows", "more"), [(LINES - 1, False), (LINES, True)])
-def test_what_is_cut_is_said_to_be(rows, more):
+def test_screen_output_states_that_lines_were_cut(rows, more):
     printed = format_for_screen(Text([f"row {i}" for i in range(rows)]), None, (), verbose=False)
     assert (printed[-1] == "  more with -v") is more
     assert len(printed) <= LINES
 
 
-def test_what_was_asked_for_is_never_cut():
+def test_screen_output_never_cuts_requested_lines():
     body, wanted = [f"line {i}" for i in range(80)], [f"share {i}" for i in range(50)]
     found = format_for_screen(Text(body, asked=wanted), None, [Check("one", True, "")])
     assert [line for line in found if line.startswith("share")] == wanted
@@ -135,7 +135,7 @@ def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     assert not any("a_note" in line for line in alone)
 
 
-def test_a_line_breaks_under_its_own_text():
+def test_wrap_line_indents_under_the_text():
     label = "  left open   " + "word " * 40
     first, *others = wrap_line(label)
     assert len(first) <= COLUMNS
@@ -226,7 +226,7 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 
 
 @pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
-def test_every_verdict_has_a_colour_of_its_own(use):
+def test_every_verdict_has_a_distinct_colour(use):
     (line,) = layout.lead(Verdict(use, "because"))
     assert click.unstyle(line) == f"{use.capitalize()}: because"
     others = {layout.USES[other] for other in layout.USES if other != use}
@@ -250,7 +250,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
     assert "next:" not in CliRunner().invoke(command, ["--json"]).output
 
 
-def test_what_was_written_is_said_though_the_command_fails(tmp_path):
+def test_command_lists_written_files_when_it_fails(tmp_path):
     @verb("two", "Write two files.", told(plot=False))
     def command():
         _command_io.write(str(tmp_path / "first.csv"), "x")

@@ -1,4 +1,4 @@
-"""What a new user types first, with files of every kind; and what is answered."""
+"""First commands of a new user with files of every kind, and the answers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import click
 import numpy as np
 import pytest
 from kit.kinds import bench, files, hammer, late, ramp_and_hold
-from kit.shell import did, told
+from kit.shell import did, run_json
 
 from dashpot.cli._terminal import to_stdout
 from dashpot.cli.fit_handlers import FitRequest
@@ -81,7 +81,7 @@ def test_a_wrong_file_is_named_with_the_command_that_wants_it(
     assert "Traceback" not in printed
 
 
-def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab: Path) -> None:
+def test_fit_names_both_accelerations_and_keeps_the_choice_in_a_profile(lab: Path) -> None:
     assert '--column time="t" --column' in run("fit", "channels.csv", code=2)
     asked = run("fit", "channels.csv", "--kind", "impact", code=2)
     assert '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"' in asked
@@ -107,10 +107,10 @@ def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab:
     ]
     assert compared[0].partition("next: ")[0] == compared[1].partition("next: ")[0]
     how = ("--profile", "lab.toml", "--arms", "1")
-    assert told("fit", "channels.csv", *weighed, *how)["model"]["k_inf"] > 0
+    assert run_json("fit", "channels.csv", *weighed, *how)["model"]["k_inf"] > 0
 
 
-def test_the_second_file_of_a_command_has_its_own_answers(lab: Path) -> None:
+def test_fit_asks_separately_about_the_second_file(lab: Path) -> None:
     odd = bench(ramp_and_hold(), head="a,b,c")
     (lab / "odd.csv").write_text(odd)
     words = ("fit", "frf.csv", "odd.csv", "--mass", "104g", "--seals", "2")
@@ -119,14 +119,14 @@ def test_the_second_file_of_a_command_has_its_own_answers(lab: Path) -> None:
     named = ("--column", "time=a,displacement=b,force=c")
     units = ("--units", "time=s,displacement=mm,force=N")
     run("inspect", "odd.csv", *named, *units, "--save", "odd.toml")
-    found = told(*words, "--profile", "odd.csv:odd.toml", "--arms", "2")
+    found = run_json(*words, "--profile", "odd.csv:odd.toml", "--arms", "2")
     assert found["model"]["k_inf"] == pytest.approx(200, rel=0.2)
     asked = run("report", "odd.csv", "channels.csv", "--mass", "104g",
                 *named, *units, code=2)  # fmt: skip
     assert "channels.csv" in asked
 
 
-def test_predict_reads_its_record_as_it_is_told(lab: Path) -> None:
+def test_predict_reads_its_record_with_the_given_columns(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
     named = ("--column", "time=1,displacement=2,force=3",
              "--units", "time=s,displacement=mm,force=N")  # fmt: skip
@@ -196,7 +196,7 @@ def test_a_cycle_is_chosen_by_its_number(lab: Path) -> None:
     (lab / "twice.csv").write_text(bench(twice, time=time))
     ends = []
     for number in (1, 2):
-        found = told("inspect", "twice.csv", "--file-part", f"cycle={number}")
+        found = run_json("inspect", "twice.csv", "--file-part", f"cycle={number}")
         ends.append(found["files"][0]["preparation"]["hold_end"])
     assert ends == pytest.approx([16, 36], abs=0.1)
     assert "cycle 3 was asked for" in run("fit", "twice.csv", "--file-part", "cycle=3", code=2)
@@ -209,7 +209,7 @@ def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
     head, *rows = text.splitlines()
     both = [f"{row},{degrees}" for degrees in (20, 60) for row in rows]
     (lab / "both.csv").write_text("\n".join([f"{head},temperature [degC]", *both]))
-    found = told("fit", "both.csv", "--at-temperature", "60degC")
+    found = run_json("fit", "both.csv", "--at-temperature", "60degC")
     assert found["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
     assert found["temperature"] is None
     assert "--at-temperature takes one of them" in run(
@@ -228,7 +228,7 @@ def test_the_residual_of_a_sweep_is_per_cent(lab: Path, noise: float) -> None:
     values[:, 2:] *= 1 + noise * np.random.default_rng(5).standard_normal((len(values), 2))
     lines = [head, *(",".join(map(repr, row)) for row in values.tolist())]
     (lab / "noisy.csv").write_text("\n".join(lines))
-    found = told("fit", "noisy.csv")["residual"]
+    found = run_json("fit", "noisy.csv")["residual"]
     assert found["unit"] == "1"
     assert found["rms"] == pytest.approx(noise, rel=0.25)
     assert f"{100 * found['rms']:.3g} % rms" in run("fit", "noisy.csv")
@@ -241,7 +241,7 @@ def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
     assert "This is the end of the band, not a peak. Add --band" in far
     band = far.partition("--band ")[2].partition(" ")[0]
     assert re.search(r" peak of the accelerance .* at 65\.4\d* Hz", run(*light, "--band", band))
-    found = told(*light)
+    found = run_json(*light)
     assert found["peak"]["at_edge"]
 
 
@@ -285,25 +285,25 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
         ("predict fit.json --mass 104g -o frf.uff", "is written as .csv, .json or .html"),
     ],
 )
-def test_what_was_typed_wrong_is_said_with_the_answer(lab: Path, words: str, says: str) -> None:
+def test_command_answers_a_mistyped_word_with_a_suggestion(lab: Path, words: str, says: str) -> None:
     printed = " ".join(run(*words.split(), code=2).split())
     assert re.search(says, printed), printed
     assert not (lab / "report.html").exists()
 
 
-def test_units_of_columns_of_either_file_are_known(lab: Path) -> None:
+def test_units_option_accepts_columns_of_either_file(lab: Path) -> None:
     run("report", "seal.csv", "hammer.csv", "--mass", "104g", "--seals", "2",
         "--no-joint", "--units", "acceleration 1=m/s^2")  # fmt: skip
 
 
-def test_fewer_arms_than_asked_for_are_said_first(lab: Path) -> None:
+def test_fit_states_first_that_it_has_fewer_arms_than_requested(lab: Path) -> None:
     assert "not the 9 asked for: the optimum has fewer arms" in run(
         "fit", "seal.csv", "--arms", "9"
     )
     assert "asked for" not in run("fit", "seal.csv", "--arms", "2")
 
 
-def test_the_next_command_says_again_what_was_said_of_the_file(lab: Path) -> None:
+def test_next_command_repeats_the_reading_options(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
     said = ("--column", "time=1,displacement=2,force=3",
             "--units", "time=s,displacement=mm,force=N")  # fmt: skip
@@ -325,7 +325,7 @@ def test_a_simulated_record_is_a_measurement_to_other_commands(lab: Path) -> Non
     run("predict", "fit.json", "--mass", "104g", "-o", "sim.csv", "--overwrite")
 
 
-def test_identify_takes_what_is_known_of_the_seals(lab: Path) -> None:
+def test_identify_uses_the_specimen_options(lab: Path) -> None:
     words = ("fit", "hammer.csv", "--mass", "104g", "--seals", "2", "--arms", "1")
     follow = run(*words, "--temperature", "23degC", "--length", "100mm").partition("next: ")[2]
     run(*shlex.split(follow.partition("#")[0])[1:])
@@ -341,21 +341,21 @@ def test_a_result_without_stdout_is_an_error(monkeypatch: pytest.MonkeyPatch) ->
         to_stdout("the result")
 
 
-def test_what_is_said_once_of_all_files_is_refused_twice():
+def test_fit_request_refuses_a_repeated_single_value():
     """One temperature, one mass; and a file of a kind that keeps the result."""
 
-    def given(**said):
+    def make_request(**said):
         return FitRequest(("a.csv",), {"a.csv": "cld"}, {"specimen": Specimen(), **said})
 
-    assert given(temperatures=(280.0,)).specimen.temperature == 280.0
+    assert make_request(temperatures=(280.0,)).specimen.temperature == 280.0
     with pytest.raises(click.UsageError, match="given 2 times; these records have one"):
-        _ = given(temperatures=(280.0, 290.0)).specimen
-    assert given(mass=(0.1,)).mass == 0.1
+        _ = make_request(temperatures=(280.0, 290.0)).specimen
+    assert make_request(mass=(0.1,)).mass == 0.1
     with pytest.raises(click.UsageError, match=r"given 2 times\. Give it once"):
-        _ = given(mass=(0.1, 0.2)).mass
+        _ = make_request(mass=(0.1, 0.2)).mass
     for output, suffix in (("fit.csv", ".csv"), ("-", ".json"), ("fit", ".json"), (None, None)):
-        assert given(output=output).check_output_suffix(".json", ".csv", what="a fit") == suffix
+        assert make_request(output=output).check_output_suffix(".json", ".csv", what="a fit") == suffix
     with pytest.raises(
         click.UsageError, match=r"a fit is written as \.json or \.csv or \.html, not as \.txt"
     ):
-        given(output="fit.txt").check_output_suffix(".json", ".csv", what="a fit")
+        make_request(output="fit.txt").check_output_suffix(".json", ".csv", what="a fit")

@@ -1,4 +1,4 @@
-"""What is known of parameters: of the noise, and with what a rig may have done unseen."""
+"""Standard errors of an estimate: noise alone, and noise with errors of the rig."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def doubted(**given):
     return a_fit(SEAL, estimate=fit.estimate.with_rig(MOVED))
 
 
-def test_errors_hold_noise_and_rig_and_the_noise_alone_stays():
+def test_standard_error_includes_rig_and_noise():
     fit, quiet = doubted(), a_fit(SEAL)
     error, noise = fit.standard_error, quiet.standard_error
     assert error["k"][0] == pytest.approx(np.sqrt(1.175**2 + 2**2 + 3**2))
@@ -77,6 +77,6 @@ def test_a_document_keeps_both():
     assert "of_noise" not in a_fit(SEAL).to_dict()
 
 
-def test_each_covariance_has_a_row_a_parameter():
+def test_covariance_must_have_one_row_per_parameter():
     with pytest.raises(DataError, match="of_noise has shape"):
         a_fit(SEAL, of_noise=np.eye(3))

@@ -1,4 +1,4 @@
-"""A fit at another temperature: against numbers computed apart, and against draws."""
+"""A fit shifted to another temperature, against independent numbers and random draws."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ LAW = dp.solids.WLF.universal(glass=218.15, reference=REFERENCE)
 TESTED = (273.15, 283.15, REFERENCE)
 
 
-def moved(law=LAW, vertical="T/T_r", parameters=("c1", "c2"), doubt=((1e-2, 0.1), (0.1, 4.0))):
+def make_shifts(law=LAW, vertical="T/T_r", parameters=("c1", "c2"), doubt=((1e-2, 0.1), (0.1, 4.0))):
     shifts = tuple(
         Shift(t, float(LAW.log10_a_t(t)), 0.0 if t == REFERENCE else 1e-3, t / REFERENCE)
         for t in TESTED
@@ -25,7 +25,7 @@ def moved(law=LAW, vertical="T/T_r", parameters=("c1", "c2"), doubt=((1e-2, 0.1)
     return TemperatureShifts(law, shifts, np.zeros((6, 6)), parameters, np.array(doubt), vertical)
 
 
-FIT = replace(a_fit(BROAD, specimen=Specimen(temperature=REFERENCE)), temperatures=moved())
+FIT = replace(a_fit(BROAD, specimen=Specimen(temperature=REFERENCE)), temperatures=make_shifts())
 FREE = TemperatureShifts(
     dp.solids.FreeShifts((273.15, REFERENCE), (1.5, 0.0), REFERENCE),
     (Shift(273.15, 1.5, 0.01), Shift(REFERENCE, 0.0, 0.0)),
@@ -66,7 +66,7 @@ def test_there_and_back_is_where_it_was(kind, slope):
         "arrhenius": (dp.solids.Arrhenius(6e4, REFERENCE), ("energy",), ((1e6,),)),
         "free": (FREE.law, (), ((),)),
     }[kind]
-    known = FREE if kind == "free" else moved(law, "free", names, doubt)
+    known = FREE if kind == "free" else make_shifts(law, "free", names, doubt)
     fit = replace(FIT, temperatures=replace(known, slope=slope))
     there = fit.at_temperature(280.0)
     np.testing.assert_allclose(there.model_at(temperature=REFERENCE).tau, fit.model.tau, rtol=1e-9)
@@ -80,7 +80,7 @@ def test_there_and_back_is_where_it_was(kind, slope):
 
 
 def test_errors_at_another_temperature_hold_the_doubt_of_both_shifts():
-    law, draws = moved(), np.random.default_rng(1).standard_normal((20000, 2))
+    law, draws = make_shifts(), np.random.default_rng(1).standard_normal((20000, 2))
     c = np.array([LAW.c1, LAW.c2]) + draws @ np.linalg.cholesky(law.law_covariance).T
     above = 263.15 - REFERENCE
     spread = np.std(np.log(10) * -c[:, 0] * above / (c[:, 1] + above))
@@ -100,15 +100,15 @@ def test_a_law_is_refused_nearer_than_ten_kelvin_to_the_glass_transition():
         FIT.model_at(temperature=228.1)
     # what was tested is known whatever the law says of the glass
     glassy = dp.solids.WLF(LAW.c1, 60.0, REFERENCE)
-    assert replace(FIT, temperatures=moved(glassy)).model_at(temperature=273.15).arms == BROAD.arms
+    assert replace(FIT, temperatures=make_shifts(glassy)).model_at(temperature=273.15).arms == BROAD.arms
 
 
-def test_two_temperatures_foretell_nothing_beyond():
+def test_fit_at_two_temperatures_refuses_extrapolation():
     with pytest.raises(dp.DataError, match="third temperature"):
         replace(FIT, temperatures=FREE).model_at(temperature=263.15)
 
 
-def test_one_temperature_foretells_no_other():
+def test_fit_at_one_temperature_refuses_any_other():
     alone = a_fit(BROAD, specimen=Specimen(temperature=REFERENCE))
     assert alone.model_at(temperature=REFERENCE + 0.4) == alone.model
     assert alone.temperatures is None

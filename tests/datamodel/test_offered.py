@@ -1,4 +1,4 @@
-"""Output of results: a few lines, a figure, a table of another library."""
+"""Output of results: summary, figure, and tables for pandas and xarray."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_a_notebook_shows_words_and_picture(nouns, name):
     assert nouns[name].plot().panels
 
 
-def test_every_noun_that_offers_a_picture_has_one() -> None:
+def test_every_plottable_class_has_a_figure() -> None:
     offered = {kind for kind in descendants(Plottable) if kind is not HasVerdict}
     assert len(offered) > 15
     bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
@@ -143,7 +143,7 @@ def test_columns_without_numbers_have_no_picture():
 # -- tables ----------------------------------------------------------------------------------------
 
 
-def test_every_noun_that_offers_a_table_has_one() -> None:
+def test_every_class_with_a_summary_has_a_table() -> None:
     ours = {kind for kind in descendants(HasSummary) if kind.__module__.startswith("dashpot.")}
     offered = ours - {Plottable, HasVerdict}
     assert len(offered) > 40
@@ -162,7 +162,7 @@ def test_every_noun_that_offers_a_table_has_one() -> None:
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_columns_of_a_noun_are_of_one_length(nouns, name):
+def test_table_columns_have_equal_length(nouns, name):
     found = frame(nouns[name])
     assert len({len(values) for values in found.columns.values()}) == 1
     assert set(found.units) == set(found.columns)
@@ -201,7 +201,7 @@ class Table(dict):
         return self
 
 
-def test_pandas_is_given_columns_index_and_units(nouns, monkeypatch):
+def test_to_pandas_sets_columns_index_and_units(nouns, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=Table))
     table = nouns["RelaxationTest"].to_pandas()
     assert table.index == "time"
@@ -210,7 +210,7 @@ def test_pandas_is_given_columns_index_and_units(nouns, monkeypatch):
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_pandas_and_xarray_take_every_noun(nouns, name):
+def test_to_pandas_and_to_xarray_accept_every_class(nouns, name):
     pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
     table, data = nouns[name].to_pandas(), nouns[name].to_xarray()
     assert isinstance(table, pandas.DataFrame)

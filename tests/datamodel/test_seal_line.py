@@ -77,7 +77,7 @@ def test_a_corner_turns_by_more_than_30_degrees(turn, cells):
 
 
 @pytest.mark.parametrize(("sine", "refused"), [(0.0101, False), (0.0099, True)])
-def test_a_seal_is_not_pressed_along_its_own_line(sine, refused):
+def test_seal_line_refuses_a_normal_along_the_line(sine, refused):
     normal = (np.sqrt(1 - sine**2), 0, sine)
     if not refused:
         frame = SealLine(DOOR[:2], normal=normal).stations(0.5)
@@ -98,7 +98,7 @@ def test_shear_is_a_ratio(ratio, refused):
         assert Shear(along=ratio).holds == (ratio > 0)
 
 
-def test_a_stiffness_of_its_own_sideways_is_felt_wherever_the_seal_touches():
+def test_separate_shear_stiffness_acts_wherever_the_seal_touches():
     """A ratio follows the tangent at the compression; a stiffness of its own only the joints."""
     law = ElasticLaw((0.0, 0.004, 0.008), (0.5, 0.9, 1.7), 100.0)
     section = SealSection(100.0 / BROAD.k_inf * BROAD, law, shear=Shear(0.5, 3 * BROAD))

@@ -1,4 +1,4 @@
-"""Arrays say their units, and what no one means is refused."""
+"""Units of arrays, and the refusal of implausible values."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _of(made):
 
 
 @pytest.mark.parametrize(("cls", "arrays", "units", "factors"), CLASSES)
-def test_no_unit_too_few_and_a_wrong_one_are_refused(cls, arrays, units, factors):
+def test_units_refuse_missing_surplus_and_wrong_words(cls, arrays, units, factors):
     with pytest.raises(DataError, match=f'{cls.__name__} is made of arrays.*units="SI".*units="'):
         cls(**arrays)
     with pytest.raises(DataError, match=r"names 1 units? for .*\(" + ", ".join(arrays)):
@@ -70,7 +70,7 @@ def test_no_unit_too_few_and_a_wrong_one_are_refused(cls, arrays, units, factors
         cls(**arrays, units=", ".join(("furlong", *units.split(",")[1:])))
 
 
-def test_kinds_with_words_of_their_own():
+def test_sweeps_and_modulus_classes_accept_their_units():
     sweep = AmplitudeSweep(F, X[1:].max() + F, F, F, units="Hz, mm, N/mm, N/mm")
     assert (sweep.of, sweep.unit, sweep.amplitude[0]) == ("m", "N/m", 9.0e-3)
     strained = AmplitudeSweep(F, F, F, F, units="Hz, %, MPa, MPa")
@@ -93,7 +93,7 @@ def test_the_unit_of_an_frf_agrees_with_what_it_relates(units, says):
         FRF(F, F + 0j, units=units)
 
 
-def test_a_part_and_a_material_do_not_mix():
+def test_units_refuse_a_mix_of_modulus_and_stiffness():
     with pytest.raises(DataError, match="both as a modulus, or both as a stiffness"):
         DynamicTest(F, F, F, units="Hz, MPa, N/mm")
     with pytest.raises(DataError, match="neither a part nor a material"):
@@ -116,7 +116,7 @@ def test_no_document_holds_the_word():
         ("time", 2.99e7 / 19, 3.01e7 / 19, "the length of the record is 348 days"),
     ],
 )
-def test_what_no_one_means_is_refused(cls, name, just, beyond, says):
+def test_arrays_refuse_implausible_values(cls, name, just, beyond, says):
     arrays = {"time": T, "displacement": 1e-3 * X, "force": F}
     cls(**{**arrays, name: just * arrays[name]}, units="SI")
     with pytest.raises(DataError, match=says):

@@ -1,4 +1,4 @@
-"""A fit whose elastic law is not straight: what vibrates about a compression, and its deck."""
+"""A fit with a nonlinear elastic law: its stiffness about a compression, and its deck."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Decks of a solid that moves with temperature: its law on the card, and the solid asked for."""
+"""Decks of a fit with a shift law: the law on the card, the model at a temperature."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_every_deck_says_the_law_and_its_constants(target):
     ],
 )
 @pytest.mark.parametrize("target", ["abaqus", "ansys"])
-def test_what_the_shift_cannot_carry_is_said(target, vertical, says):
+def test_prony_card_states_what_the_shift_cannot_carry(target, vertical, says):
     deck = prony(target, moving(vertical=vertical))
     assert says in deck
     assert ("the stiffness b_T above is not in it" in deck) == bool(says)
@@ -128,7 +128,7 @@ def test_what_the_shift_cannot_carry_is_said(target, vertical, says):
 
 @pytest.mark.parametrize("target", sorted(TARGETS))
 @pytest.mark.parametrize("law", [SHIFT, ENERGY, FREE])
-def test_a_deck_of_an_asked_temperature_is_that_of_the_solid_there(target, law):
+def test_deck_at_a_temperature_equals_deck_of_the_shifted_fit(target, law):
     more = {} if target != "radioss" else {"modulus": 1e6}
     fit = moving(law)
     asked = Specimen(length=0.1, temperature=278.15)
@@ -155,7 +155,7 @@ def test_a_temperature_that_nobody_noted_is_stated():
 
 
 @pytest.mark.parametrize(("kelvin", "refused"), [(ROOM + 0.5, False), (ROOM + 0.501, True)])
-def test_a_fit_of_one_temperature_is_no_other(kelvin, refused):
+def test_deck_of_one_temperature_refuses_another(kelvin, refused):
     fit = a_fit(BROAD, specimen=Specimen(length=0.1, temperature=ROOM))
     asked = Specimen(length=0.1, temperature=kelvin)
     if not refused:
@@ -168,7 +168,7 @@ def test_a_fit_of_one_temperature_is_no_other(kelvin, refused):
 @pytest.mark.parametrize(
     ("celsius", "beyond"), [(0.0, False), (23.0, False), (-0.01, True), (23.01, True)]
 )
-def test_beyond_the_tested_temperatures_the_deck_is_judged(celsius, beyond):
+def test_deck_outside_the_tested_temperatures_is_to_be_used_with_care(celsius, beyond):
     asked = Specimen(length=0.1, temperature=celsius + 273.15)
     deck = TARGETS["abaqus"](moving(), units="SI", specimen=asked)
     assert ("CHECK FAILED" in deck) == beyond

@@ -1,4 +1,4 @@
-"""What every deck says of itself, what it refuses, and what its text looks like."""
+"""Decks: their header, what they refuse, and their format."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_a_deck_says_where_it_comes_from(fit, target, form, extra):
 
 
 @every_deck
-def test_a_bare_model_says_what_is_not_known(paper_seal, target, form, extra):
+def test_deck_of_bare_model_states_missing_information(paper_seal, target, form, extra):
     deck = write(target, paper_seal, form=form, **extra)
     assert "temperature: not stated" in deck
     assert "contact length: not stated" in deck
@@ -193,7 +193,7 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
         assert "OVERRIDE: the data do not determine every parameter" in forced
 
 
-def test_everything_that_is_missing_is_said_at_once(fit):
+def test_export_lists_everything_missing_at_once(fit):
     doubtful = {"status": Status.TAU_AT_BOUND, "checks": (*fit.checks, DOUBT)}
     with pytest.raises(ExportError) as refused:
         write("nastran", altered(fit, specimen=Specimen(), **doubtful))
@@ -208,7 +208,7 @@ def test_failed_checks_travel_with_the_deck(fit):
     assert "good." not in deck
 
 
-def test_fewer_arms_than_asked_is_no_reason_to_refuse(fit):
+def test_export_accepts_fewer_arms_than_requested(fit):
     assert write("nastran", altered(fit, status=Status.FEWER_ARMS))
 
 
@@ -216,7 +216,7 @@ PRONY = [(target, extra) for target, form, extra in DECKS if form == "prony"]
 
 
 @pytest.mark.parametrize(("target", "extra"), PRONY)
-def test_moduli_that_sum_to_one_are_refused(target, extra):
+def test_export_refuses_relative_moduli_that_sum_to_one(target, extra):
     fluid = GeneralizedMaxwell(0.0, (2.0, 1.0), (0.1, 10.0))
     with pytest.raises(ExportError, match="the relative moduli sum to 1"):
         write(target, fluid, form="prony", **extra)
@@ -308,7 +308,7 @@ def test_no_argument_is_taken_that_changes_nothing(fit, target, form, extra):
         assert refused or one != other, f"{target}, {form}: {name}"
 
 
-def test_a_stiffness_outside_the_band_is_told_to_be_extrapolated(fit):
+def test_deck_marks_a_nominal_stiffness_outside_the_band_as_extrapolated(fit):
     for target, form in (("calculix", "springs"), ("nastran", "table")):
         inside, outside = (
             TARGETS[target](
@@ -551,7 +551,7 @@ def test_connector_rows_read_back(paper_seal):
     assert K[:, 0] * (1 + 1j * eta[:, 0]) == pytest.approx(exact, rel=1e-8)
 
 
-def test_every_deck_has_its_row_in_the_documents():
+def test_every_deck_is_listed_in_the_export_page():
     page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
     for target, form, _ in DECKS:
         assert re.search(rf"^\| `{target}` .*`{form}`", page, flags=re.MULTILINE), (target, form)

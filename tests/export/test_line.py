@@ -23,7 +23,7 @@ from kit.doors import (
     MASS,
     NORMAL_ONLY,
     SHEARED,
-    apart,
+    compute_largest_difference,
     closed,
     leaning,
     six_by_six,
@@ -265,7 +265,7 @@ def summed(target: str, text: str, units: str) -> np.ndarray:
 @pytest.mark.parametrize("target", list(READERS))
 def test_a_deck_says_the_stiffness_of_the_line(target, units):
     K = summed(target, deck(target, units), units)
-    assert apart(K.real, stated(SHEARED)) < 1e-5
+    assert compute_largest_difference(K.real, stated(SHEARED)) < 1e-5
     if target != "calculix":  # which knows no loss
         eta = complex(PAPER.complex_stiffness(omega=2 * np.pi * HERTZ))
         assert np.diag(K.imag / K.real) == pytest.approx(eta.imag / eta.real, rel=2e-3)
@@ -274,13 +274,13 @@ def test_a_deck_says_the_stiffness_of_the_line(target, units):
 @pytest.mark.parametrize("target", list(READERS))
 def test_without_shear_a_deck_says_that_nothing_holds_sideways(target):
     text = deck(target, "mm-t-s", None, pitch=0.5)
-    assert apart(summed(target, text, "mm-t-s").real, stated(NORMAL_ONLY)) < 1e-5
+    assert compute_largest_difference(summed(target, text, "mm-t-s").real, stated(NORMAL_ONLY)) < 1e-5
     assert "no shear is given: the line holds nothing sideways" in text
     assert "across it: 0.35 of it; along it: 0.15 of it" in deck(target, "SI", pitch=0.5)
 
 
 @pytest.mark.parametrize("target", list(READERS))
-def test_a_stiffness_of_its_own_stands_beside_the_ratio(target):
+def test_line_deck_accepts_a_separate_lateral_stiffness(target):
     """Half as stiff again in its arms: a third of the whole at 12.71 Hz, and other tables."""
     own = GeneralizedMaxwell(PAPER.k_inf, tuple(1.5 * k for k in PAPER.k), PAPER.tau)
     omega = 2 * np.pi * HERTZ
@@ -295,11 +295,11 @@ def test_a_stiffness_of_its_own_stands_beside_the_ratio(target):
 
 
 @pytest.mark.parametrize("target", list(READERS))
-def test_numbers_begin_where_they_are_told(target):
+def test_line_deck_numbers_from_the_first_id(target):
     """Nodes, elements and whatever else has a number stay out of the way of the user's own."""
     text = deck(target, "SI", pitch=0.5, first_id=90001)
     assert "nodes 90001 to 90020" in text or target == "nastran"
-    assert apart(summed(target, text, "SI").real, stated(SHEARED)) < 1e-5
+    assert compute_largest_difference(summed(target, text, "SI").real, stated(SHEARED)) < 1e-5
     for line in text.splitlines():
         way = re.fullmatch(r"([123]), \1", line)  # of a spring of CalculiX
         number = None if way else re.match(r"\s*(\d+)(?=[\s,]|$)", line)
@@ -310,13 +310,13 @@ def test_numbers_begin_where_they_are_told(target):
     ("target", "form"), [("abaqus", "arms"), ("ansys", "arms"), ("calculix", "arms"),
                          ("lsdyna", "prony")]
 )  # fmt: skip
-def test_a_form_that_holds_no_line_names_the_one_that_does(target, form):
+def test_line_deck_names_the_supported_form(target, form):
     line = {"abaqus": "connector", "ansys": "table", "calculix": "springs", "lsdyna": "arms"}
     with pytest.raises(ExportError, match=f"hold a seal line in the form {line[target]}; found"):
         deck(target, "SI", form=form)
 
 
-def test_arms_of_a_line_stand_in_its_own_frames():
+def test_nastran_line_uses_a_local_frame_for_each_arm():
     """Nastran's network: the grids' own systems turn its components."""
     cards = read_cards(deck("nastran", "SI", pitch=0.5, form="arms"))
     systems = {f[0] for name, f in cards if name == "CORD2R"}
@@ -371,7 +371,7 @@ def door_of(text: str, units: str) -> str:
 
 
 @needs_ccx
-def test_ccx_finds_the_modes_of_the_door_on_its_seal_alone(tmp_path):
+def test_ccx_computes_the_modes_of_a_door_on_its_seal_only(tmp_path):
     """The seal holds all of it: the sharpest test of a line that there is."""
     dat = run_ccx(door_of(deck("calculix", "mm-t-s", pitch=0.5), "mm-t-s"), tmp_path)
     rows = re.findall(r"^\s+\d+\s+\S+\s+\S+\s+(\S+)\s+\S+\s*$", dat, re.MULTILINE)

@@ -51,7 +51,7 @@ def test_nuisances_of_several_tests_are_named_by_their_number():
     )
 
 
-def test_nuisances_of_one_test_have_no_number_and_the_unit_of_what_was_measured():
+def test_nuisance_parameters_of_one_test_have_no_number():
     assert [(one.name, one.unit) for one in of("offset@0", "drift@0")] == [
         ("offset", "N"),
         ("drift", "N/s"),
@@ -131,7 +131,7 @@ def test_a_fit_of_tests_names_the_deepest_piece():
     assert found.steps == (*shallow.steps, *deep.steps, step)
 
 
-def test_fits_are_made_in_one_place():
+def test_fit_is_constructed_in_one_module():
     made = [
         file.relative_to(SOURCES).as_posix()
         for file in sorted(SOURCES.rglob("*.py"))

@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
 
 
-def test_the_truth_lies_in_the_unseen_arm_band(broad_fit: Fit, broad_test: RampHold) -> None:
+def test_unresolved_arm_band_contains_the_truth(broad_fit: Fit, broad_test: RampHold) -> None:
     band = unseen_arm_band(broad_fit, broad_test, AT, level=0.99)
     truth = BROAD.complex_stiffness(omega=2 * np.pi * AT)
     for limits, value in (
@@ -157,7 +157,7 @@ def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: AdmissibleSp
                     assert deviance(spectra, found) == pytest.approx(5.0, abs=1e-6)
 
 
-def test_no_spectrum_reaches_beyond_a_limit(spectra: AdmissibleSpectra) -> None:
+def test_confidence_region_reach_is_never_exceeded(spectra: AdmissibleSpectra) -> None:
     """Against a slow obvious form: hold the quantity at a target with one heavy row."""
     from scipy.optimize import nnls
 
@@ -165,16 +165,16 @@ def test_no_spectrum_reaches_beyond_a_limit(spectra: AdmissibleSpectra) -> None:
     low, high = spectra.reach(loss)
     row = loss / spectra.scale
 
-    def left_at(t: float) -> float:
+    def compute_excess_residual(t: float) -> float:
         weight = 1e5 / t
         rows = np.vstack((spectra.columns, weight * row))
         k, _ = nnls(rows, np.append(spectra.target, weight * t), maxiter=100000)
         return float(np.sum((spectra.columns @ k - spectra.target) ** 2)) - spectra.least
 
-    assert left_at(high) == pytest.approx(5.0, rel=0.02)
-    assert left_at(low) == pytest.approx(5.0, rel=0.02)
-    assert left_at(1.05 * high) > 5.0
-    assert left_at(0.95 * low) > 5.0
+    assert compute_excess_residual(high) == pytest.approx(5.0, rel=0.02)
+    assert compute_excess_residual(low) == pytest.approx(5.0, rel=0.02)
+    assert compute_excess_residual(1.05 * high) > 5.0
+    assert compute_excess_residual(0.95 * low) > 5.0
     ratio = spectra.ratio_reach(loss, storage)
     best = spectra.value(loss) / spectra.value(storage)
     assert ratio[0] < best < ratio[1]
@@ -213,7 +213,7 @@ def test_the_fit_and_the_truth_lie_within_the_lines(broad_fit: Fit, broad_test: 
             assert np.mean((limits[0] <= value) & (value <= limits[1])) >= least
 
 
-def test_every_line_has_its_own_limits(broad_fit: Fit, broad_test: RampHold) -> None:
+def test_unresolved_arm_band_is_independent_of_other_lines(broad_fit: Fit, broad_test: RampHold) -> None:
     many = unseen_arm_band(broad_fit, broad_test, LINES[::2])
     few = unseen_arm_band(broad_fit, broad_test, LINES[::20])
     assert many.storage[:, ::10] == pytest.approx(few.storage, rel=1e-3)
@@ -243,7 +243,7 @@ def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(
         assert near >= 0.98 * np.linalg.norm(edge, axis=1).min()
 
 
-def test_the_peak_lies_where_and_as_high_as_said(broad_fit: Fit, broad_test: RampHold) -> None:
+def test_frf_band_contains_the_peak(broad_fit: Fit, broad_test: RampHold) -> None:
     f = np.linspace(8, 20, 25)
     band = frf_band(broad_fit, broad_test, mass=BROAD_MASS, seals=2, frequency=f)
     fine = np.linspace(11, 15, 4001)
@@ -257,7 +257,7 @@ def test_the_peak_lies_where_and_as_high_as_said(broad_fit: Fit, broad_test: Ram
     assert band.peak_height[0] < height.max() < band.peak_height[1]
 
 
-def test_a_hold_alone_knows_no_dashpot() -> None:
+def test_band_of_a_hold_leaves_the_dashpot_unbounded() -> None:
     """Nothing that moves slowly limits the damping, nor the response from below."""
     test = prepare(simulate_relaxation(BROAD, seed=5).test)
     hold = fit(test, arms=2, method="hold")
@@ -332,7 +332,7 @@ def test_a_seal_without_fast_arms_keeps_its_loss_within_the_band() -> None:
     assert band.loss[0, 0] <= truth <= band.loss[1, 0]
 
 
-def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
+def test_band_of_a_lossless_spring_bounds_the_peak_from_below() -> None:
     time = np.arange(4000) / 100
     x = 8e-3 * np.clip(time - 1, 0, 1)
     test = prepare(RelaxationTest(time=time, displacement=x, force=200.0 * x, units="SI"))

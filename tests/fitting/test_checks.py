@@ -49,7 +49,7 @@ def named(found: Fit, name: str) -> Check:
     return next(check for check in found.checks if check.name == name)
 
 
-def test_a_sound_test_passes(test: RampHold) -> None:
+def test_fit_passes_all_checks_for_a_valid_test(test: RampHold) -> None:
     found = fit(test)
     # a machine of which nothing is known leaves the end of the hold open by some per cent
     assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
@@ -147,7 +147,7 @@ def test_a_drift_of_the_rig_is_no_rise(test: RampHold) -> None:
     assert named(fit(drifting), "force_relaxes").passed
 
 
-def test_strain_beyond_a_fifth_of_the_height(test: RampHold) -> None:
+def test_strain_check_fails_over_a_fifth_of_the_height(test: RampHold) -> None:
     deep = replace(test, specimen=Specimen(height=0.02))
     check = named(fit(deep, arms=2), "strain_small")
     assert check.failed
@@ -194,7 +194,7 @@ def test_a_seal_that_flows_has_no_equilibrium() -> None:
     assert found.status is not Status.CONVERGED
 
 
-def test_a_curve_left_in_the_residuals(test: RampHold) -> None:
+def test_residuals_check_detects_a_remaining_curve(test: RampHold) -> None:
     check = named(fit(test, arms=1), "residuals_white")
     assert check.failed
     assert "The model misses part of the curve" in check.says
@@ -203,7 +203,7 @@ def test_a_curve_left_in_the_residuals(test: RampHold) -> None:
     assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_white").says
 
 
-def test_slow_wandering_cannot_be_told_from_an_arm(test: RampHold) -> None:
+def test_residuals_check_detects_slow_wandering(test: RampHold) -> None:
     random = np.random.default_rng(5)
     walk = np.cumsum(random.standard_normal(len(test.time)))
     found = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)

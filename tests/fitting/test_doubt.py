@@ -62,7 +62,7 @@ def width(found: Fit) -> float:
 # -- parameters ------------------------------------------------------------------------------------
 
 
-def test_a_hold_bears_that_its_clocks_are_apart() -> None:
+def test_hold_fit_includes_clock_differences_in_its_errors() -> None:
     """A hold that begins late by d has arms of k e^(d/tau); nothing of it tells d."""
     errors = {}
     for sync in (5e-3, 20e-3):
@@ -101,7 +101,7 @@ def test_a_profile_bears_it_as_well() -> None:
 @pytest.mark.parametrize(
     "rig", ["compliance 50 um/N", "crosshead creep 20 um", "seal warms .12 decade"]
 )
-def test_intervals_of_arms_hold_what_a_rig_did_unseen(rig: str) -> None:
+def test_intervals_of_arms_include_rig_errors(rig: str) -> None:
     """Of two arms as Table 1 has them; the errors of the noise alone know nothing of it."""
     one, record, _ = foreign(0, rig)
     found = fit(record, arms=2)
@@ -167,7 +167,7 @@ def test_every_doubt_says_its_source() -> None:
         assert usual.source, name
 
 
-def test_a_named_value_takes_the_place_of_the_usual_one() -> None:
+def test_machine_replaces_default_with_stated_value() -> None:
     unknown, named = Machine(), Machine(sync=2e-3, compliance=5e-5, creep=3e-6)
     assert unknown.delay_sd(1e-3) == 5e-3
     assert unknown.delay_sd(8e-3) == 8e-3  # a sample at least
@@ -178,7 +178,7 @@ def test_a_named_value_takes_the_place_of_the_usual_one() -> None:
     assert (unknown.creep_sd(8e-3), named.creep_sd(8e-3)) == (1e-5, 3e-6)
 
 
-def test_a_drift_grows_as_its_root_once_the_cell_is_warm() -> None:
+def test_drift_error_grows_as_its_root_when_the_cell_is_warm() -> None:
     cell, final, noise = Machine(), 1.5, 2e-3
     rate = math.hypot(2.4e-4 * final, 0.1 * noise)
     assert cell.drift_sd(final, 40.0) == pytest.approx(3.5e-3 * final / 40)
@@ -277,7 +277,7 @@ def test_a_seal_may_have_been_pressed_or_warm_up(record: RampHold) -> None:
     assert columns(noted)["warming"][1] == pytest.approx(math.hypot(0.3, 0.1))
 
 
-def test_a_doubt_at_few_samples_is_that_at_every_one(record: RampHold) -> None:
+def test_rig_effect_at_few_samples_equals_that_at_every_sample(record: RampHold) -> None:
     time = record.time[: record.hold.stop] - record.time[0]
     at = select_motion_samples(record, time)
     assert len(at) < 1000
@@ -316,7 +316,7 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
         assert width(fit(less)) > 1.02 * width(known)
 
 
-def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
+def test_end_of_hold_states_the_gain_of_naming_the_machine(record: RampHold) -> None:
     end = fit(record).evidence.end_of_hold
     assert end is not None
     known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
@@ -327,7 +327,7 @@ def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
     assert replace(end, named=math.nan).remedy == "Hold longer."
 
 
-def test_a_rig_that_is_known_tells_the_end_of_the_hold_to_less_than_a_hundredth() -> None:
+def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
     """A baseline of 10 s, a compliance of 0 that is named, and an encoder that shows the creep."""
     rig = replace(
         RIGS["crosshead creep 20 um, recorded"],
@@ -426,7 +426,7 @@ def truth_named(name: str) -> int:
         ("5 arms, 0", "filter 20 Hz Butterworth", ["put the motion behind a low-pass of 9.92 ms"]),
     ],
 )
-def test_a_filter_that_nobody_named_is_told_and_its_bound_holds(
+def test_fit_reports_an_unstated_filter_with_a_valid_bound(
     truth: str, rig: str, done: list[str]
 ) -> None:
     """To first order of the delay the second is a bent law, and its contact is behind air."""
@@ -506,7 +506,7 @@ def test_what_a_rig_hides_is_inside_the_limits(rig: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rig", HIDDEN)
-def test_of_a_third_of_the_truths_at_most_one_is_missed(rig: str) -> None:
+def test_limits_miss_at_most_one_of_a_third_of_the_truths(rig: str) -> None:
     truths = range(1, len(TRUTHS), 3)
     assert sum(not holds(truth, rig) for truth in truths) <= 1
 

@@ -52,7 +52,7 @@ def pressed(seed: int) -> RampHold:
 
 
 @cache
-def alone(seed: int) -> Fit:
+def fit_relaxation(seed: int) -> Fit:
     return fit(pressed(seed), arms=2)
 
 
@@ -64,17 +64,17 @@ def hammer(seed: int, *, scale: float = 1.0, mass: float = MASS, gain: float = 1
 
 
 def joint(seed: int, **hit: float) -> Fit:
-    return identify(hammer(seed, **hit), tests=pressed(seed), fit=alone(seed), mass=MASS, seals=2)
+    return identify(hammer(seed, **hit), tests=pressed(seed), fit=fit_relaxation(seed), mass=MASS, seals=2)
 
 
 @cache
 def stiffer() -> Fit:
     """Seals that are stiffer under the hammer, fitted with the arms that are there."""
     frf = hammer(1, scale=1.15)
-    return identify(frf, tests=pressed(1), fit=alone(1), mass=MASS, seals=2, arms=2)
+    return identify(frf, tests=pressed(1), fit=fit_relaxation(1), mass=MASS, seals=2, arms=2)
 
 
-def told(found: Fit) -> str:
+def get_agreement_sentence(found: Fit) -> str:
     return next(check.says for check in found.checks if check.name == "tests_agree")
 
 
@@ -89,7 +89,7 @@ def test_tests_that_agree_need_no_explanation() -> None:
 
 
 def test_what_is_free_anyway_explains_nothing_more() -> None:
-    found = identify(hammer(1, scale=1.15), tests=pressed(1), fit=alone(1), seals=2)
+    found = identify(hammer(1, scale=1.15), tests=pressed(1), fit=fit_relaxation(1), seals=2)
     assert "mass" not in {one.name for one in found.evidence.explanations}
 
 
@@ -103,7 +103,7 @@ def test_a_fit_with_explanations_survives_its_json() -> None:
 
 
 @pytest.mark.parametrize("scale", [1.15, 0.9])
-def test_stiffer_seals_under_the_hammer_are_told_as_that(scale: float) -> None:
+def test_explanations_name_stiffer_seals_under_the_hammer(scale: float) -> None:
     found = joint(1, scale=scale)
     lead = found.evidence.explanations[0]
     assert lead.name == "stiffness"
@@ -111,7 +111,7 @@ def test_stiffer_seals_under_the_hammer_are_told_as_that(scale: float) -> None:
     assert lead.value == pytest.approx(scale, abs=max(3 * lead.standard_error, 0.003))
     assert lead.fall > 100
     assert found.verdict.use == "do not use"
-    assert "stiffer" in told(found) if scale > 1 else "softer" in told(found)
+    assert "stiffer" in get_agreement_sentence(found) if scale > 1 else "softer" in get_agreement_sentence(found)
     assert not any("check the mass" in check.says for check in found.checks)
 
 
@@ -124,7 +124,7 @@ def test_intervals_hold_the_doubt_of_which_is_right() -> None:
         assert all(low <= value <= high for (low, high), value in pairs), name
 
 
-def test_a_wrong_mass_and_a_wrong_gain_are_told_as_such() -> None:
+def test_explanations_name_a_wrong_mass_and_a_wrong_gain() -> None:
     found = joint(1, mass=1.05 * MASS)
     mass = found.evidence.explanations[0]
     assert (mass.name, mass.explains) == ("mass", True)
@@ -138,7 +138,7 @@ def test_a_wrong_mass_and_a_wrong_gain_are_told_as_such() -> None:
     assert gain.value == pytest.approx(1.08, rel=5e-3)
 
 
-def test_two_causes_at_once_are_not_explained_by_one() -> None:
+def test_explanations_name_two_simultaneous_causes() -> None:
     found = joint(1, scale=1.15, gain=1.3)
     lead, *others = found.evidence.explanations
     assert (lead.name, lead.explains) == ("mass and stiffness", True)
@@ -152,7 +152,7 @@ def test_two_causes_at_once_are_not_explained_by_one() -> None:
 
 
 @pytest.mark.parametrize(("seed", "said"), [(1, 0.9), (2, 1.1)])
-def test_a_wrong_mass_is_found_whatever_else_is_held(seed: int, said: float) -> None:
+def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, said: float) -> None:
     """Of a mass given a tenth off the truth lies within three standard errors, one value of it."""
     found = joint(seed, mass=MASS / said)
     lead = found.evidence.explanations[0]
@@ -161,7 +161,7 @@ def test_a_wrong_mass_is_found_whatever_else_is_held(seed: int, said: float) -> 
     assert lead.value == pytest.approx(MASS / said, abs=3 * lead.standard_error)
     # the solid is the one that explains both: nothing else on the screen is of another
     assert get_fitted_mass(found) == lead.value
-    assert found.model.k_inf == pytest.approx(alone(seed).model.k_inf, rel=0.005)
+    assert found.model.k_inf == pytest.approx(fit_relaxation(seed).model.k_inf, rel=0.005)
     text = told_text(found)
     printed = {
         float(one)
@@ -198,20 +198,20 @@ def test_another_mode_in_the_frf_is_no_disagreement() -> None:
     omega = 2 * np.pi * 30.0
     other = 0.02 / 0.1 * s**2 / (s**2 + 0.04 * omega * s + omega**2)
     found = identify(
-        replace(frf, value=frf.value + other), tests=pressed(1), fit=alone(1), mass=MASS, seals=2
+        replace(frf, value=frf.value + other), tests=pressed(1), fit=fit_relaxation(1), mass=MASS, seals=2
     )
     assert any(check.failed for check in found.checks if check.name == "lines_explained")
     assert found.evidence.explanations == ()
 
 
-def test_an_earlier_fit_alone_is_contradicted_too() -> None:
-    found = identify(hammer(1, scale=1.15), fit=alone(1), mass=MASS, seals=2)
+def test_explanations_cover_an_earlier_fit() -> None:
+    found = identify(hammer(1, scale=1.15), fit=fit_relaxation(1), mass=MASS, seals=2)
     assert found.evidence.explanations[0].name == "stiffness"
     assert found.evidence.explanations[0].value == pytest.approx(1.15, abs=0.005)
 
 
 @pytest.mark.slow
-def test_fifteen_per_cent_are_told_over_many_seeds() -> None:
+def test_explanations_detect_fifteen_per_cent_over_many_seeds() -> None:
     leads = [joint(seed, scale=1.15).evidence.explanations[0] for seed in range(40)]
     assert sum(one.name == "stiffness" and one.explains for one in leads) >= 38
     z = [(one.value - 1.15) / one.standard_error for one in leads]
@@ -225,15 +225,15 @@ def test_fifteen_per_cent_are_told_over_many_seeds() -> None:
 
 def hardened(seed: int, se: float = 0.01) -> Fit:
     knots, shape = hardening.law()
-    law = ElasticLaw(tuple(knots), tuple(shape), alone(seed).model.k_inf, (se,) * len(knots))
-    return replace(alone(seed), elastic_law=law)
+    law = ElasticLaw(tuple(knots), tuple(shape), fit_relaxation(seed).model.k_inf, (se,) * len(knots))
+    return replace(fit_relaxation(seed), elastic_law=law)
 
 
 def factor(compression: float) -> float:
     return float(hardening.tangent(compression) / hardening.K_INF)
 
 
-def test_seals_that_harden_agree_at_the_masss_own_compression() -> None:
+def test_explanations_are_empty_for_hardening_seals_at_their_compression() -> None:
     at = hardening.resting(MASS, SEALS)
     frf = hammer(1, scale=factor(at))
     found = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2)
@@ -251,7 +251,7 @@ def test_another_compression_is_named() -> None:
     frf = hammer(1, scale=factor(5e-3))
     found = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2)
     assert found.evidence.explanations[0].name == "stiffness"
-    assert re.search(r"gives this at (4\.9\d|5) mm, not 3\.24 mm", told(found))
+    assert re.search(r"gives this at (4\.9\d|5) mm, not 3\.24 mm", get_agreement_sentence(found))
     agreed = identify(frf, tests=pressed(1), fit=hardened(1), mass=MASS, seals=2, compression=5e-3)
     assert agreed.evidence.explanations == ()
 
@@ -305,5 +305,5 @@ def test_a_hand_made_fit_without_a_law_is_taken_as_it_is() -> None:
         (0.5, "one seal in 2"), (1.0, ""), (3.0, "3 times as many seals"),
     ],
 )  # fmt: skip
-def test_seals_as_stiff_as_another_number_of_them_are_told_as_that(value: float, said: str) -> None:
+def test_as_other_count_names_another_number_of_seals(value: float, said: str) -> None:
     assert as_other_count(value) == (f". So would be {said}" if said else "")

@@ -78,7 +78,7 @@ def test_table_1_comes_back_exactly(
     assert found.estimate.residual.rms < 1e-9
 
 
-def test_one_arm_on_the_hold_as_the_paper_compares(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_of_one_arm_to_the_hold_reproduces_the_paper(paper_seal: GeneralizedMaxwell) -> None:
     found = fit(ideal(paper_seal), arms=1, method="hold", nuisance=())
     assert found.model.k_inf == pytest.approx(200.5, abs=0.05)
     assert found.model.k[0] == pytest.approx(35.2, abs=0.05)
@@ -86,7 +86,7 @@ def test_one_arm_on_the_hold_as_the_paper_compares(paper_seal: GeneralizedMaxwel
     assert found.model.arm_b[0] == pytest.approx(141.5, abs=0.05)
 
 
-def test_one_arm_on_the_full_history(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_of_one_arm_to_the_full_history_reproduces_the_paper(paper_seal: GeneralizedMaxwell) -> None:
     found = fit(ideal(paper_seal, rate=1000.0), arms=1, nuisance=())
     assert found.model.k_inf == pytest.approx(202.2, abs=0.05)
     assert found.model.k[0] == pytest.approx(96.2, abs=0.05)
@@ -94,7 +94,7 @@ def test_one_arm_on_the_full_history(paper_seal: GeneralizedMaxwell) -> None:
     assert found.estimate.nuisance == ()
 
 
-def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_returns_every_order_for_comparison(paper_seal: GeneralizedMaxwell) -> None:
     found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
     assert [order.arms for order in found.evidence.orders] == [0, 1, 2]
     assert found.evidence.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
@@ -213,7 +213,7 @@ def in_other_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
     )
 
 
-def test_what_a_rig_adds_scales_where_it_is_said_in_units() -> None:
+def test_rig_errors_scale_with_the_units() -> None:
     """The usual cell warms in 120 s, and usual clocks are 5 ms apart, in any unit of time."""
     still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0, rest=1e9)
     one, other = (
@@ -226,7 +226,7 @@ def test_what_a_rig_adds_scales_where_it_is_said_in_units() -> None:
     assert here["tau"][1] > 1.03 * five_errors(one)[4]
 
 
-def test_tare_and_drift_are_found_and_do_no_harm(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_recovers_offset_and_drift_without_bias(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, baseline=2.0)
     moved = replace(test, force=test.force + 0.05 + 2e-4 * (test.time - test.time[0]))
     found = fit(moved, arms=2)
@@ -279,7 +279,7 @@ def test_any_motion_is_fitted_in_full(paper_seal: GeneralizedMaxwell) -> None:
         fit(test, arms=2, method="hold")
 
 
-def test_several_tests_share_one_solid(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_of_several_tests_shares_one_model(paper_seal: GeneralizedMaxwell) -> None:
     slow = ideal(paper_seal, ramp=10.0, noise=5e-3, seed=1)
     fast = ideal(paper_seal, ramp=0.1, depth=4e-3, noise=5e-3, seed=2)
     both = fit([slow, fast], arms=2)
@@ -319,7 +319,7 @@ def test_intervals_are_asymmetric_in_tau_and_widen_with_level(
         found.intervals(95)
 
 
-def test_b_is_known_better_than_k_for_an_arm_inside_the_ramp() -> None:
+def test_arm_inside_the_ramp_has_a_smaller_error_of_b_than_of_k() -> None:
     seal = GeneralizedMaxwell(196.5, (80.0, 20.0), (0.03, 5.0))
     found = fit(ideal(seal, rate=1000.0, noise=5e-3), arms=2)
     error = formal_errors(found)
@@ -343,7 +343,7 @@ def test_a_doubtful_arm_gets_a_profile() -> None:
     assert high / found.model.tau[0] > found.model.tau[0] / low  # the slow side is the open one
 
 
-def test_an_arm_to_spare_has_no_ends_nor_the_plateau_a_lower_one(
+def test_superfluous_arm_has_unbounded_intervals(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
     """Three arms of a seal that has two: a third so fast or so slow shows in no sample."""
@@ -369,7 +369,7 @@ def test_an_arm_to_spare_has_no_ends_nor_the_plateau_a_lower_one(
         assert np.abs(other - plain).max() < 1e-2 * test.force_noise
 
 
-def test_beyond_a_hill_the_interval_goes_on() -> None:
+def test_profile_interval_continues_past_a_local_maximum() -> None:
     profile = Profile("k_1", np.arange(6.0), np.array([1.0, 6.0, 2.0, 0.0, 2.0, 6.0]))
     assert profile_interval(profile, deviance_limit=4.0)[0] == -np.inf
     assert 4.0 < profile_interval(profile, deviance_limit=4.0)[1] < 5.0

@@ -26,7 +26,7 @@ def titin(folder: Path, ramp: float) -> RampHold:
     return RampHold(time, stretch, force, 2.0, end, float(time[-1]), depth)
 
 
-def test_one_model_from_the_1_s_ramp_predicts_the_other_peaks(real_data: Path) -> None:
+def test_fit_of_the_1_s_ramp_predicts_the_other_peaks(real_data: Path) -> None:
     tests = {ramp: titin(real_data, ramp) for ramp in RAMPS}
     found = fit(tests[1.0], method="hold")
     assert found.status is Status.CONVERGED
@@ -86,7 +86,7 @@ def test_the_afm_hold_creeps_and_eq_5_is_refused(afm_test: RampHold) -> None:
         fit(afm_test, arms=1, method="hold")
 
 
-def test_the_afm_record_is_fitted_with_its_own_motion(afm_test: RampHold) -> None:
+def test_fit_of_the_afm_record_uses_its_recorded_motion(afm_test: RampHold) -> None:
     found = fit(afm_test, arms=2)
     still = replace(
         afm_test,

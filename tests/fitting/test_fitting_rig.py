@@ -80,7 +80,7 @@ def test_the_rig_gives_table_1_back_over_20_seeds(
 
 
 @pytest.mark.parametrize("encoder", [2e-5, 1e-4])
-def test_intervals_stay_honest_when_the_encoder_is_the_worst_part(
+def test_intervals_cover_encoder_errors(
     paper_seal: GeneralizedMaxwell, encoder: float
 ) -> None:
     """A quiet load cell: what is wrong comes from the steps of the encoder."""
@@ -193,7 +193,7 @@ def test_no_arm_too_many_under_slow_noise_at_any_rate(rate: float, arms: int) ->
     assert [fit(test, method="hold").model.arms for test in tests] == [arms] * 4
 
 
-def test_several_tests_are_judged_each_in_the_metric_of_its_noise() -> None:
+def test_fit_weights_each_test_by_its_noise() -> None:
     names = ("ar500ms", "white", "2hz")
     tests = [
         coverage.record(order.SEALS[3], coverage.NOISES[name], seed, rate=100.0)
@@ -210,7 +210,7 @@ def test_the_right_number_of_arms_in_97_of_100(name: str, arms: int) -> None:
     assert found.count(arms) >= 97
 
 
-def test_a_hidden_fast_arm_is_said_to_be_outside_the_band(paper_seal: GeneralizedMaxwell) -> None:
+def test_hidden_fast_arm_lies_outside_the_valid_band(paper_seal: GeneralizedMaxwell) -> None:
     """Reference 0.5: an arm of 12.5 ms leaves next to no trace in a hold after a 1 s ramp."""
     hidden = paper_seal + GeneralizedMaxwell(0.0, (50.0,), (0.0125,))
     found = fit(prepare(simulate_relaxation(hidden, seed=2).test), arms=2, method="hold")
@@ -231,7 +231,7 @@ def test_41_000_rows_cost_tens_of_milliseconds(paper_seal: GeneralizedMaxwell) -
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_contact_found_behind_air_widens_the_intervals(seed: int) -> None:
+def test_contact_error_widens_the_intervals(seed: int) -> None:
     """A micrometre of contact error moves k_1 by 0.05 %, many times its error without it."""
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3), seed=seed)
     prepared = prepare(made.test)
@@ -244,7 +244,7 @@ def test_a_contact_found_behind_air_widens_the_intervals(seed: int) -> None:
     assert abs(found.model.k_inf - PAPER.k_inf) < 3.5 * error["k_inf"]
 
 
-def test_two_in_parallel_are_twice_as_stiff_and_as_well_known() -> None:
+def test_in_parallel_doubles_stiffness_and_error() -> None:
     one = fit(prepare(simulate_relaxation(PAPER, seed=0).test), arms=2)
     two = one.in_parallel(2)
     assert two.model == 2 * one.model
@@ -260,7 +260,7 @@ def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
     assert not [s for s in fit(prepared, arms=1, method="hold").steps if s.name == "motion"]
 
 
-def test_arms_asked_for_are_tried_beyond_what_auto_would() -> None:
+def test_fit_tries_more_arms_than_auto_on_request() -> None:
     # a delay that may be 5 ms does for a fast arm
     prepared = prepare(simulate_relaxation(PAPER, seed=4).test, machine=Machine(sync=1e-3))
     auto, asked = fit(prepared), fit(prepared, arms=5)

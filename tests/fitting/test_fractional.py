@@ -91,7 +91,7 @@ def fitted(truth: tuple[float, float, float, float]) -> dp.Fit:
 
 
 @pytest.mark.parametrize("truth", TRUTHS)
-def test_a_fractional_seal_is_found_and_its_loss_foretold(truth) -> None:
+def test_fractional_fit_recovers_the_loss_at_resonance(truth) -> None:
     found = fitted(truth)
     assert found.family == "fractional"
     K = complex(found.solid.complex_stiffness(omega=RESONANCE))
@@ -138,7 +138,7 @@ def test_a_seal_that_is_not_linear_is_not_called_fractional(law: str) -> None:
     assert not found.evidence.alternative.explains
 
 
-def test_where_noise_remembers_the_arms_are_told_all_the_same() -> None:
+def test_fractional_fit_with_coloured_noise_reports_the_maxwell_alternative() -> None:
     bench = DISTURBANCES["coloured noise"]
     found = fit(pressed(Seal.fractional(*TRUTHS[0]), bench=bench), family="auto")
     assert found.family == "fractional"
@@ -153,7 +153,7 @@ def test_where_noise_remembers_the_arms_are_told_all_the_same() -> None:
 
 
 @pytest.mark.parametrize("name", ["late 1 ms", "late 5 ms", "hum", "drift", "compliance"])
-def test_a_fault_of_the_bench_leaves_a_fractional_seal_one(name: str) -> None:
+def test_family_selection_is_robust_to_bench_faults(name: str) -> None:
     found = fit(pressed(Seal.fractional(*TRUTHS[0]), bench=DISTURBANCES[name]), family="auto")
     assert found.family == "fractional"
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
@@ -178,7 +178,7 @@ def test_arms_stay_the_default() -> None:
     assert found.model == beside.solid
 
 
-def test_noise_free_numbers_are_found_whatever_the_test() -> None:
+def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
     solid = dp.solids.FractionalZener(500.0, 200.0, 0.05, 0.5)
     t = np.concatenate((np.linspace(0, 1, 400), np.geomspace(1, 41, 600)[1:]))
     x = 8e-3 * np.clip(t, 0, 1)
@@ -215,7 +215,7 @@ def test_half_a_fit_is_half_of_everything_but_its_shape() -> None:
     assert half.standard_error["k"] == pytest.approx(0.5 * np.array(error["k"]))
 
 
-def test_errors_of_its_arms_follow_from_its_own() -> None:
+def test_errors_of_fractional_arms_follow_from_its_parameters() -> None:
     found = fitted(TRUTHS[0])
     error, own = found.standard_error, solid_errors(found)
     assert np.isnan([error["k_inf"], own["k_inf"]]).all()
@@ -251,7 +251,7 @@ def test_it_is_bounded_over_every_spectrum_as_arms_are() -> None:
         assert found.stiffness_limits[name] == pytest.approx(ends)
 
 
-def test_it_is_archived_with_its_own_parameters() -> None:
+def test_fractional_fit_is_archived_with_its_parameters() -> None:
     found = fitted(TRUTHS[0])
     text = to_json(found)
     assert from_json(text) == found
@@ -276,7 +276,7 @@ def test_what_makes_no_sense_is_refused(choices, says: str) -> None:
         fit(pressed(Seal.of_arms(*PAPER)), **choices)
 
 
-def test_two_solids_part_where_stiffness_or_loss_does() -> None:
+def test_divergence_frequency_marks_where_two_models_differ() -> None:
     one = dp.GeneralizedMaxwell(100.0, (50.0,), (1.0,))
     assert divergence_frequency(one, one, (0.01, 1.0)) is None
     fast = one + dp.GeneralizedMaxwell(0.0, (10.0,), (1e-3,))
@@ -352,7 +352,7 @@ def test_a_sweep_of_arms_keeps_them() -> None:
     assert not found.evidence.alternative.explains
 
 
-def test_a_sweep_and_a_relaxation_test_share_one_fractional_solid() -> None:
+def test_joint_fit_of_sweep_and_hold_is_one_fractional_model() -> None:
     truth = dp.solids.FractionalZener(500.0, 200.0, 0.05, 0.5)
     test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5))
     both = fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), tests=test, family="fractional")
@@ -393,7 +393,7 @@ def inside(found: dp.Fit, truth=TRUTHS[0]) -> bool:
 
 
 @pytest.mark.once
-def test_a_hammer_alone_tells_a_fractional_seal_from_arms() -> None:
+def test_identify_distinguishes_fractional_from_arms_by_hammer_test() -> None:
     found = identify(hammered(), family="auto", **RIG)
     assert (found.family, found.method) == ("fractional", "frf")
     assert inside(found)
@@ -407,7 +407,7 @@ def test_a_hammer_alone_tells_a_fractional_seal_from_arms() -> None:
 
 
 @pytest.mark.slow
-def test_along_its_narrow_valley_the_optimum_is_found() -> None:
+def test_identify_finds_the_optimum_along_a_narrow_valley() -> None:
     # loss of 1 %, and little of the spectrum in sight: slope and relaxation time trade
     solid = dp.solids.FractionalZener(208.198, 121.189, 6.186, 0.3822)
     frf = dp.systems.predict_frf(2 * solid, mass=0.0633, frequency=np.linspace(5, 38, 50))
@@ -424,7 +424,7 @@ def test_along_its_narrow_valley_the_optimum_is_found() -> None:
 
 
 @pytest.mark.once
-def test_hammer_and_relaxation_share_one_fractional_solid() -> None:
+def test_joint_fit_of_hammer_and_relaxation_is_one_fractional_model() -> None:
     test, alone = pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0])
     joint = identify(hammered(), tests=test, fit=alone, arms=6, family="auto", **RIG)
     assert (joint.family, joint.method) == ("fractional", "joint")
@@ -450,7 +450,7 @@ def test_hammer_and_relaxation_share_one_fractional_solid() -> None:
     assert from_json(to_json(joint)) == joint
 
 
-def test_an_earlier_fractional_fit_is_a_prior_of_its_own_family() -> None:
+def test_earlier_fractional_fit_is_a_prior_of_its_family() -> None:
     found = identify(hammered(), fit=fitted(TRUTHS[0]), family="fractional", **RIG)
     assert inside(found)
     assert found.evidence.alternative is None
@@ -460,7 +460,7 @@ def test_an_earlier_fractional_fit_is_a_prior_of_its_own_family() -> None:
             identify(hammered(), fit=fitted(TRUTHS[0]), family=family, **RIG)
 
 
-def test_a_dashpot_is_found_beside_an_element() -> None:
+def test_identify_recovers_a_dashpot_parallel_to_a_fractional_element() -> None:
     damped = dp.solids.FractionalZener(500.0, 200.0, 0.05, 0.5, b=0.05)
     frf = dp.systems.predict_frf(2 * damped, mass=MASS, frequency=np.linspace(4, 40, 73))
     found = identify(frf, **RIG, arms=1, family="auto", known=KnownSolid("auto"))

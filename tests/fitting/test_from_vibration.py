@@ -115,7 +115,7 @@ def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None
     assert soft.model.k_inf > 1.05e5
 
 
-def test_maxwell_voigt_of_row_15() -> None:
+def test_poles_of_maxwell_voigt_reproduce_row_15() -> None:
     """m = 1 kg, k_v = k_m = 1e4 N/m, c_v = 10, c_m = 50 N s/m."""
     solid = GeneralizedMaxwell(1e4, (1e4,), (50 / 1e4,), 10.0)
     found = poles(solid, 1.0)
@@ -138,7 +138,7 @@ def test_maxwell_voigt_of_row_15() -> None:
     assert ratio == pytest.approx([1.3155, 1.2817, 1.2114, 1.1062, 1.0238], abs=6e-5)
 
 
-def test_the_dashpot_is_chosen_only_where_there_is_one() -> None:
+def test_identify_selects_a_dashpot_only_if_present() -> None:
     lines = np.linspace(3, 60, 115)
     voigt = noisy(predict_frf(GeneralizedMaxwell(4e4, b=40.0), mass=2.0, frequency=lines), 0.01, 2)
     maxwell = GeneralizedMaxwell(4e4, (2e4,), (0.008,))
@@ -152,7 +152,7 @@ def test_the_dashpot_is_chosen_only_where_there_is_one() -> None:
 
 @settings(max_examples=8, deadline=None)
 @given(seals=st.floats(0.5, 4), mass=st.floats(1, 20), loss=st.floats(0.1, 0.5))
-def test_the_fit_is_of_one_seal(seals: float, mass: float, loss: float) -> None:
+def test_identify_returns_the_model_of_one_seal(seals: float, mass: float, loss: float) -> None:
     one = GeneralizedMaxwell(1e5, (loss * 1e5,), (1 / np.sqrt(seals * 1.2e5 / mass),))
     peak = np.sqrt(seals * 1.2e5 / mass) / (2 * np.pi)
     frf = predict_frf(seals * one, mass=mass, frequency=np.linspace(0.3, 3, 100) * peak)
@@ -184,7 +184,7 @@ def test_a_cut_record_needs_no_correction() -> None:
     assert found.model.tau == pytest.approx((0.1,), rel=1e-3)
 
 
-def test_mass_is_found_where_it_is_not_given(isolator_frf: FRF) -> None:
+def test_identify_estimates_an_unknown_mass(isolator_frf: FRF) -> None:
     found = identify(
         noisy(isolator_frf, 0.005, 4),
         band=(5, 100),
@@ -196,7 +196,7 @@ def test_mass_is_found_where_it_is_not_given(isolator_frf: FRF) -> None:
     assert abs(mass.value - 5.0) < 4 * mass.standard_error
 
 
-def test_gain_and_delay_are_told() -> None:
+def test_identify_reports_gain_and_delay() -> None:
     solid = GeneralizedMaxwell(1e5, (3e4,), (0.005,))
     lines = np.linspace(5, 100, 191)
     clean = predict_frf(solid, mass=5.0, frequency=lines)
@@ -260,7 +260,7 @@ def test_the_mass_behind_12_71_hz() -> None:
 
 @settings(max_examples=20, deadline=None)
 @given(mass=st.floats(0.05, 1), k=st.floats(1, 200), tau=st.floats(1e-3, 1))
-def test_the_inferred_mass_is_the_one_behind_the_peak(mass: float, k: float, tau: float) -> None:
+def test_infer_mass_reproduces_the_peak(mass: float, k: float, tau: float) -> None:
     solid = GeneralizedMaxwell(300.0, (k,), (tau,))
     peak = np.sqrt(solid.k_0 / mass) / (2 * np.pi)
     frf = predict_frf(solid, mass=mass, frequency=np.linspace(0.2, 3, 600) * peak)
@@ -296,12 +296,12 @@ def test_what_cannot_be_is_refused(
         (lambda: KnownSolid(damping_ratio=2.0), "if it is in per cent, give 0.02"),
     ],
 )
-def test_what_cannot_be_known_is_refused(noun: Callable[[], object], words: str) -> None:
+def test_rig_and_priors_refuse_invalid_values(noun: Callable[[], object], words: str) -> None:
     with pytest.raises(DataError, match=words):
         noun()
 
 
-def test_what_is_known_is_held_in_si_units_once_and_again() -> None:
+def test_known_solid_converts_to_si_units_once() -> None:
     known = KnownSolid(static_stiffness=("1N/mm", "20N/m"), natural_frequency="12Hz")
     assert known.static_stiffness == (1000.0, 20.0)
     assert known.natural_frequency == (12.0, 0.0)
@@ -318,11 +318,11 @@ identify_room = import_module("dashpot.fitting.identification.identify")
 
 
 @pytest.mark.parametrize(("worse", "found"), [(1.009, [1, 2]), (1.011, [1])])
-def test_more_arms_that_leave_more_were_not_found(monkeypatch, worse, found):
+def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, worse, found):
     """Their optimum leaves no more than that of fewer: a descent that ended above it counts not."""
 
     @dataclass(frozen=True)
-    class Asked:
+    class FakeProblem:
         sought: object = None
 
     def ended(problem, start, **_):
@@ -337,5 +337,5 @@ def test_more_arms_that_leave_more_were_not_found(monkeypatch, worse, found):
     monkeypatch.setattr(identify_room, "_linear", lambda problem, most: [])
     monkeypatch.setattr(identify_room, "_spread", lambda problem, before: [None])
     monkeypatch.setattr(identify_room, "descend", ended)
-    monkeypatch.setattr(Asked, "pack", lambda self, start: start, raising=False)
-    assert [one.number for one in identify_room._candidates(Asked(), [1, 2], None)] == found
+    monkeypatch.setattr(FakeProblem, "pack", lambda self, start: start, raising=False)
+    assert [one.number for one in identify_room._candidates(FakeProblem(), [1, 2], None)] == found

@@ -78,7 +78,7 @@ def test_the_joint_fit_finds_the_stiffness_at_the_peak(joint: Fit) -> None:
     assert all(check.passed for check in joint.checks)
 
 
-def test_the_mass_is_known_better_than_it_was_given(joint: Fit) -> None:
+def test_joint_fit_narrows_the_error_of_the_mass(joint: Fit) -> None:
     mass = next(item for item in joint.estimate.nuisance if item.name == "mass")
     assert mass.unit == "kg"
     assert mass.standard_error < 0.5 * 0.01 * BROAD_MASS
@@ -86,7 +86,7 @@ def test_the_mass_is_known_better_than_it_was_given(joint: Fit) -> None:
     assert mass.value == pytest.approx(BROAD_MASS, rel=0.01)
 
 
-def test_no_mass_need_be_given(broad_frf: FRF, broad_test: RampHold, broad_fit: Fit) -> None:
+def test_joint_fit_estimates_the_mass(broad_frf: FRF, broad_test: RampHold, broad_fit: Fit) -> None:
     """The relaxation gives the stiffness, the lines above the peak the mass."""
     found = identify(broad_frf, tests=broad_test, fit=broad_fit, seals=2)
     assert mass_of(found) == pytest.approx(BROAD_MASS, rel=0.015)
@@ -95,7 +95,7 @@ def test_no_mass_need_be_given(broad_frf: FRF, broad_test: RampHold, broad_fit: 
     assert abs(10 ** (after.ratio_db / 20) - 1) < 0.05
 
 
-def test_what_moved_is_told(joint: Fit, broad_fit: Fit) -> None:
+def test_joint_fit_reports_changed_parameters(joint: Fit, broad_fit: Fit) -> None:
     moved = {item.name: item for item in joint.evidence.parameter_changes}
     assert moved["k_inf"].before == broad_fit.model.k_inf
     assert moved["k_inf"].after == joint.model.k_inf
@@ -114,7 +114,7 @@ def test_arms_from_the_hammer_are_not_called_seen_by_relaxation(joint: Fit, broa
     assert all(arm.seen_by_relaxation for arm in arms[1:])
 
 
-def test_the_true_arm_of_a_simple_pair_is_found() -> None:
+def test_joint_fit_recovers_the_true_arm_of_a_simple_pair() -> None:
     """Domain reference C2: T1 + (50 N/m, 12.5 ms), 5 mN, 1 % FRF noise, 4 to 40 Hz."""
     truth = PAPER + GeneralizedMaxwell(0.0, (50.0,), (0.0125,))
     t = np.arange(0, 41.5, 0.005)
@@ -154,7 +154,7 @@ def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold)
     assert all(check.passed for check in assembled)
 
 
-def test_an_earlier_fit_alone_is_a_prior(broad_frf: FRF, broad_fit: Fit, joint: Fit) -> None:
+def test_identify_uses_an_earlier_fit_as_a_prior(broad_frf: FRF, broad_fit: Fit, joint: Fit) -> None:
     found = identify(
         broad_frf, fit=broad_fit, mass=BROAD_MASS, seals=2, arms=broad_fit.model.arms + 1
     )
@@ -246,7 +246,7 @@ def test_the_slope_of_every_line_and_prior(
     hold_slopes(problem.build_problem(theta), theta, np.zeros(0), rtol=1e-7, step=1e-3)
 
 
-def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
+def test_errors_follow_arms_that_cross(broad_frf: FRF) -> None:
     lines = frf_data_of(broad_frf, seals=2, band=None)
     problem = IdentificationProblem(
         (),
@@ -280,14 +280,14 @@ def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
             at, at
         ]
 
-    def felt(b: float) -> float:
+    def compute_sensitivity(b: float) -> float:
         theta = start.copy()
         theta[at] = np.log(b)
         size = np.linalg.norm(problem.build_problem(theta).solve_linear(theta).jacobian, axis=0)
         return size[at] / size.max()
 
     # the column of ln b goes as b
-    last = 1e-9 * UNFELT / felt(1e-9)
+    last = 1e-9 * UNFELT / compute_sensitivity(1e-9)
     errors = [error(b) for b in (1.0, 1.001 * last, 0.999 * last)]
     assert errors[0] > 0
     assert errors[1] > 0
@@ -315,7 +315,7 @@ def test_the_joint_fit_holds_over_seeds() -> None:
 
 
 @pytest.mark.parametrize("rig", ["compliance 50 um/N", "crosshead creep 20 um"])
-def test_intervals_of_a_joint_fit_hold_what_a_rig_did_unseen(rig: str) -> None:
+def test_intervals_of_a_joint_fit_include_rig_errors(rig: str) -> None:
     """A hammer tells nothing of the machine of the relaxation test, whose errors it bears."""
     one = next(verdict_records([TRUTHS[0]], [rig], 0))
     held = prepare(RelaxationTest(one.time, one.displacement, one.force, units="SI"))
@@ -340,7 +340,7 @@ def test_intervals_of_a_joint_fit_hold_what_a_rig_did_unseen(rig: str) -> None:
         assert np.ptp(again[name]) == pytest.approx(np.ptp(known[name]), rel=0.3)
 
 
-def test_tests_at_several_temperatures_hold_what_a_rig_did_unseen() -> None:
+def test_intervals_at_several_temperatures_include_rig_errors() -> None:
     seal, records = TRUTHS[0], []
     for kelvin, a, b in ((296.15, 1.0, 1.0), (273.15, 20.0, 0.95)):
         moved = replace(

@@ -34,7 +34,7 @@ def pressed(solid: GeneralizedMaxwell, *, hold: float = 40.0, seed: int = 0) -> 
 
 @pytest.mark.parametrize(("tau", "hold"), [(60.0, 40.0), (300.0, 40.0), (300.0, 120.0)])
 @pytest.mark.parametrize("method", ["full", "hold"])
-def test_an_arm_slower_than_the_hold_is_left_open(tau: float, hold: float, method: str) -> None:
+def test_limits_contain_an_arm_slower_than_the_hold(tau: float, hold: float, method: str) -> None:
     """The fit's own k_inf misses the truth; what is left open holds it."""
     solid, test = with_slow_arm(tau), pressed(with_slow_arm(tau), hold=hold)
     found = fit(test, method=method)
@@ -54,7 +54,7 @@ def test_a_hold_that_is_long_enough_passes() -> None:
     assert next(c for c in found.checks if c.name == "hold_long_enough").passed
 
 
-def test_a_known_drift_tells_the_end() -> None:
+def test_stated_drift_narrows_the_end_of_the_hold() -> None:
     """A free drift is what hides the end: the data sheet's narrows it."""
     test = pressed(PAPER)
     rigid = {"compliance": 0.0, "creep": 0.0, "rest": 1e5}
@@ -104,7 +104,7 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
     assert np.ptp(left["k_end"]) < 0.04 * left["k_end"][1]
 
 
-def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
+def test_end_of_hold_round_trips_through_json(broad_fit: Fit) -> None:
     again = from_json(to_json(broad_fit))
     assert again.evidence.end_of_hold == broad_fit.evidence.end_of_hold
     kept = to_document(broad_fit)["end_of_hold_limits"]
@@ -117,7 +117,7 @@ def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
     assert pair.stiffness_limits["k_end"][1] == 2 * broad_fit.stiffness_limits["k_end"][1]
 
 
-def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
+def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.format_with_remedy("N/m") == (
         "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm. It may fall further, "

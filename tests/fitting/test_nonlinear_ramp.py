@@ -67,7 +67,7 @@ def test_hats_are_integrated_exactly() -> None:
     np.testing.assert_allclose(hat_integrals(x, knots) @ shape, law.path(x), atol=1e-15)
 
 
-def test_rows_hold_every_sample_once_and_are_fine_at_corners() -> None:
+def test_downsample_counts_every_sample_once() -> None:
     test = qlv(cubic, Bench())
     rows = downsample([test])
     assert rows.count.sum() == len(test.time) - rows.known[0].first
@@ -169,7 +169,7 @@ def test_a_linear_seal_passes_the_gate_and_keeps_its_errors() -> None:
     assert [score.spacing.knots for score in found.scores] == [2]
 
 
-def test_a_late_force_is_found_behind_the_gate() -> None:
+def test_elastic_law_fit_recovers_a_force_delay() -> None:
     found = select_elastic_law([qlv(linear, Bench(delay=3e-3), seed=6)])
     assert found.sound
     delay = next(n for n in found.estimate.nuisance if n.name == "delay")
@@ -185,7 +185,7 @@ def test_a_late_force_bends_no_tangent() -> None:
     assert float(found.law.tangent(8e-3)) == pytest.approx(289.5, rel=0.02)
 
 
-def test_a_law_that_is_asked_for_is_taken() -> None:
+def test_select_elastic_law_uses_the_requested_law() -> None:
     bent, straight = qlv(cubic, QUICK, seed=7), qlv(linear, QUICK, seed=7)
     found = select_elastic_law([bent], law="linear")
     assert found.law.kind == "linear"
@@ -199,7 +199,7 @@ def test_a_law_that_is_asked_for_is_taken() -> None:
         select_elastic_law([bent], law="cubic")  # type: ignore[arg-type]
 
 
-def test_a_number_of_arms_that_is_asked_for_is_taken() -> None:
+def test_select_elastic_law_uses_the_requested_arms() -> None:
     test = qlv(cubic, QUICK, seed=7)
     assert select_elastic_law([test], arms=1).model.arms == 1
     assert select_elastic_law([test], max_arms=1).model.arms <= 1
@@ -230,7 +230,7 @@ def test_two_ramp_rates_share_the_law() -> None:
     assert lone.remedy.words == "Test a second ramp rate or depth."
 
 
-def test_a_second_rate_tells_that_each_arm_has_a_law_of_its_own() -> None:
+def test_second_ramp_rate_detects_separate_laws_of_arms() -> None:
     arms = [ramps.stiffening, ramps.softening]
     tests = [
         qlv(cubic, replace(QUICK, ramp=ramp), seed=i, arm_laws=arms)
@@ -302,7 +302,7 @@ def test_a_k_inf_that_the_end_of_the_hold_denies_is_not_believed() -> None:
     assert unknown.grade == "limit"
 
 
-def test_what_is_sound() -> None:
+def test_judge_linear_fit_has_the_stated_limits() -> None:
     usual = {"noise": 4e-3, "discrepancy": 1.4, "samples": 1000.0, "peak": 2.0}
     assert judge_linear_fit(4.7e-3, 4.3e-3, 4e-3, **usual).sound
     assert not judge_linear_fit(4.9e-3, 4.3e-3, 4e-3, **usual).sound
@@ -315,7 +315,7 @@ def test_what_is_sound() -> None:
     assert judge_linear_fit(1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})).sound
 
 
-def test_a_linear_fit_made_elsewhere_is_judged_alike() -> None:
+def test_external_linear_fit_has_the_same_result() -> None:
     for law, seed in ((linear, 1), (linear, 2), (cubic, 3)):
         test = qlv(law, Bench(), seed=seed)
         found = select_elastic_law([test], law="linear")
@@ -356,7 +356,7 @@ def test_a_law_is_taken_where_it_moves_the_path_by_half_a_thousandth(
     assert (failed([test], found) == {"tangent_determined"}) == (kind == "piecewise")
 
 
-def test_a_record_without_one_ramp_is_refused() -> None:
+def test_select_elastic_law_refuses_a_record_without_a_single_ramp() -> None:
     test = qlv(linear, QUICK, seed=1)
     short = replace(test, onset=0.99, ramp_end=1.0)
     with pytest.raises(FitError, match="samples on the ramp"):

@@ -33,7 +33,7 @@ def nuisance(found: dp.Fit, name: str) -> tuple[float, float]:
     )
 
 
-def test_what_is_known_before_the_fit() -> None:
+def test_priors_have_the_stated_means_and_errors() -> None:
     known = priors(late(0))
     assert known.offset.mean == pytest.approx(0.0, abs=2e-4)
     assert known.offset.sd == pytest.approx(4e-3 / np.sqrt(1500), rel=0.2)
@@ -51,7 +51,7 @@ def test_what_is_known_before_the_fit() -> None:
     assert 1400 < known.first < 1530
 
 
-def test_terms_found_beside_the_solid_and_terms_made_noise_are_one() -> None:
+def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
     """Least squares with rows of what is known, and whitened for it, leave the same of a solid."""
     random = np.random.default_rng(3)
     spread, terms = (
@@ -79,7 +79,7 @@ def test_terms_found_beside_the_solid_and_terms_made_noise_are_one() -> None:
     assert rest == pytest.approx(left, rel=1e-12)
 
 
-def test_terms_of_a_record_are_known_no_better_than_it_is_rounded() -> None:
+def test_prior_of_nuisance_terms_is_limited_by_rounding() -> None:
     record = replace(late(0), machine=dp.Machine(drift=0.0))
     known = terms_of(record)
     assert known.known["drift"].sd == 0.0
@@ -126,7 +126,7 @@ def test_a_single_reading_before_contact_counts() -> None:
 
 
 @pytest.mark.parametrize("hertz", [None, 10.0, 2.0])
-def test_one_reading_is_off_by_slow_noise_too(hertz: float | None) -> None:
+def test_single_reading_error_includes_slow_noise(hertz: float | None) -> None:
     """Neighbours behind a filter differ by a hundredth of it: k_inf was off by twice its error."""
     t, size = np.arange(41_001) / 1000, 0.01
     seal, random = 8e-3 * PAPER, np.random.default_rng(2)
@@ -144,7 +144,7 @@ def test_one_reading_is_off_by_slow_noise_too(hertz: float | None) -> None:
 
 
 @pytest.mark.parametrize("samples", [1, 3])
-def test_a_late_force_is_found_and_does_no_harm(samples: int) -> None:
+def test_fit_recovers_a_force_delay_without_bias(samples: int) -> None:
     on_time, found = fit(late(0), arms=2), fit(late(samples), arms=2)
     (value, error), (zero, _) = nuisance(found, "delay"), nuisance(on_time, "delay")
     assert value - zero == pytest.approx(1e-3 * samples, rel=0.05)
@@ -155,7 +155,7 @@ def test_a_late_force_is_found_and_does_no_harm(samples: int) -> None:
     assert blind.model.k[0] / on_time.model.k[0] - 1 < -1.5e-3 * samples
 
 
-def test_a_known_drift_is_worth_a_longer_hold() -> None:
+def test_stated_drift_narrows_k_inf_as_a_longer_hold_does() -> None:
     test = prepare(simulate_relaxation(PAPER, seed=5, rig=Rig(drift=0.0)).test)
     unknown, known = fit(test), fit(replace(test, machine=dp.Machine(drift=1e-6)))
     assert np.sqrt(known.covariance[0, 0]) < np.sqrt(unknown.covariance[0, 0])
@@ -174,7 +174,7 @@ def test_an_offset_cannot_take_what_a_wrong_law_leaves() -> None:
 
 
 @pytest.mark.parametrize("method", ["full", "hold"])
-def test_the_optimum_alone_is_that_of_the_whole_fit(method: str) -> None:
+def test_fit_without_intervals_has_the_same_optimum(method: str) -> None:
     test = late(0)
     whole, alone = (fit(test, arms=2, method=method, intervals=way) for way in (True, False))
     assert alone.model == whole.model

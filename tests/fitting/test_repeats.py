@@ -34,12 +34,12 @@ def one() -> dp.RampHold:
     return prepare(pressed())
 
 
-def test_a_record_given_twice_is_refused(one):
+def test_fit_tests_refuses_a_duplicate_record(one):
     with pytest.raises(dp.FitError, match="tests 1 and 3 are one record, sample for sample"):
         fit_tests([one, prepare(pressed(seed=1)), one], arms=2)
 
 
-def test_a_file_given_twice_is_refused_but_two_parts_of_it_are_not(one):
+def test_refuse_copies_refuses_a_duplicate_file_but_accepts_two_segments(one):
     named = replace(one, source=Source("a.csv", "abc"))
     other = replace(prepare(pressed(seed=1)), source=named.source)
     with pytest.raises(dp.FitError, match=r"the same part of a\.csv"):
@@ -75,13 +75,13 @@ def test_noise_as_slow_as_the_hold_is_no_copy():
     assert abs(noise_correlation(first, second)) < 0.3
 
 
-def test_repeats_on_one_seal_pass_with_their_load_cells_drift():
+def test_repeats_on_one_seal_pass_with_load_cell_drift():
     tests = [prepare(pressed(seed=seed), machine=dp.Machine(drift=0.2e-3)) for seed in range(4)]
     assert same_specimen(end_stiffnesses(tests)).passed
 
 
 @pytest.mark.parametrize("baseline", [1.5, 0.0])
-def test_two_lots_are_told_apart_and_each_is_given(baseline):
+def test_fit_tests_reports_two_lots_separately(baseline):
     bench = replace(BENCH, baseline=baseline)
     stiff = pressed(PAPER.scaled(1.5), bench, seed=1)
     fit = fit_tests([prepare(pressed(bench=bench)), prepare(stiff)], arms=2)

@@ -91,7 +91,7 @@ def test_a_seal_that_softens_is_not_called_use() -> None:
             assert checks_of(ready)["history_explained"].failed
 
 
-def test_rows_that_are_missing_from_a_history_are_said() -> None:
+def test_fit_reports_missing_rows_of_the_history() -> None:
     one = conditioned(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=5.0, rate=100.0)
     moves = np.flatnonzero(np.abs(np.diff(one.displacement)) > 1e-5)
     gone = slice(int(moves[20]), int(moves[20]) + 120)
@@ -117,14 +117,14 @@ def test_a_rest_that_is_stated_narrows_the_limits() -> None:
     assert ends[0] > ends[1] > ends[2]
 
 
-def test_a_hold_alone_is_refused_after_earlier_loadings() -> None:
+def test_hold_fit_refuses_earlier_loadings() -> None:
     one = conditioned(0, 7, kind="cycles", mullins=0.0, truth=THREE, rest=2.0)
     with pytest.raises(dp.FitError, match="earlier loadings"):
         dp.fit(prepare(read(one)), method="hold")
 
 
 @pytest.mark.slow
-def test_what_is_called_use_holds_and_sound_ones_are_called_so() -> None:
+def test_verdict_use_is_reliable_for_conditioned_seals() -> None:
     """Of 140: "use" holds k(T), k(3T) and k_inf in 94 %, sound ones are "use" in 70 %."""
     used = held = sound = sound_used = 0
     for number in range(140):
@@ -143,7 +143,7 @@ def test_what_is_called_use_holds_and_sound_ones_are_called_so() -> None:
 
 
 @pytest.mark.parametrize("rest", [30.0, 400.0])
-def test_a_second_depth_of_one_record_is_a_depth_of_its_own(rest: float) -> None:
+def test_second_depth_of_a_record_is_a_separate_depth(rest: float) -> None:
     corners = np.cumsum([0.0, 2.0, 0.5, 40.0, 0.5, rest, 1.0, 40.0])
     levels = 4e-3 * np.array([0, 0, 1, 1, 0, 0, 2, 2])
     time = np.arange(0.0, corners[-1], 0.02)

@@ -101,7 +101,7 @@ def test_a_creep_test_with_late_channels_stays_usable_and_says_the_delay():
 
 
 @pytest.mark.parametrize("late", LATE)
-def test_half_a_sample_or_one_leave_creep_the_stiffness_that_it_has_in_step(late):
+def test_creep_fit_tolerates_a_delay_of_one_sample(late):
     """The fault: half a sample at 50 Hz made k of the fast arms up to 24 % wrong, and was "use"."""
     one = delayed("creep", 5, late, 50.0)
     fit, solid = crept(one), one.truth["solid"]
@@ -138,7 +138,7 @@ def test_a_load_of_two_samples_claims_no_loss_between_samples(late):
     assert np.abs(off).max() <= found.error_in_band[1]
 
 
-def test_what_is_known_of_the_clocks_of_a_creep_test_is_heeded():
+def test_creep_fit_uses_the_stated_clock_error():
     one = delayed("creep", 5, -1.0, 50.0)
     sure, usual = crept(one, 0.0), crept(one)
     errors = [
@@ -178,7 +178,7 @@ def loss_of(one: Sheet, found: AmplitudeFit) -> Claim:
     return Claim("loss", line.loss, line.loss_se, truth)
 
 
-def test_the_loss_of_late_loops_is_known_to_their_delay():
+def test_loss_of_delayed_loops_is_within_its_error():
     claims = []
     for seed in range(EVERY):
         one = delayed("loops", seed)
@@ -226,7 +226,7 @@ def claims_of(one: Sheet, found: dp.CLD) -> list[Claim]:
     ]
 
 
-def test_force_and_dissipated_work_of_a_late_cld_are_known_to_their_delay():
+def test_force_and_work_of_delayed_cld_are_within_their_errors():
     records = [delayed("cld", seed) for seed in range(2 * EVERY)]
     found = [(one, pressed(one)) for one in records]
     claims = [claim for one, each in found for claim in claims_of(one, each)]
@@ -259,7 +259,7 @@ def test_without_a_clock_a_delay_is_of_samples_and_cannot_be_stated():
 
 
 @pytest.mark.parametrize("late", LATE)
-def test_a_slam_is_fitted_to_its_force_alone_and_knows_no_delay(late):
+def test_impact_fit_uses_only_the_force_and_no_delay(late):
     one = slam(2, 0.0, 20.0)
     moved = late_by(np.repeat(one["acceleration"], 1), late, 1)
     mass = one.truth["piece"].mass

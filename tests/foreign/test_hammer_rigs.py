@@ -113,7 +113,7 @@ def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
     assert "window" in check.says
 
 
-def test_a_window_of_the_responses_alone_is_given_to_the_force(tmp_path):
+def test_frf_corrects_a_window_on_the_responses_only(tmp_path):
     record = struck(3, Rig(window=0.8, on_force=False, pretrigger=0.02))
     frf = dp.read(written(record, tmp_path)).frf()
     mode = frf.modes()[0]
@@ -135,7 +135,7 @@ def test_what_is_stated_is_taken_and_what_the_noise_contradicts_is_no_use(tmp_pa
         assert "window" in found.verdict.says
 
 
-def test_a_window_that_is_stated_without_its_decay_is_told_by_the_noise(tmp_path):
+def test_frf_estimates_an_unstated_window_decay_from_the_noise(tmp_path):
     head = "# Window: Exponential\n"
     frf = dp.read(written(struck(3, Rig(window=0.8)), tmp_path, head)).frf()
     assert frf.shift == pytest.approx(1.25, rel=0.03)
@@ -189,7 +189,7 @@ def test_dataset_1858_is_read_where_its_record_settles_the_unit(factor, tmp_path
     assert first_mode(path).damping_ratio == pytest.approx(damping(record), rel=0.03)
 
 
-def test_dataset_1858_is_asked_about_where_it_does_not(tmp_path):
+def test_dataset_1858_asks_for_an_unstated_window_decay(tmp_path):
     record = struck(3, Rig(window=2.0))
     path = as_uff(record, tmp_path, factor=0.9)
     with pytest.raises(dp.ReadError, match=r"dataset 1858 .* --window-decay 2s"):
@@ -202,7 +202,7 @@ def test_dataset_1858_is_asked_about_where_it_does_not(tmp_path):
         assert dp.read(as_uff(record, tmp_path, factor=0.9, window=window)).shift == 0
 
 
-def test_a_text_frf_with_a_window_of_unknown_decay_is_asked_about(tmp_path):
+def test_text_frf_asks_for_an_unknown_window_decay(tmp_path):
     record = struck(3, Rig(window=0.8))
     frequency, value, coherence = windowed_lines(record)
     rows = zip(frequency, value.real, value.imag, coherence, strict=True)
@@ -239,7 +239,7 @@ def test_d_exponents_are_legal(tmp_path):
     np.testing.assert_array_equal(dp.read(other).value, dp.read(plain).value)
 
 
-def test_an_amplitude_is_not_read_as_a_real_part(tmp_path):
+def test_read_refuses_an_amplitude_as_real_part(tmp_path):
     path = as_uff(struck(1), tmp_path, amplitude=True)
     with pytest.raises(dp.ReadError, match=r"real values alone.*Export the FRF as complex"):
         dp.read(path)
@@ -249,7 +249,7 @@ def test_an_amplitude_is_not_read_as_a_real_part(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_intervals_hold_a_seal_beside_a_cable(seed, tmp_path):
+def test_identify_intervals_cover_a_cable(seed, tmp_path):
     record = struck(seed, Rig(cable=(0.01, 0.02, 0.03, 0.03)[seed]))
     hits = dp.read(written(record, tmp_path))
     found = solid_of(hits, record)
@@ -263,7 +263,7 @@ def test_intervals_hold_a_seal_beside_a_cable(seed, tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_sound_rig_keeps_its_use_and_its_numbers(seed, tmp_path):
+def test_identify_of_a_valid_rig_has_verdict_use_and_its_numbers(seed, tmp_path):
     record = struck(seed)
     found = solid_of(dp.read(written(record, tmp_path)), record)
     (size, loss), se = errors(found, record)
@@ -276,7 +276,7 @@ def test_a_sound_rig_keeps_its_use_and_its_numbers(seed, tmp_path):
 # -- what is said ---------------------------------------------------------------------------------
 
 
-def test_seals_that_nobody_counted_are_said(tmp_path):
+def test_fit_reports_an_unstated_number_of_seals(tmp_path):
     record = struck(3)
     hits = dp.read(written(record, tmp_path))
     alone = dp.fit(hits, mass=record.truth["mass"])

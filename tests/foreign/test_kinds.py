@@ -61,7 +61,7 @@ def test_twenty_of_a_kind_repeat_and_half_are_spoilt(kind):
         ("creep", "creep"),
     ],
 )
-def test_a_file_of_a_kind_is_known_for_it(kind, seen, tmp_path):
+def test_inspect_file_recognises_every_foreign_kind(kind, seen, tmp_path):
     path = tmp_path / "one.csv"
     path.write_text(KINDS[kind][0](0).text(), "utf-8")
     assert inspect_file(path).kind == seen
@@ -129,7 +129,7 @@ def test_ogdens_law_of_2_is_neo_hookes():
         np.testing.assert_allclose(one, nominal("mooney-rivlin", mode, x, (0.15, 0.0)), atol=1e-14)
 
 
-def test_a_ball_on_a_spring_is_hertz_and_one_on_rubber_loses_energy():
+def test_foreign_ball_follows_hertz_and_loses_energy_on_rubber():
     mass, speed, k = 5e-3, 1.3, 2e5
     deep = (1.25 * mass * speed**2 / k) ** 0.4
     t, x, force = struck(Solid("", k, (), ()), mass, speed, 1e-6)
@@ -143,7 +143,7 @@ def test_a_ball_on_a_spring_is_hertz_and_one_on_rubber_loses_energy():
     assert 0.5 < np.sum(fine) * 1e-6 / mass / speed - 1 < 0.95
 
 
-def test_a_softened_cycle_carries_less_and_a_slow_one_its_law():
+def test_foreign_cld_softens_and_a_slow_cycle_follows_the_law():
     one = KINDS["cld"][0](0)
     parts = np.array_split(one.truth["pure"], one.truth["cycles"])
     tops = [part.max() for part in parts]
@@ -153,7 +153,7 @@ def test_a_softened_cycle_carries_less_and_a_slow_one_its_law():
     assert tops[0] > seal.solid.k_inf * seal.depth
 
 
-def test_temperatures_make_one_curve():
+def test_foreign_temperature_sweeps_form_one_curve():
     one = KINDS["dma temperatures"][0](1)
     solid, law = one.truth["solid"], one.truth["law"]
     kelvin = one["temperature"] + 273.15

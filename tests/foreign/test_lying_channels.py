@@ -79,7 +79,7 @@ def test_the_check_names_the_channel(rig):
 
 @pytest.mark.parametrize("truth", range(3))
 @pytest.mark.parametrize("rig", HONEST)
-def test_coarse_counts_and_simulations_without_noise_are_sound(rig, truth):
+def test_readings_check_accepts_coarse_and_noiseless_records(rig, truth):
     made, found = fitted(rig, truth)
     assert checked(found, "readings_not_repeated").value == 0
     assert found.verdict.use == "use"
@@ -90,7 +90,7 @@ def test_coarse_counts_and_simulations_without_noise_are_sound(rig, truth):
 @pytest.mark.parametrize("seconds", [1.0, 5.0, 20.0])
 @pytest.mark.parametrize("rate", [25.0, 100.0])
 @pytest.mark.parametrize("noise", [1e-3, 2e-3, 10e-3])
-def test_freezes_of_any_length_are_found_at_usual_rates(noise, rate, seconds):
+def test_readings_check_detects_freezes_of_any_length(noise, rate, seconds):
     rig = Rig(
         reading=(partial(freezes, channel="force", seconds=seconds),),
         noise=noise,
@@ -124,7 +124,7 @@ def test_the_mains_in_both_channels_are_hum(rig):
 
 @pytest.mark.parametrize("rate", [10.0, 50.0])
 @pytest.mark.parametrize("levels", STAIRS)
-def test_stairs_up_and_down_as_sent_are_sound(levels, rate):
+def test_fit_accepts_sent_staircases(levels, rate):
     """After an unloading the force recovers, and a path that was sent is no coarse encoder."""
     way = STAIRS[levels]
     made = stepped(Seal(TABLE_1, depth=max(way)), way, rate=rate, seed=2)

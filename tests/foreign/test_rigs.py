@@ -56,7 +56,7 @@ def test_a_rig_keeps_its_truth_and_repeats_to_the_byte(name):
     assert one.done[-1][0] == "counted"
 
 
-def test_a_sound_record_is_the_truth_and_its_noise():
+def test_foreign_record_is_the_truth_plus_noise():
     one = read(SEAL, replace(SENT, hold=40.0), seed=3)
     error = one.force - one.pure - 0.05
     assert np.std(error) == pytest.approx(np.hypot(2e-3, 1 / 1280 / 12**0.5), rel=0.03)
@@ -88,7 +88,7 @@ def test_a_machine_that_gives_is_a_spring_in_series():
         done(rigs.gives, compliance=1.0)
 
 
-def test_a_crosshead_creeps_seen_or_unseen():
+def test_foreign_crosshead_creep_is_recorded_or_not():
     for seen in (False, True):
         one, before = done(rigs.creeps, by=20e-6, seen=seen)
         crept = 20e-6 * np.log(13.0)
@@ -197,7 +197,7 @@ def test_where_contact_is():
     assert none.pure[1] > 1e-6
 
 
-def test_friction_is_a_part_of_the_force_at_equilibrium():
+def test_foreign_friction_is_a_share_of_the_equilibrium_force():
     one, plain = (read(SEAL, SENT, replace(DRY, friction=f)) for f in (0.03, 0.0))
     assert one.pure[-1] - plain.pure[-1] == pytest.approx(0.03 * 196.5 * 8e-3)
     assert one.k(np.inf) == pytest.approx(1.03 * 196.5)
@@ -232,7 +232,7 @@ def test_every_truth_meets_every_rig():
     assert len({(one.depth, one.ramp) for one in sent}) == 42
 
 
-def test_a_step_of_ones_own_is_a_rig():
+def test_foreign_rig_accepts_a_custom_step():
     twice = Rig(reading=(partial(rigs.drifts, rate=1e-3), partial(rigs.drifts, rate=-1e-3)))
     one = read(SEAL, SENT, replace(twice, noise=0.0, count=0.0, bias=0.0))
     np.testing.assert_allclose(one.force, one.pure, atol=1e-15)

@@ -40,7 +40,7 @@ def test_the_fractional_zener_relaxes_as_mittag_leffler():
     np.testing.assert_allclose(one.relaxation(early), 100 + 50 * series, rtol=1e-8)
 
 
-def test_the_power_law_is_one_and_its_stiffness_the_transform():
+def test_foreign_power_law_and_its_stiffness_agree():
     one = Solid.power_law("", 100.0, 50.0, 0.02, 0.2)
     np.testing.assert_allclose(one.relaxation(T), 100 + 50 * (1 + T / 0.02) ** -0.2, rtol=5e-8)
     for s in (0.01, 1.0, 80.0):
@@ -117,7 +117,7 @@ def test_a_ramp_of_a_springpot_and_of_a_power_law_is_exact():
 
 
 @pytest.mark.parametrize("solid", **named(EACH))
-def test_a_motion_that_is_smooth_is_known_to_a_hundred_thousandth(solid):
+def test_foreign_force_of_smooth_motion_converges(solid):
     """What a motion does between instants: against a clock four times as fine."""
     sent = Protocol(ramp=0.5, hold=1.5, rate=250.0, servo=(8.0, 0.5))
     _, coarse = sent.plate()

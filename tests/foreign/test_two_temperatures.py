@@ -46,7 +46,7 @@ def off(found: dp.Fit, solid: Solid) -> float:
     return float(abs(K.imag / K.real / (true.imag / true.real) - 1))
 
 
-def test_shifts_that_part_are_said() -> None:
+def test_fit_reports_shifts_that_differ_between_arms() -> None:
     """By the data alone: what is held of the slope beforehand leaves it at 2 standard errors."""
     found = pair(HIDDEN, 2, part=0.8)
     assert off(found, HIDDEN) > 0.05

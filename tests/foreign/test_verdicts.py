@@ -41,7 +41,7 @@ def some(used_held=0, used=0, doubted_held=0, doubted=0, group="none"):
     ]
 
 
-def test_a_limit_holds_its_ends_and_one_that_is_not_stated_holds_nothing(verdicts):
+def test_held_counts_limits_with_their_ends_and_rejects_missing_ones(verdicts):
     assert verdicts.held(line(k_end=[1.0, 1.0, 2.0]))
     assert verdicts.held(line(k_end=[0.0, 2.0, 2.0]))
     assert not verdicts.held(line(k_end=[1.0 + 1e-12, 1.0, 2.0]))

@@ -32,7 +32,7 @@ def fitted(one: Curve) -> dp.Fit:
     return fit_dynamic(dp.DynamicTest(one.at, *one.values, unit="Pa", units="SI"))
 
 
-def judged(one: Curve) -> dict[str, object]:
+def evaluate_curve(one: Curve) -> dict[str, object]:
     """The verdict, every limit with its truth, and how the plateau of the fit lies to the true."""
     found = fitted(one)
     end = found.evidence.end_of_hold

@@ -63,7 +63,7 @@ def six_by_six(place: np.ndarray, way: np.ndarray, k: np.ndarray) -> np.ndarray:
     return (rows.T * k) @ rows
 
 
-def apart(found: np.ndarray, exact: np.ndarray) -> float:
+def compute_largest_difference(found: np.ndarray, exact: np.ndarray) -> float:
     """Largest difference of two such matrices, over the root of its two diagonal terms."""
     size = np.sqrt(np.outer(exact.diagonal(), exact.diagonal()))
     return float((np.abs(found - exact) / size).max())

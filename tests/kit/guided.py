@@ -54,7 +54,7 @@ def main() -> None:
     fuzzed(small, str(corpus), "-merge=1")
     shutil.rmtree(corpus)
     small.rename(corpus)
-    kept(corpus, seeds)
+    save_corpus(corpus, seeds)
     sys.exit(broken(found))
 
 
@@ -103,7 +103,7 @@ def read(packed: Path) -> list[bytes]:
         return [file.read(name) for name in sorted(file.namelist())]
 
 
-def kept(corpus: Path, seeds: set[str]) -> None:
+def save_corpus(corpus: Path, seeds: set[str]) -> None:
     """Keep a corpus but its seeds beside this file, without a date: the same files, same bytes."""
     with zipfile.ZipFile(KEPT, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
         for one in sorted(one for one in corpus.iterdir() if one.name not in seeds):

@@ -174,7 +174,7 @@ def measured() -> FRF:
 
 
 @cache
-def unseen_band() -> StiffnessBounds:
+def unresolved_arm_band() -> StiffnessBounds:
     """Limits as wide as arms that a 1 s ramp hardly excites."""
     frequency = np.geomspace(1e-3, 100.0, 120)
     omega = 2 * np.pi * frequency
@@ -230,7 +230,7 @@ def study() -> Study:
         joint_prediction=after,
         joint_comparison=compare(after, target, fit=joint(), mass=BROAD_MASS, seals=2.0),
         parameters=parameter_band(fit, STIFFNESS_LINES),
-        unseen=unseen_band(),
+        unseen=unresolved_arm_band(),
         frf_band=frf_limits(),
         at_rest=find_static_equilibrium(fit, MassOnSeals(BROAD_MASS, 2.0)),
         direct=dynamic_stiffness(target, BROAD_MASS, seals=2.0),

@@ -1,4 +1,4 @@
-"""Parsers that do what foreign ones have done to us, for a child to run."""
+"""Parsers that misbehave, for a child process to run."""
 
 from __future__ import annotations
 

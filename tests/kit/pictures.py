@@ -1,4 +1,4 @@
-"""What a picture shows: its marks by kind and by name."""
+"""Access to the marks of a picture by kind and by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A command, run as a user types it."""
+"""Run a command as a user types it."""
 
 from __future__ import annotations
 
@@ -28,6 +28,6 @@ def no_air(door: Path) -> None:
     door.write_text(door.read_text().partition("[closing.vents]")[0])
 
 
-def told(*words: object) -> Any:
+def run_json(*words: object) -> Any:
     """The JSON document of a command, which must have done its work."""
     return json.loads(did(*words, "--json").stdout)

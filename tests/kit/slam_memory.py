@@ -1,4 +1,4 @@
-"""What other tests say of a piece that is slammed on."""
+"""The relaxation and elastic law of a specimen under impact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every derivative that is written by hand is held to differences."""
+"""Comparison of derivatives with finite differences."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def hold_slopes(
     rows = problem.model(theta)
     assert rows.slope is not None
 
-    def moved(i: int, h: float) -> np.ndarray:
+    def differentiate(i: int, h: float) -> np.ndarray:
         ends = []
         for sign in (-1, 1):
             at = theta.copy()
@@ -30,6 +30,6 @@ def hold_slopes(
 
     for i, (one, column) in enumerate(zip(problem.parameters, rows.slope(beta).T, strict=True)):
         h = step * one.scale
-        expected = (4 * moved(i, h) - moved(i, 2 * h)) / 3
+        expected = (4 * differentiate(i, h) - differentiate(i, 2 * h)) / 3
         size = np.abs(expected).max() or 1.0
         np.testing.assert_allclose(column, expected, atol=rtol * size, rtol=0, err_msg=f"theta {i}")

@@ -3,11 +3,12 @@
     python tests/kit/structure.py                 prints every figure
     python tests/kit/structure.py --write-lists   shortens the lists of allowed exceptions
 
-The core is ``src/dashpot`` without ``extensions/``. Three lists hold the exceptions that
+The core is ``src/dashpot`` without ``extensions/``. Four lists hold the exceptions that
 ``tests/test_names.py`` and ``tests/test_structure.py`` allow: ``tests/data/bare_names.txt``,
-``tests/data/extension_imports.txt`` and ``tests/data/core_files_not_entered.txt``.
-``--write-lists`` removes entries that are no longer needed, of the third those of files that no
-longer exist, and never adds one. ``--write-lists --admit-new`` adds to the first two what is new,
+``tests/data/vague_test_names.txt``, ``tests/data/extension_imports.txt`` and
+``tests/data/core_files_not_entered.txt``.
+``--write-lists`` removes entries that are no longer needed, of the last those of files that no
+longer exist, and never adds one. ``--write-lists --admit-new`` adds to the others what is new,
 which a review has to justify.
 """
 
@@ -36,6 +37,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "dashpot"
 DATA = ROOT / "tests" / "data"
 BARE_NAMES = DATA / "bare_names.txt"
+VAGUE_TEST_NAMES = DATA / "vague_test_names.txt"
 EXTENSION_IMPORTS = DATA / "extension_imports.txt"
 FILES_NOT_ENTERED = DATA / "core_files_not_entered.txt"
 MAIN_COMMANDS = ROOT / "benchmarks" / "main_commands.sh"
@@ -83,6 +85,11 @@ VAGUE_WORDS = parse_words(
     "known alone sound each own further elsewhere offered former laid beyond"
 )
 """Words that name no object of the field: a reader cannot tell what such an identifier holds."""
+VAGUE_TEST_WORDS = parse_words(
+    "told said asked given found kept known left beside beyond apart alone moved felt sound noun "
+    "room house judged judging unseen own laid elsewhere former"
+)
+"""Words that name neither the subject of a test nor its behaviour."""
 
 
 def split_words(name: str) -> list[str]:
@@ -221,6 +228,25 @@ def compute_vague_share() -> float:
     counts = Counter(list_identifiers())
     vague = sum(n for name, n in counts.items() if not VAGUE_WORDS.isdisjoint(split_words(name)))
     return 100 * vague / counts.total()
+
+
+def list_vague_test_names() -> set[str]:
+    """Return ``file name`` for each module, class and function of the tests with a vague word.
+
+    The names of `VAGUE_TEST_WORDS` count. A file is named relative to ``tests/``.
+    """
+    names: set[tuple[str, str]] = set()
+    for path in (ROOT / "tests").rglob("*.py"):
+        file = path.relative_to(ROOT / "tests").as_posix()
+        names.add((file, path.stem))
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+                names.add((file, node.name))
+    return {
+        f"{file} {name}"
+        for file, name in names
+        if not VAGUE_TEST_WORDS.isdisjoint(split_words(name))
+    }
 
 
 # size
@@ -428,6 +454,10 @@ def shorten_lists(*, admit_new: bool = False) -> None:
     if not admit_new:
         counts &= read_bare_names()
     write_rows(BARE_NAMES, (f"{name}: {counts[name]}" for name in sorted(counts)))
+    test_names = list_vague_test_names()
+    if not admit_new:
+        test_names &= set(read_rows(VAGUE_TEST_NAMES))
+    write_rows(VAGUE_TEST_NAMES, sorted(test_names))
     imports = list_extension_imports() - read_linter_exceptions()
     if not admit_new:
         imports &= set(read_rows(EXTENSION_IMPORTS))
@@ -446,6 +476,7 @@ def print_figures() -> None:
     print(f"functions that begin with a verb {compute_share(functions, begins_with_verb):.2f} %")
     print(f"words in the name of a function: median {statistics.median(words):g}")
     print(f"identifiers with a vague word {compute_vague_share():.2f} %")
+    print(f"names of tests with a vague word {len(list_vague_test_names())}")
     print(f"core: {len(core)} files, {count_tokens(core)} tokens")
     print(f"extensions: {count_tokens(set(read_source()) - set(core))} tokens")
     imports, allowed = list_extension_imports(), read_linter_exceptions()

@@ -473,7 +473,7 @@ def strike(
         turn = (clock - 0.25 - number * between) / wide
         height = peak * random.uniform(0.6, 1.2)
         force += height * np.where(np.abs(turn) < 0.5, 0.5 + 0.5 * np.cos(2 * np.pi * turn), 0.0)
-    pure = _moved(seal, mass, seals, force, step)
+    pure = _simulate_motion(seal, mass, seals, force, step)
     time = clock[::FINE]
     return Hammering(
         seal, mass, seals, time,
@@ -482,7 +482,7 @@ def strike(
     )  # fmt: skip
 
 
-def _moved(seal: Seal, mass: float, seals: float, force, step: float):
+def _simulate_motion(seal: Seal, mass: float, seals: float, force, step: float):
     """A(s) = 1/m + sum R / (s - p), with R = p^2 / (2 m p + n K'(p))."""
     total = force / mass
     vibration = _vibration(seal, mass, seals)

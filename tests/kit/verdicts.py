@@ -1,4 +1,4 @@
-"""What dashpot makes of records whose truth is known: its verdict, and whether the result is wrong.
+"""Verdicts of dashpot on records of known truth, and whether the result is wrong.
 
     found = judged(trial(KINDS[3], seed=7))      # a Judged: verdict, failed checks, errors
     print(table({"sound": [found]}))             # shares of use, use with care, do not use
@@ -29,7 +29,7 @@ LINES = (1.0, 5.0, 12.7)
 
 
 @dataclass(frozen=True)
-class Judged:
+class Outcome:
     """A verdict, what failed, and how far the result is from the truth."""
 
     name: str
@@ -44,7 +44,7 @@ class Judged:
         return any(self.errors.get(name, 0.0) > limit for name, limit in WRONG.items())
 
 
-def judged(one: Trial, *, bounds: bool = False) -> Judged:
+def evaluate_record(one: Trial, *, bounds: bool = False) -> Outcome:
     """Prepare and fit a record, and hold verdict and result against the truth.
 
     A record that is refused is one that is not to be used. `bounds` asks whether the limits over
@@ -54,10 +54,10 @@ def judged(one: Trial, *, bounds: bool = False) -> Judged:
         record = prepare(relaxation_test(one))
         fit = fit_tests(record)
     except DashpotError as error:
-        return Judged(one.name, "do not use", ((type(error).__name__, "stop"),), {})
+        return Outcome(one.name, "do not use", ((type(error).__name__, "stop"),), {})
     failed = tuple((check.name, check.grade) for check in fit.checks if check.failed)
     inside = _inside(one, fit, record) if bounds else None
-    return Judged(one.name, fit.verdict.use, failed, _errors(one, fit), inside)
+    return Outcome(one.name, fit.verdict.use, failed, _errors(one, fit), inside)
 
 
 def _errors(one: Trial, fit: dp.Fit) -> dict[str, float]:
@@ -101,7 +101,7 @@ def _inside(one: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
     )
 
 
-def table(groups: Mapping[str, Iterable[Judged]]) -> str:
+def table(groups: Mapping[str, Iterable[Outcome]]) -> str:
     """The shares of each verdict, and of the wrong results that are said to be of use."""
     head = ("records", "n", "use", "care", "not", "wrong", "of them use")
     rows = ["{:<22}{:>4}{:>7}{:>7}{:>7}{:>7}{:>13}".format(*head)]
@@ -119,6 +119,6 @@ def table(groups: Mapping[str, Iterable[Judged]]) -> str:
     return "\n".join(rows)
 
 
-def failures(found: Iterable[Judged]) -> Counter[tuple[str, str]]:
+def failures(found: Iterable[Outcome]) -> Counter[tuple[str, str]]:
     """How often each check failed, by grade."""
     return Counter(failed for one in found for failed in one.failed)

@@ -84,7 +84,7 @@ def test_after_a_move_that_failed_the_next_goes_a_quarter_as_far() -> None:
     ("held", "coordinate", "index"),
     [("c", Coordinate.LINEAR, 0), ("k", Coordinate.LINEAR, 1), ("ln b", Coordinate.LOG_B, 0)],
 )
-def test_profiles_of_one_arm_where_two_are_needed_are_the_brute_force_refit(
+def test_profile_with_too_few_arms_equals_brute_force_refit(
     held: str, coordinate: Coordinate, index: int
 ) -> None:
     time = np.linspace(0.0, 10.0, 400)

@@ -20,7 +20,7 @@ def relaxation_columns(per_decade: int = 64) -> tuple[np.ndarray, np.ndarray]:
     return columns / np.linalg.norm(columns, axis=0), target
 
 
-def test_least_squares_is_the_one_of_scipy() -> None:
+def test_confidence_region_least_squares_equals_scipy_nnls() -> None:
     columns, target = relaxation_columns()
     found = NonnegativeConfidenceRegion(columns, target).least()
     other = nnls(columns, target)[0]
@@ -125,7 +125,7 @@ def test_fewer_samples_than_terms_bound_nothing() -> None:
         )
 
 
-def test_a_question_has_one_answer_whatever_was_asked_before() -> None:
+def test_confidence_region_answer_is_independent_of_earlier_queries() -> None:
     """Faces that are remembered, grown and shrunk are those that are factored anew."""
     columns, target = relaxation_columns(16)
     asked = NonnegativeConfidenceRegion(columns, target)

@@ -56,7 +56,7 @@ def test_significance(
     assert significant(np.array(k), np.array(se_k), np.array(se_ln_tau)) is expected
 
 
-def test_the_smaller_answer_is_taken_and_disagreement_kept() -> None:
+def test_select_model_order_takes_the_smaller_and_reports_disagreement() -> None:
     agreed = select_model_order([0, 1, 2, 3], [9.0, 5.0, 1.0, 2.0], [True, True, True, False])
     assert (agreed.arms, agreed.has_agreement) == (2, True)
     cautious = select_model_order([0, 1, 2, 3], [9.0, 5.0, 2.0, 1.0], [True, True, True, False])
@@ -110,7 +110,7 @@ def test_chance_is_the_tail_of_chi_square_for_any_degrees_of_freedom(
 
 
 @pytest.mark.parametrize("parameters", [1, 2, 3, 5])
-def test_an_arm_is_needed_beyond_three_standard_errors_of_chance(parameters: int) -> None:
+def test_significant_fall_is_three_standard_errors(parameters: int) -> None:
     limit = chi2.isf(MAX_CHANCE, parameters)
     assert chi2.sf(9.0, 1) == pytest.approx(MAX_CHANCE)
     assert is_significant_fall(1.001 * limit, parameters)
@@ -118,7 +118,7 @@ def test_an_arm_is_needed_beyond_three_standard_errors_of_chance(parameters: int
     assert not is_significant_fall(-1.0, parameters)
 
 
-def test_the_choice_tells_how_it_was_judged() -> None:
+def test_select_model_order_states_its_metric() -> None:
     assert select_model_order(
         [0, 1], [2.0, 1.0], [True, True], in_noise_metric=True
     ).in_noise_metric

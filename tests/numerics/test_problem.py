@@ -1,4 +1,4 @@
-"""The one problem of every fit: derivatives, optima with and without signs, and what is known."""
+"""The least-squares problem: derivatives, optima with sign constraints, covariance and priors."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ def test_the_optimum_is_that_of_a_library_over_everything(slopes: bool) -> None:
     y = noisy(1)
     found = require_optimum(decay(y, slopes=slopes), [np.array([1.5])])
 
-    def left(x: np.ndarray) -> np.ndarray:
+    def compute_residual(x: np.ndarray) -> np.ndarray:
         return x[1] + x[2] * np.exp(-TIME / np.exp(x[0])) - y
 
-    other = least_squares(left, [0.0, 1.0, 1.0], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    other = least_squares(compute_residual, [0.0, 1.0, 1.0], xtol=1e-15, ftol=1e-15, gtol=1e-15)
     np.testing.assert_allclose(found.values, other.x, rtol=1e-5 if not slopes else 1e-7)
     assert found.cost == pytest.approx(2 * other.cost, rel=1e-10)
     assert found.stationary
@@ -85,7 +85,7 @@ def test_a_start_in_a_bad_place_is_not_followed() -> None:
     assert both[1].cost == pytest.approx(both[0].cost, rel=1e-10)
 
 
-def test_a_valley_that_was_found_is_not_followed_again() -> None:
+def test_valleys_do_not_repeat_a_visited_valley() -> None:
     """Valleys at 0 and 3 in sizes of 10; the third start leads to the first."""
     theta = []
 
@@ -136,7 +136,7 @@ def test_exact_data_are_followed_to_rounding() -> None:
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("off", "kept"), [(0.249, True), (0.251, False)])
-def test_what_was_learned_of_a_hessian_is_kept_while_it_foretells_the_fall(
+def test_hessian_correction_is_reused_if_it_predicts_the_fall(
     off: float, kept: bool, sign: int
 ) -> None:
     """A parabola whose J'J lacks 1 of 3: the true fall, and one that is a quarter off."""
@@ -167,7 +167,7 @@ def test_where_a_model_says_nothing_no_descent_begins_and_none_ends() -> None:
     )
 
 
-def test_the_gauge_keeps_one_of_all_that_are_the_same() -> None:
+def test_gauge_selects_one_of_equivalent_optima() -> None:
     """Two thetas of which only the sum counts; their difference is meant to be one."""
     y = noisy(6)
 
@@ -191,7 +191,7 @@ def test_the_gauge_keeps_one_of_all_that_are_the_same() -> None:
 
 @given(st.integers(0, 2**31), st.integers(1, 40), st.booleans())
 @settings(max_examples=60, deadline=None)
-def test_signs_are_kept_as_by_a_library(seed: int, q: int, free: bool) -> None:
+def test_solve_linear_with_sign_constraints_equals_a_library(seed: int, q: int, free: bool) -> None:
     """Few and many columns; one of them may be free, as plus and minus for the library."""
     generator = np.random.default_rng(seed)
     A = generator.standard_normal((q + 20, q))
@@ -266,7 +266,7 @@ def line(y: np.ndarray, priors: np.ndarray | None = None) -> Problem:
     return Problem(lambda _: Rows(y, A))
 
 
-def test_a_line_is_known_as_by_the_textbook() -> None:
+def test_estimate_of_a_line_equals_the_textbook() -> None:
     generator = np.random.default_rng(7)
     y = 3 + 2 * np.linspace(-1, 1, 200) + generator.standard_normal(200)
     best = require_optimum(line(y))
@@ -282,7 +282,7 @@ def test_a_line_is_known_as_by_the_textbook() -> None:
     assert known.quantile() == pytest.approx(1.972, abs=1e-3)
 
 
-def test_what_was_known_before_narrows_an_estimate() -> None:
+def test_estimate_with_a_prior_is_narrower() -> None:
     """A normal prior on the slope, of the noise's own standard deviation, and its posterior."""
     generator = np.random.default_rng(8)
     y = 3 + generator.standard_normal(50)
@@ -294,7 +294,7 @@ def test_what_was_known_before_narrows_an_estimate() -> None:
     assert best.sse < best.cost
 
 
-def test_two_records_have_their_own_noise() -> None:
+def test_estimate_uses_the_noise_of_each_record() -> None:
     generator = np.random.default_rng(9)
     y = np.concatenate((generator.standard_normal(100), 10 * generator.standard_normal(300)))
     A = np.repeat([[1.0, 0.0], [0.0, 1.0]], [100, 300], axis=0)
@@ -304,7 +304,7 @@ def test_two_records_have_their_own_noise() -> None:
     assert len(known.noises) == 2
 
 
-def test_what_rests_at_zero_has_no_error_unless_its_bound_is_asked() -> None:
+def test_estimate_gives_no_error_at_zero_unless_requested() -> None:
     y = noisy(1) - 3.0  # no plateau
     best = require_optimum(decay(y), [np.zeros(1)])
     assert best.beta[0] == 0
@@ -323,7 +323,7 @@ def test_a_theta_that_is_held_has_no_error_and_takes_none() -> None:
     )
 
 
-def test_what_depends_on_what_the_data_do_not_tell_is_not_told() -> None:
+def test_derived_quantity_of_undetermined_parameters_is_undetermined() -> None:
     x = np.linspace(-1, 1, 50)
     A = np.column_stack((x, np.ones(50), np.ones(50)))
     best = require_optimum(Problem(lambda _: Rows(x + 1, A)))
@@ -369,7 +369,7 @@ def test_a_profile_ends_where_the_deviance_is_that_of_the_level() -> None:
         assert t == pytest.approx(known.quantile(), rel=0.01)
 
 
-def test_slices_of_a_profile_are_the_problem_with_one_theta_held() -> None:
+def test_profile_slice_equals_the_problem_with_one_fixed_parameter() -> None:
     """Two arms: the others descend, and know nothing of an error of what is held."""
     draw = np.random.default_rng(14).standard_normal(len(TIME))
     y = np.exp(-TIME / 0.2) + np.exp(-TIME / 1.2) + 0.01 * draw

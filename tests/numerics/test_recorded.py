@@ -79,7 +79,7 @@ def test_columns_are_boltzmann_superposition() -> None:
 
 
 @pytest.mark.parametrize("count", [2, 3, 31, 32, 33, 150, 1024, 1025, 3000])
-def test_uniform_recursion_is_the_general_one(count: int) -> None:
+def test_uniform_recursion_equals_the_general_recursion(count: int) -> None:
     time = np.arange(count) / 10
     x = np.random.default_rng(count).standard_normal(count)
     every = np.array([0.03, 2.0, 500.0])
@@ -255,7 +255,7 @@ def test_weights_that_end_in_ones_leave_the_rest_correlated(
 
 
 @pytest.mark.parametrize("count", [1, 30, 300])
-def test_a_few_doubtful_samples_are_kept_whole(count: int) -> None:
+def test_recorded_block_retains_a_few_doubtful_samples(count: int) -> None:
     """A column that no arm resembles, too, in fewer rows than the kernels span."""
     x, here = HISTORIES["steps and chirp"], slice(40, None)
     sample = np.arange(6001)

@@ -1,4 +1,4 @@
-"""The separable solve: its derivatives, its optimum, and what it refuses to invent."""
+"""The separable solver: derivatives, optimum, refusals."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def test_equilibrium_stiffness_is_never_negative() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("sd", [0.2, 1e-2, 1e-4])
-def test_no_order_left_out_could_have_gained(seed: int, sd: float) -> None:
+def test_solve_orders_omits_no_order_with_gain(seed: int, sd: float) -> None:
     generator = np.random.default_rng(seed)
     tau = 0.1 * np.cumprod(generator.uniform(2, 8, 3))
     block = hold_block(TIME, decay(list(tau), [1.0, 0.3, 0.5]) + noise(seed, sd))
@@ -186,7 +186,7 @@ def test_no_order_left_out_could_have_gained(seed: int, sd: float) -> None:
     assert all(gain > 20.0 * some[i + 1].sse / len(TIME) for i, gain in enumerate(before[:-1]))
 
 
-def test_orders_share_one_chain_and_agree_with_single_solves() -> None:
+def test_solve_orders_agree_with_single_solves() -> None:
     data = decay([0.3, 2.0, 15.0], [1.0, 1.0, 1.0]) + noise(4, 1e-3)
     block = hold_block(TIME, data)
     orders = solve_orders([block], 3)
@@ -220,7 +220,7 @@ def test_the_order_of_the_blocks_does_not_matter(order: list[int]) -> None:
     np.testing.assert_allclose(other.log_tau, one.log_tau, atol=1e-9)
 
 
-def test_equal_tests_stacked_are_one_test_seen_twice() -> None:
+def test_solve_of_duplicate_tests_doubles_the_sse() -> None:
     block = hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(30))
     one, two = solve([block], 2), solve([block, block], 2)
     assert two.sse == pytest.approx(2 * one.sse, rel=1e-11)
@@ -233,7 +233,7 @@ def test_results_repeat_to_the_last_digit() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_an_optimum_that_is_near_is_the_one_found_without_help(seed: int) -> None:
+def test_solve_near_the_optimum_returns_the_same_optimum(seed: int) -> None:
     force = decay([0.2, 0.5, 9.0], [1.0, 0.9, 0.6]) + noise(seed, 3e-2)
     block = hold_block(TIME, force)
     alone = solve([block], 3, negligible=20.0)
@@ -246,7 +246,7 @@ def test_an_optimum_that_is_near_is_the_one_found_without_help(seed: int) -> Non
     assert few.log_tau.tolist() == solve([block], 2, negligible=20.0).log_tau.tolist()
 
 
-def test_a_descent_that_asks_for_the_sse_alone_ends_sooner_and_has_it() -> None:
+def test_descend_for_the_sse_ends_sooner_with_the_same_value() -> None:
     stack = Stack([hold_block(TIME, decay([0.2, 1.1, 9.0], [1.0, 0.4, 0.6]) + noise(1))])
     start = np.log([0.1, 2.0, 5.0])
     whole, flat = descend(stack, start), descend(stack, start, flat=1e-6)
@@ -304,7 +304,7 @@ def test_global_optimum_without_a_start(seed: int) -> None:
             assert found.sse <= (local.point.sse + stack.floor) * (1 + 1e-6)
 
 
-def test_frequency_data_in_one_stack_with_a_hold() -> None:
+def test_stack_joins_frequency_data_and_a_hold() -> None:
     omega = 2 * np.pi * np.geomspace(0.005, 20, 40)
     k, tau = np.array([2.0, 1.0]), np.array([0.5, 9.0])
     x = 1j * omega[:, None] * tau

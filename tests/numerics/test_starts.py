@@ -1,4 +1,4 @@
-"""Where the engine looks first: every set of grid points, and what is kept of a sampling."""
+"""Starting points: the grid, and the cached sampling."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_rising_data_have_no_set_of_positive_arms() -> None:
     assert all(best_set(grid) is None for best_set in SETS.values())
 
 
-def test_a_kept_lattice_is_the_one_made_anew() -> None:
+def test_cached_lattice_equals_a_new_one() -> None:
     records = [record(2) for _ in range(3)]
     blocks = [
         *(hold_block(TIME, y) for y in records),
@@ -102,7 +102,7 @@ def test_a_kept_lattice_is_the_one_made_anew() -> None:
         np.testing.assert_array_equal(grid.gram, lattice.gram)
 
 
-def test_weights_and_uneven_clocks_are_never_taken_for_a_known_sampling() -> None:
+def test_weighted_and_uneven_blocks_use_no_cached_sampling() -> None:
     y = record(2)
     weights = 1 + np.exp(-TIME)
     assert hold_block(TIME, y).sampling is not None

@@ -112,7 +112,7 @@ def test_a_term_that_is_not_there_is_not_invented() -> None:
     assert found.certificate.optimal
 
 
-def test_weights_are_one_over_sd() -> None:
+def test_weights_are_inverse_standard_deviations() -> None:
     generator = np.random.default_rng(3)
     x = np.linspace(0, 5, 200)
     sd = np.where(x < 1, 1e-3, 1e-1)

@@ -39,7 +39,7 @@ def test_autocovariance_is_the_plain_sum() -> None:
 
 
 @pytest.mark.parametrize(("cycles", "late"), [(0.2, True), (0.4, True), (3.0, False)])
-def test_what_a_fit_took_is_given_back_however_late_the_cut(cycles: float, late: bool) -> None:
+def test_autocovariance_correction_is_independent_of_the_cutoff(cycles: float, late: bool) -> None:
     """Three rounds of the plain sums, whether or not a third of the lags shows the cut."""
     n = 400
     wave = np.sin(2 * np.pi * cycles * np.arange(n) / n)
@@ -111,7 +111,7 @@ def test_white_noise_scales_by_n_less_p() -> None:
 
 
 @pytest.mark.parametrize(("records", "shared"), [(6, True), (1, False)])
-def test_what_a_fit_takes_out_of_several_records_is_given_back_once(
+def test_autocovariance_correction_counts_shared_parameters_once(
     records: int, shared: bool
 ) -> None:
     """White noise in short records of a common cubic: four residuals are lost, not four of each."""
@@ -194,7 +194,7 @@ def test_the_noise_of_few_lags_is_the_dense_toeplitz_form(lags: int) -> None:
     np.testing.assert_allclose(found, dense, rtol=1e-9)
 
 
-def test_what_is_hardly_known_spoils_nothing_that_is_known() -> None:
+def test_covariance_is_robust_to_a_nearly_undetermined_parameter() -> None:
     """A slow arm beside a spring and a drift: their sum is known, and so are all other arms."""
     time = np.linspace(0, 1, 20_000)
     decays = np.exp(-time[:, None] / np.array([0.01, 0.03, 0.1, 0.3, 30.0]))
@@ -212,7 +212,7 @@ def test_what_is_hardly_known_spoils_nothing_that_is_known() -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
-def test_records_keep_their_own_noise() -> None:
+def test_covariance_uses_the_noise_of_each_record() -> None:
     rng = np.random.default_rng(6)
     quiet, met = rng.standard_normal((2, 100, 2))
     noises = [Noise(100, np.array([0.01]), 1.0, 2.0), Noise(100, np.array([4.0]), 1.0, 2.0)]
@@ -255,7 +255,7 @@ def test_student_quantile_is_scipys(dof: float, level: float) -> None:
     assert t_quantile(level, dof) == pytest.approx(t.ppf(0.5 + level / 2, dof), rel=1e-7)
 
 
-def test_below_one_degree_of_freedom_nothing_is_known() -> None:
+def test_t_quantile_is_infinite_for_less_than_one_degree_of_freedom() -> None:
     assert t_quantile(0.95, 0.5) == np.inf
     assert t_quantile(0.95, -3.0) == np.inf
     assert t_quantile(0.95, np.inf) == pytest.approx(1.959963985, rel=1e-6)

@@ -45,7 +45,7 @@ def held(noise: np.ndarray | float = 0.0) -> DataBlock:
     return hold_block(TIME, force + noise, depth=DEPTH, ramp_time=RAMP, compress=False)
 
 
-def moved(noise: np.ndarray | float = 0.0) -> DataBlock:
+def make_recorded_block(noise: np.ndarray | float = 0.0) -> DataBlock:
     """A ramp and hold by its recorded motion, with a tare and a drift."""
     x = DEPTH * np.clip(TIME / RAMP, 0.0, 1.0)
     columns = recorded_block(TIME, x, 0 * TIME).exact.evaluate(np.log(TAU))
@@ -64,7 +64,7 @@ def white(variance: float = 1e-4) -> Noise:
     return Noise(len(TIME), np.array([variance]), 1.0, 2.0)
 
 
-@pytest.mark.parametrize("make", [held, moved])
+@pytest.mark.parametrize("make", [held, make_recorded_block])
 def test_in_the_metric_of_white_noise_the_fit_is_least_squares(
     make: Callable[[np.ndarray], DataBlock],
 ) -> None:
@@ -81,7 +81,7 @@ def test_in_the_metric_of_white_noise_the_fit_is_least_squares(
 
 def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
     """In the metric of unit white noise the inner products are the record's own."""
-    exact = moved()
+    exact = make_recorded_block()
     block = whitened_block(exact, white(1.0))
     at = np.log([0.05, 0.17, 0.9, 4.4, 30.0, 100.0])
     mine, theirs = block.evaluate(at), exact.evaluate(at)
@@ -92,8 +92,8 @@ def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
     np.testing.assert_allclose(mine.target @ mine.arms, theirs.target @ theirs.arms, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("make", "better"), [(held, 1.5), (moved, 1.0)])
-def test_what_is_known_is_what_generalised_least_squares_knows(
+@pytest.mark.parametrize(("make", "better"), [(held, 1.5), (make_recorded_block, 1.0)])
+def test_whitened_block_has_the_errors_of_generalised_least_squares(
     make: Callable[[], DataBlock], better: float
 ) -> None:
     """The dense inverse of Gamma: nothing is gained, and no more than a tenth is lost."""
@@ -114,9 +114,9 @@ def test_what_is_known_is_what_generalised_least_squares_knows(
     assert plain[fast, fast] > better * mine[fast, fast]
 
 
-def test_each_record_is_taken_as_its_own_noise_is() -> None:
+def test_averaging_length_follows_the_noise_of_each_record() -> None:
     """Against the dense form, under slow noise and beside it white: means of 4 and of 1."""
-    records, noises = [held(), moved()], [slow(8.0), white()]
+    records, noises = [held(), make_recorded_block()], [slow(8.0), white()]
     assert [compute_averaging_length(one) for one in noises] == [4, 1]
     solution = solve(records, 2)
     gain = NoiseGain(records, noises, solution)
@@ -131,9 +131,9 @@ def test_each_record_is_taken_as_its_own_noise_is() -> None:
         assert gain.compute_step_gain(step) == pytest.approx(met / (change @ change), rel=0.05)
 
 
-@pytest.mark.parametrize("make", [held, moved])
+@pytest.mark.parametrize("make", [held, make_recorded_block])
 @pytest.mark.parametrize(("correlation", "few", "most"), [(0.5, 1, 1.0), (2, 2, 1.02), (8, 4, 1.3)])
-def test_means_over_neighbours_lose_little_of_what_is_known(
+def test_averaging_of_neighbours_loses_little_information(
     make: Callable[[], DataBlock],
     correlation: float,
     few: int,
@@ -173,7 +173,7 @@ def test_no_direction_is_trusted_better_than_under_white_noise(
     assert excess.max() <= 1e-6 * np.sum(theirs**2) / 1e-4
 
 
-@pytest.mark.parametrize("make", [held, moved])
+@pytest.mark.parametrize("make", [held, make_recorded_block])
 def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
     make: Callable[[], DataBlock],
 ) -> None:

@@ -52,7 +52,7 @@ def places(*celsius: float, b_t: float | None = None) -> list[Elsewhere]:
     ("cold", "hold", "full"),
     [((), 1.07, 0.38), ((10,), 0.078, 0.026), ((0,), 0.0062, 0.0024), ((-10,), 0.0008, 0.0006)],
 )
-def test_the_table_computed_apart(cold, hold, full):
+def test_planned_cold_test_reproduces_the_reference_table(cold, hold, full):
     """By the force alone, b_T free about 1, every arm shifting alike; two digits at most."""
     for method, expected in (("hold", hold), ("full", full)):
         rows = rows_with(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0).rows
@@ -83,14 +83,14 @@ def test_with_offset_drift_and_a_delay_in_each_record(cold, expected):
 def test_the_errors_that_joint_fits_of_another_program_gave(solid, celsius, slope_sd, expected):
     """b_T = T/T_r; offset known to 0.22 mN, no drift, delay to 1 ms."""
 
-    class Known(Bench):
+    class StatedBench(Bench):
         def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
             return np.array([5e-3 / np.sqrt(500), 1e-9, 1e-3])
 
         def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
             return super().rows(model)  # of a seal that keeps its temperature
 
-    bench = Known(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 0.5, Machine())
+    bench = StatedBench(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 0.5, Machine())
     rows = rows_with(solid, bench, places(*celsius), slope_sd).rows
     assert loss_factor_sd(solid, rows) == pytest.approx(expected, rel=0.04)
 
@@ -137,28 +137,28 @@ def test_the_sensitivities_are_slopes_of_both_forces():
     )
 
 
-def test_a_slope_that_is_not_known_costs_something():
+def test_unknown_shift_slope_widens_the_error():
     rows = [rows_with(HIDDEN, usual(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
     known, usual_doubt, unknown = (loss_factor_sd(HIDDEN, each) for each in rows)
     assert known < usual_doubt < unknown
 
 
-def asked(**changes: object) -> Plan:
+def make_plan(**changes: object) -> Plan:
     return planned(**({"at": AT, "model": HIDDEN} | changes))
 
 
 def test_the_plan_puts_the_cold_test_into_its_table():
-    told = asked(cold="0degC")
+    told = make_plan(cold="0degC")
     assert told.expected.repeated == (273.15,)
     assert [place.temperature for place in told.repeats] == [273.15]
     shown = [(e.method, e.repeated) for e in told.alternatives]
     assert shown[:3] == [("full", ()), ("hold", (273.15,)), ("hold", ())]
-    alone = asked().expected.loss_factor_sd
+    alone = make_plan().expected.loss_factor_sd
     assert told.alternatives[0].loss_factor_sd == alone
     # what the rig may do unseen, in the cold and at room temperature, is as much as the noise again
     rows = rows_with(HIDDEN, usual(machine=Machine()), places(0)).rows
     assert told.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
-    quiet = asked(cold="0degC", force_alone=True).expected.loss_factor_sd
+    quiet = make_plan(cold="0degC", force_alone=True).expected.loss_factor_sd
     bare = loss_factor_sd(HIDDEN, rows_with(HIDDEN, usual(), places(0)).rows)
     assert quiet == pytest.approx(bare, rel=1e-4)
     assert told.advice[0] == (
@@ -174,7 +174,7 @@ def test_the_plan_puts_the_cold_test_into_its_table():
 
 
 def test_three_temperatures_are_advised_no_further():
-    told = asked(cold=(273.15, "10degC"))
+    told = make_plan(cold=(273.15, "10degC"))
     assert told.advice[0].startswith("Repeat it at 0 and 10 degC and fit all together")
     assert not any("third" in line for line in told.advice)
     shown = [(e.method, e.repeated) for e in told.alternatives]
@@ -182,19 +182,19 @@ def test_three_temperatures_are_advised_no_further():
     assert told.expected.loss_factor_sd < told.alternatives[1].loss_factor_sd
 
 
-def test_whoever_asks_for_no_cold_test_is_offered_one():
-    told = asked()
+def test_plan_recommends_a_cold_test():
+    told = make_plan()
     offered = told.alternatives[-2]
     assert offered.repeated == (273.15,)
     assert "epeat it at 0 degC (±1.77 %)" in told.advice[0]
-    assert asked(model=BROAD, ramp_time=0.01).advice[0].startswith("Record each hit")
+    assert make_plan(model=BROAD, ramp_time=0.01).advice[0].startswith("Record each hit")
 
 
 @pytest.mark.parametrize(("celsius", "offered"), [(10.01, True), (9.99, False), (-5.0, False)])
-def test_a_refrigerator_is_offered_to_a_warm_room_only(celsius, offered):
-    told = asked(temperature=celsius + 273.15)
+def test_plan_recommends_a_refrigerator_only_for_a_warm_room(celsius, offered):
+    told = make_plan(temperature=celsius + 273.15)
     assert any(e.repeated for e in told.alternatives) == offered
-    glassy = asked(law=type(SHIFT).universal(glass=263.16, reference=ROOM))
+    glassy = make_plan(law=type(SHIFT).universal(glass=263.16, reference=ROOM))
     assert not any(e.repeated for e in glassy.alternatives)
 
 
@@ -210,7 +210,7 @@ def test_a_refrigerator_is_offered_to_a_warm_room_only(celsius, offered):
     ],
 )
 def test_a_repeat_that_is_worth_nothing_is_not_advised(cold, says):
-    words = asked(cold=cold).advice
+    words = make_plan(cold=cold).advice
     assert says in words[0]
     assert any("third" in line for line in words) == words[0].startswith("Repeat it")
     assert ("Test in the cold instead" in words[0]) == words[0].startswith("A repeat")
@@ -219,7 +219,7 @@ def test_a_repeat_that_is_worth_nothing_is_not_advised(cold, says):
 def test_a_hot_test_shows_the_slow_arms():
     """Something slower than the hold is known better where it is faster."""
     slow = HIDDEN + GeneralizedMaxwell(0.0, (20.0,), (300.0,))
-    warm = asked(model=slow, at=0.001, cold="60degC")
+    warm = make_plan(model=slow, at=0.001, cold="60degC")
     assert warm.expected.loss_factor_sd < 0.3 * warm.alternatives[0].loss_factor_sd
     assert warm.band[0] < 1 / (80 * np.pi)
 
@@ -239,11 +239,11 @@ def test_a_hot_test_shows_the_slow_arms():
 )
 def test_what_cannot_be_is_refused(changes, words):
     with pytest.raises(DataError, match=words):
-        asked(**changes)
+        make_plan(**changes)
 
 
 def test_just_what_can_be_is_not():
-    assert len(asked(cold=(273.15, 273.6501)).repeats) == 2
+    assert len(make_plan(cold=(273.15, 273.6501)).repeats) == 2
     for kelvin, law in itertools.product((296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, ROOM))):
         assert plan_repeat(kelvin, ROOM, law).temperature == kelvin
     # the solid is that at room temperature, wherever the law's reference lies

@@ -1,4 +1,4 @@
-"""What a test can and cannot tell, before it is run."""
+"""Planned tests: the expected error of each parameter and the advice."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def a_foreign_record(baseline: float) -> RelaxationTest:
     return RelaxationTest(one.time, one.displacement, one.force, units="SI")
 
 
-def known(arm: tuple[float, float], *, at: float = 12.71, **changes: object) -> ExpectedError:
+def expected_force_error(arm: tuple[float, float], *, at: float = 12.71, **changes: object) -> ExpectedError:
     """What the force alone would tell, without offset, drift and delay."""
     model = PAPER + GeneralizedMaxwell(0.0, (arm[0],), (arm[1],))
     bench = Bench(machine=None, **changes)  # type: ignore[arg-type]
@@ -63,10 +63,10 @@ def known(arm: tuple[float, float], *, at: float = 12.71, **changes: object) -> 
     ("ramp_time", "hold", "full"),
     [(1.0, 1.07, 0.38), (0.3, 0.32, 0.116), (0.1, 0.107, 0.038), (0.03, 0.030, 0.013)],
 )
-def test_row_b3(ramp_time: float, hold: float, full: float) -> None:
+def test_plan_reproduces_row_b3(ramp_time: float, hold: float, full: float) -> None:
     """SD of the loss factor at 12.71 Hz with an arm of 50 N/m at 12.5 ms."""
     for method, expected in (("hold", hold), ("full", full)):
-        told = known((50.0, 0.0125), ramp_time=ramp_time, method=method)
+        told = expected_force_error((50.0, 0.0125), ramp_time=ramp_time, method=method)
         assert told.loss_factor_sd == pytest.approx(expected, rel=0.015)
 
 
@@ -124,7 +124,7 @@ def test_the_sensitivities_are_slopes_of_the_force() -> None:
     assert J[smooth, -1] == pytest.approx(late[smooth], rel=1e-5, abs=1e-7)
 
 
-def test_what_is_known_before_is_what_the_fit_knows() -> None:
+def test_planned_priors_equal_those_of_the_fit() -> None:
     """The priors of the planned test are those of its record, made and prepared."""
     bench = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(sync=2e-3))
     seal = Seal.of_arms(PAPER.k_inf, PAPER.k, PAPER.tau)
@@ -167,7 +167,7 @@ def test_the_bound_is_what_a_fit_finds() -> None:
     force = truth.force(t, x) + 1e-3 * np.random.default_rng(4).standard_normal(len(t))
     held = RampHold(t, x, force, 0.0, 0.2, float(t[-1]), 8e-3)
     found = of_noise(fit(held, arms=3, nuisance=()))
-    told = known(arm, ramp_time=0.2, hold_time=20.8, rate=500.0, noise=1e-3, at=3.0)
+    told = expected_force_error(arm, ramp_time=0.2, hold_time=20.8, rate=500.0, noise=1e-3, at=3.0)
     assert told.arm_sd is not None
     assert found.standard_error["k"][0] / arm[0] == pytest.approx(told.arm_sd, rel=0.1)
 
@@ -176,16 +176,16 @@ def test_the_bound_is_what_a_fit_finds() -> None:
 @given(factor=st.floats(1.5, 10), at=st.floats(0.5, 30))
 def test_noise_scales_the_bound_and_samples_its_root(factor: float, at: float) -> None:
     options = {"hold_time": 10.0, "rate": 200.0, "at": at, "arm": (30.0, 0.02)}
-    one = known(**options)
-    louder = known(**options, noise=5e-3 * factor)
+    one = expected_force_error(**options)
+    louder = expected_force_error(**options, noise=5e-3 * factor)
     assert louder.loss_factor_sd == pytest.approx(factor * one.loss_factor_sd, rel=1e-6)
-    denser = known(**(options | {"rate": 800.0}))
+    denser = expected_force_error(**(options | {"rate": 800.0}))
     assert denser.loss_factor_sd == pytest.approx(one.loss_factor_sd / 2, rel=0.15)
 
 
 def test_what_the_fit_must_find_costs_something() -> None:
     arm = (0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71))
-    assert planned().expected.loss_factor_sd > 1.5 * known(arm).loss_factor_sd
+    assert planned().expected.loss_factor_sd > 1.5 * expected_force_error(arm).loss_factor_sd
     late = planned(sync=8e-3).expected
     assert late.loss_factor_sd > planned().expected.loss_factor_sd
     lost, usual, told = (
@@ -194,7 +194,7 @@ def test_what_the_fit_must_find_costs_something() -> None:
     assert lost > usual > 2 * told
 
 
-def test_with_a_hammer_test_it_is_known() -> None:
+def test_plan_with_a_hammer_test_determines_the_arm() -> None:
     """Vibration reference 4b: jointly the 10 % arm is known to 1.1 %, the loss factor to 0.92 %."""
     told = planned(noise=LSB, method="hold", arm=(0.10 * PAPER.k_0, 0.0125), force_alone=True)
     joint = told.alternatives[-1]
@@ -311,7 +311,7 @@ def test_user_story_4() -> None:
     assert "121 %" in text
 
 
-def test_a_good_test_is_left_alone() -> None:
+def test_plan_gives_no_advice_for_a_good_test() -> None:
     told = planned(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
     assert told.expected.loss_factor_sd < 0.1
     assert len(told.advice) == 1
@@ -323,7 +323,7 @@ def test_fit_the_ramp_too() -> None:
     assert "fit ramp and hold together" in told.advice[0]
 
 
-def test_naming_the_machine_is_said_with_what_it_gives() -> None:
+def test_plan_states_the_gain_of_naming_the_machine() -> None:
     """A baseline of 10 s, and a machine whose give and creep are known."""
     told = planned()
     assert told.end.time == 40.0
@@ -347,7 +347,7 @@ def test_naming_the_machine_is_said_with_what_it_gives() -> None:
 @pytest.mark.parametrize(
     ("baseline", "machine"), [(1.0, {}), (10.0, {"compliance": 0.0, "creep": 0.0})]
 )
-def test_the_end_of_the_hold_is_known_as_it_was_planned(
+def test_planned_end_of_hold_error_agrees_with_a_fit(
     baseline: float, machine: dict[str, float]
 ) -> None:
     """A record of another rig: its limits over every spectrum are as wide within a half."""
@@ -363,7 +363,7 @@ def test_the_end_of_the_hold_is_known_as_it_was_planned(
     ("baseline", "machine"),
     [(1.0, {}), (1.0, {"drift": 2e-5}), (10.0, {"compliance": 0.0, "creep": 0.0, "sync": 0.0})],
 )
-def test_each_arm_is_known_as_it_was_planned(
+def test_planned_arm_errors_agree_with_a_fit(
     method: Method, baseline: float, machine: dict[str, float]
 ) -> None:
     """A record of another rig: what its fit prints of every arm is what was foretold."""

@@ -73,7 +73,7 @@ def test_what_is_no_plan_for_a_controller_is_refused(wrong, says: str):
         planned_trajectory(**USUAL | {"baseline": 0.0} | wrong)
 
 
-def test_rows_without_a_number_are_left_out_and_a_rate_is_a_clock(tmp_path):
+def test_read_trajectory_omits_incomplete_rows_and_accepts_a_rate(tmp_path):
     file = tmp_path / "a.csv"
     rows = "".join(f"{i / 10},{i if i != 3 else ''}\n" for i in range(10))
     file.write_text("time [s],displacement [mm]\n" + rows)

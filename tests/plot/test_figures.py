@@ -130,7 +130,7 @@ def test_every_figure_says_where_it_comes_from(drawn, name):
     assert ".csv" in drawn[name].stamp
 
 
-def test_a_stamp_holds_what_is_known():
+def test_stamp_states_available_specimen_data():
     who = replace(S.fit.specimen, name="Door seal", lot="L24", date="2026-11-21")
     said = plot.stamp(S.fit.source, who, mass=0.1148, seals=2)
     for part in ("SIMULATED", "seal_8mm.csv", "Door seal", "lot L24", "2026-11-21",
@@ -187,7 +187,7 @@ def test_units_follow_the_size_of_the_thing(size, unit, expected):
     assert unit_of(np.array([0.0, -size]), unit) == expected
 
 
-def test_a_record_of_a_microscope_is_drawn_in_its_own_units():
+def test_segments_figure_uses_units_of_the_record():
     small = replace(
         S.prepared, displacement=1e-4 * S.prepared.displacement, depth=1e-4 * S.prepared.depth,
         force=1e-6 * S.prepared.force, force_noise=1e-6 * S.prepared.force_noise,
@@ -207,7 +207,7 @@ def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold
     assert start <= 0.1 * sparse.ramp_time
 
 
-def test_a_fit_without_offset_is_drawn_without_one():
+def test_fitted_force_without_offset_starts_at_zero():
     bare = altered(S.fit, nuisance=())
     _, with_offset = fitted_force(S.fit, S.prepared)
     _, without = fitted_force(bare, S.prepared)
@@ -215,7 +215,7 @@ def test_a_fit_without_offset_is_drawn_without_one():
     assert with_offset[0] == pytest.approx(S.fit.estimate.nuisance[0].value, rel=1e-3)
 
 
-def test_several_depths_are_drawn_at_their_own_stiffness():
+def test_fitted_force_of_several_depths_uses_each_stiffness():
     at = DepthStiffness(
         depth=8e-3,
         k_inf=S.fit.model.k_inf,
@@ -230,7 +230,7 @@ def test_several_depths_are_drawn_at_their_own_stiffness():
     assert fitted_force(without_offset, shallow)[1].max() < 0.9 * S.prepared.force.max()
 
 
-def test_fits_are_shown_once_per_number_of_arms_fewest_first():
+def test_fits_to_show_has_one_fit_per_order_ascending():
     shown = fits_to_show(S.fit, (S.fit, *S.alternatives))
     assert [one.model.arms for one in shown] == [1, 2]
 
@@ -263,7 +263,7 @@ def test_the_residual_is_drawn_with_its_range_its_mean_and_the_noise():
 # -- the solid --------------------------------------------------------------------------------
 
 
-def test_stiffness_is_solid_where_identified_and_dashed_elsewhere(drawn):
+def test_stiffness_figure_is_solid_in_the_band_and_dashed_outside(drawn):
     low, high = S.fit.band
     for panel in drawn["stiffness"].panels:
         solid, dashed = first(panel, "relaxation fit"), first(panel, "relaxation fit, extrapolated")
@@ -300,7 +300,7 @@ def test_stiffness_shows_newtons_per_millimetre(drawn):
     assert curve.y == pytest.approx(1e-3 * S.joint.model.storage(omega=2 * np.pi * curve.x))
 
 
-def test_a_solid_that_is_no_sum_of_arms_is_drawn_by_its_own_stiffness_and_by_its_arms():
+def test_stiffness_figure_of_a_fractional_model_draws_it_with_its_arms():
     found = a_fit(SEAL)
     for panel, name, factor in zip(
         plot.stiffness(found).panels, ("storage", "loss", "loss_factor"), (1e-3, 1e-3, 1.0),
@@ -386,7 +386,7 @@ def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass
     assert np.sqrt(np.mean(((mean.value - truth) / mean.random) ** 2)) < 2.0
 
 
-def test_spectrum_has_one_stem_per_arm_and_hatches_what_is_out_of_reach(drawn):
+def test_spectrum_figure_has_a_stem_per_arm_and_hatches_outside_the_band(drawn):
     panel = drawn["spectrum"].panels[0]
     tips = marks(panel, Dots)
     assert [len(dots.x) for dots in tips] == [S.joint.model.arms, S.fit.model.arms]
@@ -433,7 +433,7 @@ def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
 
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])
-def test_a_prediction_lies_inside_its_own_bound(drawn, name):
+def test_predicted_curve_lies_inside_its_bounds(drawn, name):
     panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
     bound = first(panel, "worst-case bounds")
     assert bound.hatched
@@ -483,7 +483,7 @@ def test_a_joint_fit_that_fails_looks_failed():
         assert "joint model" not in labels
 
 
-def test_a_tag_takes_a_line_of_its_own_panel_from_the_key_and_none_of_another():
+def test_tag_replaces_the_key_entry_of_the_same_panel_only():
     axes = Scale("x", (0.0, 1.0)), Scale("y", (0.0, 1.0))
     line = Line(np.array([0.0, 1.0]), np.array([0.0, 1.0]), Pen("fit", 1.0), "latch")
     tag = Tag(1.0, 1.0, "latch", "ink", end=True)
@@ -501,7 +501,7 @@ def test_a_resonance_without_damping_does_not_stretch_the_axis():
     assert high / low < 1e6
 
 
-def test_a_predicted_peak_beyond_the_measured_lines_is_in_sight():
+def test_resonance_figure_includes_a_predicted_peak_outside_the_lines():
     heavy = predict_frf(S.fit, mass=50 * S.mass, seals=2, frequency=np.geomspace(0.3, 60, 2001))
     panel = plot.resonance(S.comparison, heavy).panels[0]
     tags = {tag.dot: tag.x for tag in marks(panel, Tag)}
@@ -524,7 +524,7 @@ def test_a_measured_frf_is_never_interpolated():
     assert value is S.measured.value
 
 
-def test_the_phase_over_a_base_falls_from_0_to_minus_180_in_one():
+def test_phase_axis_over_a_base_spans_180_degrees():
     f = np.linspace(2, 40, 500)
     base = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind="transmissibility")
     lowest, ticks = phase_axis(base.value)

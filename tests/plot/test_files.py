@@ -127,13 +127,13 @@ def test_letters_and_curves_stand_out_in_both_themes(theme, word, paper, least):
     assert (b + 0.05) / (a + 0.05) >= least
 
 
-def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, figure):
+def test_save_refuses_an_unknown_suffix_and_lists_valid_ones(tmp_path, figure):
     with pytest.raises(ExportError, match=r"fit\.bmp: a figure is written as .pdf, .png or .svg"):
         plot.save(figure, tmp_path / "fit.bmp")
     with pytest.raises(ExportError, match="no suffix"):
         plot.save(figure, tmp_path / "fit")
 
 
-def test_a_folder_that_is_not_there_is_said(tmp_path, figure):
+def test_save_reports_a_missing_folder(tmp_path, figure):
     with pytest.raises(ExportError, match="cannot be written: No such file or directory"):
         plot.save(figure, tmp_path / "nowhere" / "fit.png")

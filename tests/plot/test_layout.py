@@ -1,4 +1,4 @@
-"""Places: round numbers on every axis, words clear of each other, curves true to a hair."""
+"""Layout of figures: round ticks, labels without overlap, exact curves."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_an_even_axis_has_two_round_numbers_or_more_inside_its_limits(low, span,
 
 
 @given(st.floats(-9, 6), st.floats(0.05, 12), st.floats(120, 900))
-def test_a_logarithmic_axis_has_numbers_inside_its_limits_and_apart(low, decades, length):
+def test_logarithmic_axis_ticks_lie_inside_limits_with_clearance(low, decades, length):
     axis = Scale("f, Hz", (10**low, 10 ** (low + decades)), log=True)
     found = numbers(axis, length, 46.0)
     assert all(axis.limits[0] * (1 - 1e-6) <= v <= axis.limits[1] * (1 + 1e-6) for v in found)
@@ -129,7 +129,7 @@ def test_a_note_that_is_wider_than_its_axes_stands_above_their_name():
     assert all(ends_of(one)[0] >= 0 for one in lines)
 
 
-def test_a_tag_without_room_beside_its_peak_breaks_and_keeps_its_unit():
+def test_tag_without_space_wraps_and_keeps_its_unit():
     f = np.geomspace(1.0, 100.0, 400)
     tag = Tag(12.0, 100.0, "measured 12.71 Hz, 155 1/kg", "measured", "filled")
     curve = Line(f, 100.0 / (1 + 30 * np.abs(np.log(f / 12.0))), Pen("fit", 2.0))
@@ -170,7 +170,7 @@ def test_a_stamp_ends_where_its_sheet_does():
 
 
 @given(st.integers(1, 400), st.floats(150, 1200))
-def test_an_axis_of_what_is_counted_has_whole_numbers_alone(count, length):
+def test_axis_of_counts_has_integer_ticks(count, length):
     axis = Scale("seals", (0.5, count + 0.5), whole=True)
     found = numbers(axis, length, 46)
     assert all(one == round(one) for one in found)

@@ -1,4 +1,4 @@
-"""An FRF names its peak, and a prediction what its test informs."""
+"""Peak labels of an FRF figure, and the valid band of a prediction."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def tags(picture):
     return [one.text for one in picture.panels[0].marks if isinstance(one, Tag)]
 
 
-def test_a_measured_peak_has_its_frequency_height_and_width_beside_it():
+def test_frf_figure_tags_peak_frequency_height_and_width():
     drawn = frf(S.measured, labels=("measured",))
     told, wide = tags(drawn)
     hz = S.measured.frequency[np.argmax(np.abs(S.measured.value))]
@@ -46,7 +46,7 @@ def test_other_kinds_are_drawn_without(kind):
     assert not tags(frf(found, labels=("predicted",)))
 
 
-def test_what_a_test_informs_is_shaded_or_said():
+def test_frf_figure_shades_the_valid_band_or_states_it():
     pred = dp.predict(S.fit, mass="114.8g", seals=2)
     upper = pred.plot().panels[0]
     assert "extrapolated" in upper.note

@@ -23,7 +23,7 @@ def drawn(size: str | None, columns: int = 1) -> tuple[float, str]:
     return float(re.search(r'width="(\d+)"', svg)[1]), svg
 
 
-def test_a_column_is_85_mm_wide_and_one_strip() -> None:
+def test_column_figure_is_85_mm_wide() -> None:
     for columns in (1, 3):
         width, _ = drawn("column", columns)
         assert width / 96 * 25.4 == pytest.approx(85, abs=0.2)
@@ -33,7 +33,7 @@ def test_strips_of_a_slide_stand_side_by_side() -> None:
     assert (drawn("slide")[0], drawn("slide", 3)[0], drawn(None)[0]) == (640, 900, 680)
 
 
-def test_drawings_stand_in_pairs_in_a_column_and_figures_alone() -> None:
+def test_column_layout_pairs_drawings_and_separates_figures() -> None:
     axes = Scale("x, m", (0, 1)), Scale("y, m", (0, 1))
     figure, shape = Panel(*axes, ()), Panel(*axes, (), drawing=True)
     picture = Picture("p", "A door.", ((figure,),) * 3 + ((shape,),) * 5, columns=3, rows=(3, 5))

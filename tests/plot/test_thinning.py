@@ -50,14 +50,14 @@ def test_means_keep_the_mean(seed, size, bins):
         assert mean_y[0] == pytest.approx(y.mean(), abs=1e-12)
 
 
-def test_a_short_record_is_left_alone_and_log_time_starts_after_zero():
+def test_downsample_returns_a_short_record_unchanged():
     x, y = np.array([-1.0, 0.0, 0.5, 2.0]), np.array([1.0, 2.0, 3.0, 4.0])
     assert [a.tolist() for a in downsample_to_extremes(x, y)] == [x.tolist(), y.tolist()]
     assert downsample_to_extremes(x, y, log=True)[0].tolist() == [0.5, 2.0]
     assert downsample_to_means(x[:2], y[:2], log=True)[0].size == 0
 
 
-def test_one_spike_among_a_million_samples_survives():
+def test_downsample_retains_a_single_spike():
     x = np.arange(1, 1_000_001, dtype=float)
     y = np.zeros_like(x)
     y[777_777] = 1.0

@@ -59,7 +59,7 @@ def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float
     assert "averaged each 5 of 41001 samples" in few.steps[-1].says
 
 
-def test_what_is_short_uneven_or_coarse_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_decimate_returns_short_uneven_or_coarse_records_unchanged(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, _ = long_record(monkeypatch, enough=20_501)
     assert decimate(whole) is whole  # not twice as long as enough
     monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", 20_500)
@@ -76,7 +76,7 @@ def test_what_is_short_uneven_or_coarse_is_left_alone(monkeypatch: pytest.Monkey
     assert decimate(uneven) is uneven
 
 
-def test_a_long_record_needs_the_room_of_ten_of_its_channels() -> None:
+def test_prepare_of_a_long_record_needs_memory_of_ten_channels() -> None:
     """A record of 3 million samples, 24 MB a channel, is prepared beside the app's other lanes."""
     time = np.arange(200_000) / 4000
     x = 8e-3 * np.clip(time - 0.5, 0.0, 1.0)

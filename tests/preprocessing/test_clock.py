@@ -1,4 +1,4 @@
-"""Where a clock leaps, or goes on in other steps, and where it does neither."""
+"""Detection of jumps in a clock and of changes of its step."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def leapt(at: int, by: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("at", [0, 3, 500, len(EVEN) - 2])
-def test_a_leap_is_found_wherever_it_stands(at: int) -> None:
+def test_find_clock_jumps_detects_a_jump_at_any_position(at: int) -> None:
     (one,) = find_clock_jumps(leapt(at, 0.1))
     assert one.at == at
     assert one.step == pytest.approx(0.11)

@@ -66,7 +66,7 @@ def test_the_top_of_a_swing_is_no_flicker(hertz: float) -> None:
 
 
 @pytest.mark.parametrize(("counts", "kept"), [(1, False), (MOST_FLICKER + 0.5, True)])
-def test_a_flicker_is_of_one_count(counts: float, kept: bool) -> None:
+def test_flicker_of_one_count_is_removed(counts: float, kept: bool) -> None:
     values = np.zeros(21)
     values[10] = counts * 1e-6
     assert bool(_without_flicker(values, 1e-6)[10]) is kept
@@ -106,7 +106,7 @@ def test_what_is_larger_than_the_noise_stays() -> None:
     assert denoise_values(step, 1e-3)[0] == pytest.approx(step)
 
 
-def test_a_perfect_encoder_is_left_alone() -> None:
+def test_denoise_displacement_returns_a_perfect_encoder_unchanged() -> None:
     rig = replace(Rig(), encoder=0.0, position_noise=0.0)
     held = prepare(simulate_relaxation(BROAD, rig=rig).test)
     x, sd = denoise_displacement(replace(held, displacement_noise=0.0))

@@ -42,7 +42,7 @@ def test_a_filter_is_named_in_words(text: str, expected: Filter):
     "text", ["lowpass", "lowpass:10", "lowpass:0Hz", "lowpass:10s", "median:4", "median:1",
              "median:x", "smooth:3", "lowpass:10Hz:fast", ""],
 )  # fmt: skip
-def test_an_unknown_filter_says_what_is_known(text: str):
+def test_parse_filter_lists_valid_filters(text: str):
     with pytest.raises(DataError, match=r"filter .*expected 'lowpass:10Hz'"):
         parse_filter(text)
 
@@ -94,7 +94,7 @@ def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: flo
     assert float(found["tau_1"].strip(" %")) == pytest.approx(tau_1, abs=0.35)
 
 
-def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: RampHold):
+def test_filter_bias_check_rejects_slow_and_causal_filters(ideal: RampHold):
     fast = check_filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz")))
     slow = check_filter_bias(filter_record(ideal, parse_filter("lowpass:2Hz")))
     late = check_filter_bias(filter_record(ideal, parse_filter("lowpass:20Hz:causal")))
@@ -108,7 +108,7 @@ def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: Ra
     assert "A causal filter delays the force" in late.says
 
 
-def test_a_linear_filter_on_both_channels_leaves_the_full_history_alone(
+def test_linear_filter_on_both_channels_preserves_the_response(
     ideal: RampHold, paper_seal
 ):
     behind = filter_record(ideal, parse_filter("lowpass:5Hz"))
@@ -118,7 +118,7 @@ def test_a_linear_filter_on_both_channels_leaves_the_full_history_alone(
     assert np.abs(behind.force - ideal.force).max() > 0.02
 
 
-def test_uneven_sampling_is_refused_by_a_linear_filter_alone(ideal: RampHold):
+def test_linear_filter_refuses_uneven_sampling(ideal: RampHold):
     time = np.cumsum(np.random.default_rng(0).uniform(0.001, 0.02, 500))
     with pytest.raises(DataError, match=r"lowpass:5Hz needs even sampling.*or use a median"):
         parse_filter("lowpass:5Hz")(time, time)

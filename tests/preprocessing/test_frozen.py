@@ -1,4 +1,4 @@
-"""Runs of equal readings: which are a fault, and which a converter or a simulation leaves."""
+"""Detection of frozen readings, distinguished from converter steps and noiseless simulations."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def read(noise: float, count: float, seed: int = 0) -> np.ndarray:
 @given(
     ratio=st.floats(0.0, 8.0), count=st.sampled_from([1e-4, 1e-3, 4e-3, 2e-2]), seed=st.integers(0)
 )
-def test_a_converter_of_any_noise_is_sound(ratio: float, count: float, seed: int):
+def test_frozen_runs_accepts_converter_noise(ratio: float, count: float, seed: int):
     values = read(ratio * count, count, seed % 2**32)
     assert len(frozen_runs(values, since=TIME)) == 0
 
 
 @pytest.mark.parametrize("tau", [0.02, 0.2, 2.0, 20.0])
-def test_a_simulation_without_noise_is_sound_even_when_it_has_come_to_rest(tau):
+def test_frozen_runs_accepts_a_noiseless_simulation_at_rest(tau):
     values = 1.0 + 0.3 * np.exp(-TIME / tau)
     assert len(frozen_runs(values, since=TIME)) == 0
     assert len(frozen_runs(np.ones(8000), since=TIME)) == 0
@@ -40,7 +40,7 @@ def test_a_simulation_without_noise_is_sound_even_when_it_has_come_to_rest(tau):
     first=st.integers(200, 7000),
     length=st.integers(150, 4000),
 )
-def test_a_freeze_in_noise_is_found_with_its_ends(noise, count, first, length):
+def test_frozen_runs_detects_a_freeze_with_its_ends(noise, count, first, length):
     values = read(1e-3 * noise, count)
     last = min(first + length, len(values)) - 1
     values[first : last + 1] = values[first]
@@ -50,7 +50,7 @@ def test_a_freeze_in_noise_is_found_with_its_ends(noise, count, first, length):
     assert np.abs(found[0] - (first, last)).max() <= 5
 
 
-def test_a_channel_without_noise_that_stops_is_found():
+def test_frozen_runs_detects_a_noiseless_channel_that_stops():
     values = read(0.0, 0.0)
     values[3000:] = values[3000]
     np.testing.assert_array_equal(frozen_runs(values, since=TIME), [[3000, 7999]])

@@ -34,7 +34,7 @@ def default(seed: int) -> RampHold:
 
 
 @pytest.mark.parametrize(("frequency", "alias"), [(50.0, 50.0), (37.3, 37.3), (1050.0, 50.0)])
-def test_a_line_is_found_where_the_sampling_puts_it(frequency: float, alias: float) -> None:
+def test_hum_lines_are_detected_at_their_alias(frequency: float, alias: float) -> None:
     hum = 3e-3 * np.sin(2 * np.pi * frequency * TIME + 0.4)
     (found,) = lines_of(noisy(0) + hum, noise=4e-3)
     assert found.frequency == pytest.approx(alias, abs=2e-3)
@@ -49,7 +49,7 @@ def test_a_prime_number_of_samples_finds_the_same_line() -> None:
     assert prime.amplitude == pytest.approx(even.amplitude, rel=1e-3)
 
 
-def test_two_lines_of_unlike_size_are_told_apart() -> None:
+def test_hum_lines_of_different_size_are_separated() -> None:
     lines = Hum(50.0, 20e-3, 0.0, 0.0), Hum(51.0, 0.0, 1e-3, 0.0)
     force = noisy(1) + sum(line.force(TIME) for line in lines)
     found = lines_of(force, noise=4e-3)
@@ -75,7 +75,7 @@ def test_the_default_rig_is_fitted_to_its_noise() -> None:
     np.testing.assert_allclose(alike, 1.0, atol=0.1)
 
 
-def test_what_was_read_is_kept() -> None:
+def test_prepare_keeps_the_raw_reading() -> None:
     raw = simulate_relaxation(PAPER, seed=2).test
     test = prepare(raw)
     np.testing.assert_allclose(np.diff(test.reading), np.diff(raw.force), atol=1e-12)

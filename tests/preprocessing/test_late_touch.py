@@ -1,4 +1,4 @@
-"""A force that comes late begins late, too: that is no air."""
+"""A delayed force begins late: no air gap is inferred."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LATE = {
 }
 
 
-def found(rig: Rig, gap: float) -> float:
+def compute_air_gap(rig: Rig, gap: float) -> float:
     """The air that preparation takes off, m."""
     changed = Rig(machine=rig.machine, protocol={"gap": gap})
     one = read(Seal(BROAD), PRESSED, changed, seed=1, name="touch")
@@ -30,9 +30,9 @@ def found(rig: Rig, gap: float) -> float:
 
 @pytest.mark.parametrize("rig", LATE)
 def test_a_late_force_is_no_air(rig):
-    assert found(LATE[rig], 0.0) < 2e-6
+    assert compute_air_gap(LATE[rig], 0.0) < 2e-6
 
 
 @pytest.mark.parametrize(("rig", "off"), [*zip(LATE, (8e-6, 60e-6, 60e-6, 80e-6), strict=True)])
 def test_air_stays_air_however_late_the_force(rig, off):
-    assert found(LATE[rig], 0.5e-3) == pytest.approx(0.5e-3, abs=off)
+    assert compute_air_gap(LATE[rig], 0.5e-3) == pytest.approx(0.5e-3, abs=off)

@@ -1,4 +1,4 @@
-"""What is known of the machine goes into the motion that the fit answers to."""
+"""Corrections of the recorded motion by a stated machine."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_the_give_of_the_machine_is_off_the_motion():
     assert "5e-05 m/N" in said.says
 
 
-def test_counts_are_still_found_behind_the_give():
+def test_encoder_step_is_detected_after_compliance_correction():
     test = relaxation_test(record(PAPER, Bench(compliance=50e-6, hold=10.0)))
     known = prepare(test, machine=dp.Machine(compliance=50e-6))
     assert known.encoder_step == pytest.approx(20e-6)
@@ -58,7 +58,7 @@ def test_a_rig_that_is_not_described_changes_nothing():
     assert plain.steps == told.steps
 
 
-def test_compliance_costs_a_per_cent_and_is_given_back():
+def test_compliance_correction_restores_the_stiffness():
     sound = fitted(Bench(rate=RATE))
     bench = Bench(compliance=50e-6, rate=RATE)
     silent, known = fitted(bench), fitted(bench, dp.Machine(compliance=50e-6))
@@ -67,7 +67,7 @@ def test_compliance_costs_a_per_cent_and_is_given_back():
     np.testing.assert_allclose(known.model.k, sound.model.k, rtol=2e-3)
 
 
-def test_a_force_filter_is_found_as_a_delay_and_given_back_by_name():
+def test_force_filter_is_detected_as_delay_and_corrected_by_name():
     def loss(fit: dp.Fit) -> float:
         return float(fit.model.loss(omega=OMEGA))
 
@@ -116,7 +116,7 @@ def test_a_still_hold_is_named_as_a_doubt_and_not_as_a_fault():
     assert "its step of 20 um hides the change" in check.says
 
 
-def test_a_force_below_zero_that_never_falls_is_told_without_a_share_of_its_fall():
+def test_motion_check_of_a_constant_negative_force_omits_the_share():
     ready = prepare(relaxation_test(record(PAPER, Bench(rate=RATE))))
     resting = replace(
         ready, force=np.full_like(ready.force, -2.0),

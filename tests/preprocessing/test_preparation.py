@@ -144,7 +144,7 @@ def test_preparation_keeps_the_source(raw: RelaxationTest):
     depth=st.floats(1e-4, 2e-2),
     rate=st.sampled_from([200.0, 1000.0]),
 )
-def test_an_ideal_ramp_is_found_exactly(delay: float, c: float, depth: float, rate: float):
+def test_prepare_recovers_an_ideal_ramp_exactly(delay: float, c: float, depth: float, rate: float):
     time = np.arange(round((delay + 10 * c) * rate)) / rate
     x = depth * np.clip((time - delay) / c, 0, 1)
     found = prepare(
@@ -196,7 +196,7 @@ def test_compression_is_made_positive(raw: RelaxationTest, plate: int, cell: int
     np.testing.assert_allclose(found.force, expected.force, atol=1e-12)
 
 
-def test_a_sign_can_be_said(raw: RelaxationTest):
+def test_prepare_accepts_a_sign(raw: RelaxationTest):
     turned = replace(raw, displacement=-raw.displacement, force=-raw.force)
     assert prepare(turned, sign=-1).depth == prepare(raw).depth
     with pytest.raises(DataError, match="ith the other sign it would ramp and rest"):
@@ -214,7 +214,7 @@ def test_a_force_on_both_sides_of_zero_is_refused(raw: RelaxationTest):
 # -- contact, preload, baseline -------------------------------------------------------------------
 
 
-def test_an_air_gap_is_taken_off_and_told():
+def test_prepare_removes_and_reports_an_air_gap():
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3))
     found = prepare(made.test)
     assert "an air gap of 0.5" in step(found, "contact")
@@ -236,7 +236,7 @@ def test_the_error_of_the_contact_is_its_scatter():
     assert prepare(simulate_relaxation(PAPER, hold_time=2.0).test).contact_error == 0.0
 
 
-def test_the_contact_is_the_same_however_many_trials_are_one_array(monkeypatch):
+def test_find_contact_is_independent_of_block_size(monkeypatch):
     x = np.linspace(0, 1e-3, 400)
     force = 2e3 * np.maximum(x - 3.1e-4, 0) + 2e-3 * np.random.default_rng(3).standard_normal(400)
     at_once = find_contact(x, force, noise=2e-3)
@@ -245,7 +245,7 @@ def test_the_contact_is_the_same_however_many_trials_are_one_array(monkeypatch):
     assert at_once.displacement == pytest.approx(3.1e-4, abs=4 * at_once.standard_error)
 
 
-def test_contact_can_be_given(raw: RelaxationTest):
+def test_prepare_accepts_a_contact(raw: RelaxationTest):
     found = prepare(raw, contact=1e-3)
     assert found.depth == pytest.approx(7e-3, abs=1e-6)
     assert found.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
@@ -262,7 +262,7 @@ def test_an_uncertain_contact_fails_its_check():
     assert "The depth is known to" in check(found, "contact_found").says
 
 
-def test_a_preload_is_told_from_a_small_offset(raw: RelaxationTest):
+def test_prepare_distinguishes_a_preload_from_a_small_offset(raw: RelaxationTest):
     assert prepare(raw).preload == 0.0
     found = prepare(replace(raw, force=raw.force + 0.3))
     assert found.preload == pytest.approx(0.35, abs=1e-3)
@@ -292,7 +292,7 @@ def test_a_record_that_starts_on_the_ramp_has_no_tare():
 # -- drift ----------------------------------------------------------------------------------------
 
 
-def test_drift_is_taken_off_only_when_asked():
+def test_prepare_removes_drift_only_on_request():
     drifting = simulate_relaxation(PAPER, rig=Rig(baseline=20.0, drift=2e-3)).test
     kept, given_, seen = (prepare(drifting, drift=d) for d in (None, 2e-3, "baseline"))
     assert kept.force[-1] - given_.force[-1] == pytest.approx(2e-3 * (61 - 10), rel=0.01)
@@ -348,12 +348,12 @@ def test_an_approach_through_air_is_no_ramp(gap: float):
     np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
 
 
-def test_contact_beyond_the_hold_is_refused(raw: RelaxationTest):
+def test_prepare_refuses_a_contact_deeper_than_the_hold(raw: RelaxationTest):
     with pytest.raises(DataError, match=r"contact = 0\.009 m lies at or beyond the held"):
         prepare(raw, contact=9e-3)
 
 
-def test_an_unloading_after_the_hold_is_left_out():
+def test_prepare_excludes_an_unloading_after_the_hold():
     test, _, _ = simulate_path(PAPER, path=((1.0, 8e-3), (31.0, 8e-3), (32.0, 0.0), (35.0, 0.0)))
     found = prepare(test)
     assert found.hold_end == pytest.approx(32.5, abs=0.02)
@@ -419,7 +419,7 @@ def test_swapped_columns_are_noticed(raw: RelaxationTest):
 # -- times given ----------------------------------------------------------------------------------
 
 
-def test_times_can_be_given(raw: RelaxationTest):
+def test_prepare_accepts_times(raw: RelaxationTest):
     found = prepare(raw, onset=1.5, ramp_end=2.5, hold_end=20.0)
     assert (found.onset, found.ramp_end, found.hold_end) == (1.5, 2.5, 20.0)
     assert found.time[-1] == 20.0
@@ -427,7 +427,7 @@ def test_times_can_be_given(raw: RelaxationTest):
     assert prepare(raw, ramp_end=2.6).ramp_end == 2.6
 
 
-def test_given_times_find_a_hold_that_creeps_too_fast_to_be_found():
+def test_prepare_uses_stated_times_of_a_fast_creeping_hold():
     time = np.arange(2000) / 100
     x = 1e-3 * np.clip(time - 1, 0, 1) + 1e-3 * np.clip(time - 2, 0, None) ** 0.7
     test = RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
@@ -462,7 +462,7 @@ def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
 
 
 @pytest.mark.once
-def test_a_record_that_is_not_judged_is_the_same_and_refused_all_the_same(raw: RelaxationTest):
+def test_prepare_without_checks_is_the_same_and_refuses_the_same(raw: RelaxationTest):
     found = prepare(raw, judged=False)
     assert found.checks == ()
     assert replace(found, checks=prepare(raw).checks) == prepare(raw)
@@ -496,7 +496,7 @@ def test_a_force_that_does_not_answer_is_refused(raw: RelaxationTest):
         prepare(replace(raw, force=noise))
 
 
-def test_a_load_cell_too_large_is_told(raw: RelaxationTest):
+def test_prepare_reports_an_oversized_load_cell(raw: RelaxationTest):
     found = prepare(raw, force_range=70.0)
     assert failed(found) == ["load_cell_range_used"]
     assert "3 % of the load cell's 70 N" in check(found, "load_cell_range_used").says
@@ -514,7 +514,7 @@ def some(raw: RelaxationTest, kept) -> RelaxationTest:
     )
 
 
-def test_a_hole_in_the_ramp_is_told(raw: RelaxationTest):
+def test_prepare_reports_a_gap_in_the_ramp(raw: RelaxationTest):
     found = prepare(some(raw, (raw.time < 1.7) | (raw.time > 2.3)))
     assert failed(found) == ["samples_unbroken", "clock_steady"]
     assert (
@@ -547,7 +547,7 @@ def test_a_dozen_rows_are_enough():
     assert found.depth == pytest.approx(8e-3)
 
 
-def test_times_given_out_of_order_are_refused(raw: RelaxationTest):
+def test_prepare_refuses_times_out_of_order(raw: RelaxationTest):
     with pytest.raises(DataError, match=r"are out of order; expected them in this order"):
         prepare(raw, ramp_end=1.2)
 
@@ -567,7 +567,7 @@ def test_a_step_joins_two_samples():
     assert found.ramp_time == pytest.approx(0.01)
 
 
-def test_lone_glitches_move_nothing_and_are_told(raw: RelaxationTest):
+def test_prepare_ignores_and_reports_single_spikes(raw: RelaxationTest):
     expected = prepare(raw)
     force, x = raw.force.copy(), raw.displacement.copy()
     force[[700, 1900, 9000]] += 5.0
@@ -582,7 +582,7 @@ def test_lone_glitches_move_nothing_and_are_told(raw: RelaxationTest):
     assert np.abs(mended.force - expected.force).max() < 0.05
 
 
-def test_a_filter_is_applied_told_and_checked(raw: RelaxationTest):
+def test_prepare_applies_reports_and_checks_a_filter(raw: RelaxationTest):
     found = prepare(raw, filter="lowpass:5Hz")
     assert found.steps[-1].name == "filter"
     assert dict(found.steps[-1].parameters) == {"filter": "lowpass:5Hz"}
@@ -615,7 +615,7 @@ def test_the_muscle_records_start_on_their_ramp(real_data: Path, kind: str, ramp
     assert "baseline_recorded" in failed(found)
 
 
-def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: Path):
+def test_prepare_of_the_afm_record_excludes_its_retraction(shared_data: Path):
     text = (shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt").read_text()
     rows = np.array(
         [line.split() for line in text.splitlines() if line and line[0] != "#"], dtype=float

@@ -1,4 +1,4 @@
-"""The grain of a channel."""
+"""Noise and quantum of a channel."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_few_samples_have_no_scatter():
 
 
 @given(step=st.floats(1e-7, 1e-1), size=st.integers(5, 60))
-def test_the_quantum_of_a_rounded_wave_is_found(step: float, size: int):
+def test_quantum_of_a_rounded_wave_is_recovered(step: float, size: int):
     wave = size * step * np.sin(np.arange(4000) / 500)
     assert quantum(np.round(wave / step) * step) == pytest.approx(step, rel=1e-6)
 
@@ -57,7 +57,7 @@ def test_a_lone_sample_is_a_spike_and_a_corner_is_none():
     np.testing.assert_allclose(without_spikes(t, hit), force, atol=0.02)
 
 
-def test_the_scatter_of_a_million_is_that_of_neighbours_however_few_are_asked():
+def test_scatter_of_a_subsample_equals_that_of_neighbours():
     """The samples that are asked lie far apart; a wave between them is no scatter."""
     t = np.arange(1_000_000) / 1e4
     noise = np.random.default_rng(1).normal(0, 0.3, len(t))

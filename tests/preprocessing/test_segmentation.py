@@ -54,7 +54,7 @@ T = np.arange(0, 40, 0.01)
     ],
 )
 @pytest.mark.parametrize("grain", ["exact", "counted", "noisy"])
-def test_what_was_drawn_is_found(corners, expected: list[str], grain: str):
+def test_find_segments_recovers_the_drawn_path(corners, expected: list[str], grain: str):
     x = path(T, *corners)
     if grain == "counted":
         x = np.round(x / 0.02) * 0.02
@@ -75,7 +75,7 @@ def test_a_record_that_is_halved_shows_the_same(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_what_is_mirrored_is_what_is_found_of_the_mirror(sign: int):
+def test_find_segments_commutes_with_sign(sign: int):
     x = sign * path(T, (0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (30, 8), (31, 2), (40, 0))
     x = x + 0.01 * np.random.default_rng(0).standard_normal(len(x))
     assert negate_segments(find_segments(T, x)) == find_segments(T, -x)
@@ -92,7 +92,7 @@ def test_cycles_without_end_are_looked_at_no_more_often_for_that(monkeypatch: py
     assert sum(looked) < 400 * len(t)  # 2,900 before
 
 
-def test_moves_that_never_come_back_are_gone_through_once():
+def test_cycles_of_unreturned_moves_take_linear_time():
     up = [MotionSegment("load", i, i + 1, i, i + 1, i, i + 2) for i in range(0, 20_000, 2)]
     down = [MotionSegment("unload", i, i + 1, i, i + 1, i + 1, i) for i in range(1, 20_000, 2)]
     both = tuple(itertools.chain.from_iterable(zip(up, down, strict=True)))
@@ -127,7 +127,7 @@ def test_overshoot_and_ringing_belong_to_the_hold():
     rate=st.sampled_from([50.0, 200.0, 1000.0]),
     seed=st.integers(0, 5),
 )
-def test_the_corners_of_an_ideal_ramp_are_found(
+def test_ideal_ramp_recovers_its_corners(
     start: float, duration: float, rate: float, seed: int
 ):
     time = np.arange(0, 30, 1 / rate)
@@ -143,7 +143,7 @@ def test_the_corners_of_an_ideal_ramp_are_found(
     assert line.time_of(8.0) == pytest.approx(start + duration, abs=allowed)
 
 
-def test_a_ramp_of_one_step_joins_the_two_samples():
+def test_ideal_ramp_of_one_step_joins_its_two_samples():
     t = np.arange(100.0)
     x = np.where(t >= 10, 5.0, 0.0)
     ramp = cycles_of(find_segments(t, x))[0].ramp
@@ -180,7 +180,7 @@ def test_a_partial_unloading_stays_within_the_loading():
     ("axis", "interval", "rate"),
     [(12.0, 0.06, 1000.0), (25.0, 0.06, 1000.0), (60.0, 0.02, 250.0), (40.0, 0.1, 500.0)],
 )
-def test_an_axis_that_stops_at_every_set_point_makes_one_ramp(ramp, axis, interval, rate):
+def test_prepare_merges_a_stepwise_axis_into_one_ramp(ramp, axis, interval, rate):
     seal = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
     bench = Bench(ramp=ramp, axis=axis, interval=interval, damping=0.6, rate=rate, hold=30.0)
     found = prepare(relaxation_test(record(seal, bench)))
@@ -188,7 +188,7 @@ def test_an_axis_that_stops_at_every_set_point_makes_one_ramp(ramp, axis, interv
     assert found.depth == pytest.approx(8e-3, rel=2e-3)
 
 
-def test_a_staircase_of_holds_stays_one():
+def test_find_segments_keeps_a_staircase_of_holds():
     time = np.arange(0, 60, 0.01)
     steps = sum(2e-3 * np.clip((time - at) / 0.2, 0, 1) for at in (1.0, 6.0, 11.0, 16.0))
     kinds = [segment.kind for segment in find_segments(time, steps)]

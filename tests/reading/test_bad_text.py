@@ -48,7 +48,7 @@ def lines(**changed: str) -> str:
 
 
 # row 1: decimal marks
-def test_thousand_or_decimal_is_asked(tmp_path: Path) -> None:
+def test_read_asks_whether_a_comma_is_decimal(tmp_path: Path) -> None:
     rows = "".join(f"{i};1,{i:03d};2,{i:03d}\n" for i in range(100, 130))
     refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--text-format decimal=","')
     as_decimal = read(tmp_path, HEAD + rows, decimal=",")
@@ -101,7 +101,7 @@ def test_clock_reset_names_the_line(tmp_path: Path) -> None:
     assert "--rate" not in message
 
 
-def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
+def test_read_asks_which_of_several_segments(tmp_path: Path) -> None:
     text = HEAD + table(";") + "\nSegment: two\n" + HEAD + table(";")
     refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--file-part segment=1")
     test = read(tmp_path, text, segment=2)
@@ -109,7 +109,7 @@ def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
     refused(tmp_path, text, "--file-part segment=3, but the file has 2 segments", segment=3)
 
 
-def test_one_remark_does_not_part_a_record(tmp_path: Path) -> None:
+def test_single_remark_does_not_split_a_record(tmp_path: Path) -> None:
     rows = table(";").splitlines()
     path = tmp_path / "hit.csv"
     head = "time [s];hammer [N];acceleration 1 [m/s^2]\n"
@@ -147,7 +147,7 @@ def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
     assert read(tmp_path, table(","), units=units, **named).displacement[-1] == 8e-3
 
 
-def test_two_displacements_are_asked(tmp_path: Path) -> None:
+def test_read_asks_which_of_two_displacements(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = "Zeit [s];Traversenweg absolut [mm];Standardweg [mm];Kraft [N]\n" + table(
         ";", columns=(time, moved, moved + 1, force)
@@ -159,7 +159,7 @@ def test_two_displacements_are_asked(tmp_path: Path) -> None:
         read(tmp_path, text, displacement="Weg")
 
 
-def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
+def test_read_asks_by_number_which_of_two_specimens(tmp_path: Path) -> None:
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
     time, moved, force = truth()
     text = head + table(";", columns=(time, moved, force, time + 1, moved + 1, 2 * force))
@@ -247,14 +247,14 @@ def test_uneven_impact_is_refused(tmp_path: Path) -> None:
         read_impact(path)
 
 
-def test_text_that_is_not_utf_16_is_said_to_be_none(tmp_path: Path) -> None:
+def test_read_reports_text_that_is_no_utf_16(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("time [s],displacement [mm],force [N]\n" + "0,0,0\n" * 20)
     with pytest.raises(ReadError, match="is not utf-16"):
         read_relaxation(path, options=ReadOptions(encoding="utf-16"))
 
 
-def test_a_closed_stdin_is_said_to_be_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_read_reports_a_closed_stdin(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", None)
     with pytest.raises(ReadError, match="stdin is closed"):
         read_relaxation("-")
@@ -263,7 +263,7 @@ def test_a_closed_stdin_is_said_to_be_closed(monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize(
     ("kelvin", "fails"), [(99.9, True), (100.0, False), (550.0, False), (550.1, True)]
 )
-def test_a_temperature_that_no_rubber_has_is_asked_about(kelvin: float, fails: bool) -> None:
+def test_specimen_asks_about_an_impossible_temperature(kelvin: float, fails: bool) -> None:
     if not fails:
         assert Specimen(temperature=kelvin).temperature == kelvin
         return
@@ -275,7 +275,7 @@ def test_a_temperature_that_no_rubber_has_is_asked_about(kelvin: float, fails: b
     ("unit", "last", "fails"),
     [("degC", 276.8, False), ("degC", 276.9, True), ("K", 100.0, False), ("K", 99.9, True)],
 )
-def test_temperatures_of_a_sweep_in_another_unit_are_asked_about(
+def test_read_dynamic_asks_about_temperatures_in_another_unit(
     tmp_path: Path, unit: str, last: float, fails: bool
 ) -> None:
     rows = "".join(f"{f},5,1,{t}\n" for t in (270.0, last) for f in (1, 2, 5, 10))
@@ -322,7 +322,7 @@ def test_all_readings_of_a_file_share_its_time(
             patience.check_time_limit(7)
 
 
-def test_a_remark_that_stands_again_costs_its_line_alone(
+def test_repeated_remark_is_parsed_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from dashpot.reading.text import rows
@@ -338,7 +338,7 @@ def test_a_remark_that_stands_again_costs_its_line_alone(
     assert len(asked) <= 2
 
 
-def test_columns_without_a_row_are_not_judged() -> None:
+def test_swap_check_ignores_columns_without_rows() -> None:
     """A header of LabVIEW that ends twice leaves a segment of no rows."""
     none = np.zeros(0)
     assert not inspect._look_swapped(

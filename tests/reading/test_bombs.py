@@ -83,7 +83,7 @@ def number(row: int, column: int) -> bytes:
 
 
 @pytest.fixture
-def elsewhere(tmp_path: Path) -> Path:
+def external_file(tmp_path: Path) -> Path:
     path = tmp_path / "b.h5"
     with h5py.File(path, "w") as file:
         file["force_N"] = truth()[2]
@@ -116,13 +116,13 @@ def linked(file: h5py.File, kind: str, other: Path) -> None:
     ],
 )
 def test_data_of_another_file_is_refused(
-    tmp_path: Path, elsewhere: Path, kind: str, says: str
+    tmp_path: Path, external_file: Path, kind: str, says: str
 ) -> None:
     path = tmp_path / "a.h5"
     time, moved, _ = truth()
     with h5py.File(path, "w") as file:
         file["time_s"], file["displacement_mm"] = time, moved
-        linked(file, kind, elsewhere)
+        linked(file, kind, external_file)
     with pytest.raises(ReadError, match=says):
         read_relaxation(path)
     if kind == "group":
@@ -130,15 +130,15 @@ def test_data_of_another_file_is_refused(
             read_relaxation(path, options=ReadOptions(sheet="run"))
 
 
-def test_a_unit_in_another_file_is_not_looked_up(tmp_path: Path, elsewhere: Path) -> None:
+def test_a_unit_in_another_file_is_not_looked_up(tmp_path: Path, external_file: Path) -> None:
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["force/data"] = truth()[2]
-        file["force/unit"] = h5py.ExternalLink(elsewhere.name, "/force_N")
+        file["force/unit"] = h5py.ExternalLink(external_file.name, "/force_N")
     with pytest.raises(ReadError, match=r"'unit' is a link into 'b\.h5'"):
         inspect_file(tmp_path / "a.h5")
 
 
-def test_what_is_linked_twice_is_read_once(tmp_path: Path) -> None:
+def test_hdf5_data_linked_twice_is_read_once(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         for name, values in zip(("time_s", "displacement_mm", "force_N"), truth(), strict=True):

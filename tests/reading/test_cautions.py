@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit.foreign.files import press_and_hold, written
-from kit.shell import did, told
+from kit.shell import did, run_json
 
 import dashpot as dp
 from dashpot.base.provenance import Caution, cautions_in
@@ -55,7 +55,7 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
     assert "numbers_unambiguous" in fitted.verdict.reasons
     for command in ("fit", "inspect"):
         assert words in " ".join(did(command, path).output.split())
-    document = told("fit", path)
+    document = run_json("fit", path)
     check = next(one for one in document["checks"] if one["name"] == "numbers_unambiguous")
     assert check["passed"] is False
     assert words in check["message"]
@@ -100,7 +100,7 @@ def test_page_and_lot_have_the_check(tmp_path: Path) -> None:
     assert "numbers_unambiguous" in (lot / "lot.csv").read_text(encoding="utf-8")
 
 
-def test_a_record_that_is_kept_keeps_its_cautions(tmp_path: Path) -> None:
+def test_saved_record_keeps_its_cautions(tmp_path: Path) -> None:
     """As JSON, by which the app keeps what it has read."""
     path = tmp_path / "seal.csv"
     path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))

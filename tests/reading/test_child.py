@@ -90,7 +90,7 @@ def test_more_numbers_than_a_test_has_are_refused_and_no_fewer() -> None:
         run(misbehaving.pours, options=ReadOptions(sheet=str(limits.LARGEST + 8)))
 
 
-def test_one_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_slow_parser_is_terminated(monkeypatch: pytest.MonkeyPatch) -> None:
     assert raw_file.compute_time_allowed(0) == raw_file.compute_time_allowed(30_000_000) == 30
     assert raw_file.compute_time_allowed(40_000_000) == 40
     assert (
@@ -149,7 +149,7 @@ def test_a_child_that_is_led_astray_is_not_believed(junk: bytes) -> None:
     assert run(misbehaving.lies, RawFile("a", None, answer(HEAD, bytes(8)))).load([0]).values == 0
 
 
-def test_many_threads_read_at_once() -> None:
+def test_parser_processes_run_in_many_threads() -> None:
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(run, [misbehaving.behaves] * 8))
     assert {table.format for table in found} == {"bytes"}

@@ -27,7 +27,7 @@ def notes(record: object) -> str:
 
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
-def test_row(tmp_path: Path, row: Row) -> None:
+def test_crafted_file_has_its_stated_outcome(tmp_path: Path, row: Row) -> None:
     path = tmp_path / "case.csv"
     path.write_bytes(row.content)
     if row.outcome in {"right", "noted"}:
@@ -53,7 +53,7 @@ def test_there_are_enough() -> None:
     assert len(TABLE) >= ROWS
 
 
-def test_every_row_says_what_must_come_of_it() -> None:
+def test_every_crafted_file_states_its_outcome() -> None:
     for row in TABLE:
         assert bool(row.says) == (row.outcome != "right"), row.name
         assert bool(row.answer) == (row.outcome == "asked"), row.name

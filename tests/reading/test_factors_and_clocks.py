@@ -123,7 +123,7 @@ NEUTRAL = {
 
 
 @pytest.mark.parametrize(("name", "value"), FACTORS.items(), ids=FACTORS.keys())
-def test_a_factor_beside_numbers_is_asked(tmp_path: Path, name: str, value: Any) -> None:
+def test_hdf5_asks_about_a_stated_factor(tmp_path: Path, name: str, value: Any) -> None:
     path = hdf5(tmp_path / "a.h5", force={name: value})
     with pytest.raises(ReadError, match=rf"stated beside its numbers, {name} = "):
         read_relaxation(path)
@@ -135,7 +135,7 @@ def test_a_factor_beside_numbers_is_asked(tmp_path: Path, name: str, value: Any)
 
 
 @pytest.mark.parametrize(("name", "value"), list(NEUTRAL.items())[:-1])
-def test_what_changes_no_number_is_not_asked(tmp_path: Path, name: str, value: Any) -> None:
+def test_hdf5_accepts_attributes_that_change_no_number(tmp_path: Path, name: str, value: Any) -> None:
     test = read_relaxation(hdf5(tmp_path / "a.h5", force={name: value}))
     np.testing.assert_allclose(test.force, FORCE)
     assert not test.source.cautions
@@ -149,7 +149,7 @@ def test_a_factor_of_the_whole_file_is_a_caution_or_that_of_its_column(tmp_path:
         read_relaxation(named)
 
 
-def test_factors_of_mat_structs_are_asked(tmp_path: Path) -> None:
+def test_mat_asks_about_factors_of_structs(tmp_path: Path) -> None:
     path = tmp_path / "a.mat"
     fields = {
         name: {"data": values, "unit": UNITS[name], **({"gain": 10.0} if name == "force" else {})}
@@ -177,7 +177,7 @@ RATES = {
 
 @pytest.mark.parametrize(("name", "value"), RATES.items(), ids=RATES.keys())
 @pytest.mark.parametrize("of", ["file", "dataset"])
-def test_a_hold_whose_clock_is_an_attribute_is_asked(
+def test_hdf5_asks_for_the_rate_of_a_clock_attribute(
     tmp_path: Path, name: str, value: Any, of: str
 ) -> None:
     said = {"of_file": {name: value}} if of == "file" else {"force": {name: value}}
@@ -209,7 +209,7 @@ def test_a_hold_without_a_clock_is_no_cld(tmp_path: Path, head: str) -> None:
         read_relaxation(path)
 
 
-def test_a_time_in_metres_is_asked(tmp_path: Path) -> None:
+def test_read_asks_about_a_time_in_metres(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text(written("Time (m);displacement [mm];force [N]", (TIME / 60, MOVED, FORCE)))
     assert recognise(path).kind == "relaxation"
@@ -227,7 +227,7 @@ def test_a_press_and_release_without_a_clock_is_a_cld(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "name", ["t0", "start_time", "StartOffset", "wf_start_offset", "delay_s", "trigger_offset"]
 )
-def test_channels_that_start_apart_are_refused(tmp_path: Path, name: str) -> None:
+def test_hdf5_refuses_channels_with_different_starts(tmp_path: Path, name: str) -> None:
     for said in ({"displacement": {name: 0.0}, "force": {name: 0.1}}, {"force": {name: 0.1}}):
         path = hdf5(tmp_path / "a.h5", leave=("time",), **said)
         with pytest.raises(ReadError, match=f"start at different times.*{name} = 0.1"):
@@ -236,7 +236,7 @@ def test_channels_that_start_apart_are_refused(tmp_path: Path, name: str) -> Non
     np.testing.assert_allclose(read_relaxation(both).force, FORCE)
 
 
-def test_groups_that_start_apart_are_refused(tmp_path: Path) -> None:
+def test_hdf5_refuses_groups_with_different_starts(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         for name in ("displacement", "force"):
@@ -248,7 +248,7 @@ def test_groups_that_start_apart_are_refused(tmp_path: Path) -> None:
         read_relaxation(path, options=ReadOptions(rate=RATE))
 
 
-def test_a_group_of_calibrations_is_asked(tmp_path: Path) -> None:
+def test_hdf5_asks_about_a_calibration_group(tmp_path: Path) -> None:
     path = hdf5(tmp_path / "a.h5")
     with h5py.File(path, "r+") as file:
         file["calibration/force"] = 0.1

@@ -59,7 +59,7 @@ def test_lvm(tmp_path: Path, decimal: str, x_columns: str, segments: int, commen
     assert sorted(p.name for p in tmp_path.iterdir()) == ["hits.lvm"]
 
 
-def test_lvm_records_stacked_under_one_header(tmp_path: Path) -> None:
+def test_lvm_reads_records_stacked_under_a_header(tmp_path: Path) -> None:
     path = tmp_path / "hits.lvm"
     path.write_text(lvm(samples=10, rows=30))
     test = read_impact(path)
@@ -249,7 +249,7 @@ def test_workbooks_of_other_makes(tmp_path: Path) -> None:
         same(read_relaxation(tmp_path / name))
 
 
-def test_two_sheets_are_asked(tmp_path: Path) -> None:
+def test_workbook_asks_which_of_two_sheets(tmp_path: Path) -> None:
     path = tmp_path / "a.xlsx"
     workbook(path, {"One": sheet(), "Two": sheet()})
     with pytest.raises(ReadError, match="sheets 'One', 'Two' could each be the test"):
@@ -461,7 +461,7 @@ def test_what_unpacks_to_too_much_is_passed_over(tmp_path: Path) -> None:
         read_relaxation(path)
 
 
-def test_every_format_is_found_by_its_bytes(tmp_path: Path) -> None:
+def test_every_format_is_recognised_by_its_bytes(tmp_path: Path) -> None:
     """Of a file of each: one whose mark is never met would be read as text."""
     made = one_of_each(tmp_path) | {
         "trios": b'[{"Results": []}]',

@@ -63,7 +63,7 @@ def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
 
 
-def test_what_earlier_hours_found(fuzzer: Fuzzer) -> None:
+def test_readers_survive_the_saved_fuzz_corpus(fuzzer: Fuzzer) -> None:
     found = guided.read(guided.KEPT)
     assert found
     for one in found:

@@ -1,4 +1,4 @@
-"""What a file is, whatever it is called; and what can be read of it."""
+"""Recognition of the kind of a file, and which columns can be read."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
     [(ONE_FREQUENCY - 1e-6, "one-frequency"), (ONE_FREQUENCY + 1e-6, "dma"),
      (MASTER - 1e-6, "dma"), (MASTER + 1e-6, "master-curve")],
 )  # fmt: skip
-def test_a_sweep_is_told_by_its_decades(decades: float, kind: str) -> None:
+def test_kind_of_sweep_depends_on_its_decades(decades: float, kind: str) -> None:
     frequency = 10 ** np.linspace(0, decades, 9)
     columns = tuple(Column(name, "MPa") for name in ("storage", "loss"))
     values = np.column_stack([frequency, frequency, frequency])
@@ -141,7 +141,7 @@ def test_a_complex_response_of_a_binary_file_is_an_frf(tmp_path: Path, suffix: s
     np.testing.assert_allclose(found.coherence, coherence)
 
 
-def test_of_two_responses_or_coherences_one_is_asked_for(tmp_path: Path) -> None:
+def test_read_frf_asks_which_of_two_responses(tmp_path: Path) -> None:
     lines, value = response()
     path = tmp_path / "a.csv"
     head = "f [Hz],H1 real [g/N],H1 imag [g/N],H2 real [g/N],H2 imag [g/N],coh 1,coh 2"
@@ -178,7 +178,7 @@ def test_a_record_without_its_ramp_says_so(tmp_path: Path) -> None:
         ("time [ms],x [mm],force [N]", r"lasts 20 ms", "time=s", "time=ms"),
     ],
 )
-def test_a_size_that_no_seal_has_is_asked_about(
+def test_read_asks_about_an_implausible_size(
     tmp_path: Path, head: str, asked: str, likelier: str, meant: str
 ) -> None:
     path = tmp_path / "seal.csv"
@@ -242,7 +242,7 @@ def test_a_sweep_without_names_is_read_by_numbers(tmp_path: Path) -> None:
     assert read_dynamic(path, options=tangent).loss[2] == pytest.approx(12e6 * 1.2)
 
 
-def test_a_sweep_whose_frequency_stands_in_its_header_alone_is_told_what_to_write(
+def test_inspect_file_explains_a_sweep_with_frequency_in_its_header(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "sweep.csv"

@@ -32,7 +32,7 @@ def is_the_truth(path: Path) -> tuple[str, ...]:
 
 
 @pytest.mark.parametrize("row", [["0", "8", "1.6"], ["5.9", "8", "1.5"]])
-def test_one_odd_row_at_the_end_is_no_padding(tmp_path: Path, row: list[str]) -> None:
+def test_single_odd_row_at_the_end_is_no_padding(tmp_path: Path, row: list[str]) -> None:
     path = tmp_path / "odd.csv"
     path.write_text(joined([*three(), row]))
     if row[0] == "0":
@@ -42,7 +42,7 @@ def test_one_odd_row_at_the_end_is_no_padding(tmp_path: Path, row: list[str]) ->
         assert "1 repeated time stamp" in is_the_truth(path)[0]
 
 
-def test_padding_of_a_hammer_record_is_left_out(tmp_path: Path) -> None:
+def test_padding_of_a_hammer_record_is_removed(tmp_path: Path) -> None:
     path = tmp_path / "hit.csv"
     head = "time [s];hammer [N];acceleration 1 [m/s^2]"
     path.write_text(joined([*three(), *[["0"] * 3] * 4], head))
@@ -96,7 +96,7 @@ def test_clocks_that_cannot_be_joined_are_refused(
         read_relaxation(path)
 
 
-def test_one_clock_is_taken_where_the_pairs_share_it(tmp_path: Path) -> None:
+def test_column_pairs_with_a_shared_clock_are_one_record(tmp_path: Path) -> None:
     path = tmp_path / "pairs.csv"
     path.write_text(pairs(TIME, MOVED))
     assert is_the_truth(path) == ()

@@ -18,7 +18,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
      (b"<svg xmlns='http://www.w3.org/2000/svg'/>", "image/svg+xml"),
      (b"\xef\xbb\xbf <?xml version='1.0'?><!-- a --><svg/>", "image/svg+xml")],
 )  # fmt: skip
-def test_an_image_of_a_known_kind_is_held_whole(tmp_path, content, kind):
+def test_read_logo_embeds_an_image_of_a_supported_kind(tmp_path, content, kind):
     (tmp_path / "logo").write_bytes(content)
     head, _, data = read_logo(tmp_path / "logo").partition(",")
     assert head == f"data:{kind};base64"

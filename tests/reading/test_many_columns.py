@@ -1,4 +1,4 @@
-"""Thousands of columns cost what they say, not what they are counted by."""
+"""Tables of thousands of columns are read in time linear in their size."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def wide(count: int) -> FileTable:
     return FileTable("made", columns, make_loader(np.zeros((8, len(columns)))))
 
 
-def test_what_differs_by_a_number_is_judged_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_column_names_that_differ_by_a_number_are_scored_once(monkeypatch: pytest.MonkeyPatch) -> None:
     judged: list[str] = []
     inner = role_assignment._scores
     monkeypatch.setattr(
@@ -56,7 +56,7 @@ def test_what_differs_by_a_number_is_judged_once(monkeypatch: pytest.MonkeyPatch
     assert len(judged) <= 14
 
 
-def test_a_table_is_gone_through_once_for_all_roles(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_score_columns_scans_a_table_once_for_all_roles(monkeypatch: pytest.MonkeyPatch) -> None:
     table, gone = wide(20), []
     inner = role_assignment.scores
     monkeypatch.setattr(
@@ -93,7 +93,7 @@ def test_a_number_says_nothing(name: str) -> None:
         assert said == [has_word(one, words)] * 2
 
 
-def test_names_that_say_nothing_are_judged_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_meaningless_column_names_are_scored_once(monkeypatch: pytest.MonkeyPatch) -> None:
     judged: list[str] = []
     inner = role_assignment._scores
     monkeypatch.setattr(
@@ -133,7 +133,7 @@ def test_plain_numbers_throughout_leave_nothing_to_try(
     assert tried
 
 
-def test_one_digit_may_be_a_word_and_two_are_none() -> None:
+def test_vocabulary_has_no_word_with_two_digits() -> None:
     assert matches("gamma2") != matches("gamma3")
     words = [*FIRST, *SECOND, *vocabulary.EXTREMES, *vocabulary.DERIVED, *vocabulary.COMMANDED]
     assert not [word for word in words if re.search(r"\d\d", word)]
@@ -152,7 +152,7 @@ def test_the_name_that_users_give_a_unit_keeps_its_number() -> None:
     assert score(Column("ai_0018"), "force", options) == 0.0
 
 
-def test_names_that_differ_by_a_number_are_spoken_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_column_names_that_differ_by_a_number_are_normalised_once(monkeypatch: pytest.MonkeyPatch) -> None:
     folded: list[str] = []
     inner = vocabulary.normalise_name
     monkeypatch.setattr(
@@ -171,7 +171,7 @@ def text(columns: int, rows: int = 8, cell: str = "21.5") -> str:
     return "\n".join(",".join(row) for row in (names, *([*row, *[cell] * more] for row in ramp)))
 
 
-def test_a_line_of_a_million_characters_is_a_row(tmp_path: Path) -> None:
+def test_inspect_file_reads_a_line_of_a_million_characters(tmp_path: Path) -> None:
     place = tmp_path / "wide.csv"
     place.write_text(text(300, cell="21." + "5" * 3600))
     assert 1 << 20 < len(place.read_text().splitlines()[-1]) < LONGEST
@@ -179,7 +179,7 @@ def test_a_line_of_a_million_characters_is_a_row(tmp_path: Path) -> None:
     assert (found.kind, found.rows, len(found.columns)) == ("relaxation", 8, 300)
 
 
-def test_what_is_too_wide_is_said_to_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_read_reports_too_many_columns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place = tmp_path / "wide.csv"
     for module in ("dialect", "formats.text"):
         where = "text." + module if module == "dialect" else module
@@ -200,7 +200,7 @@ def test_how_wide_a_line_may_be(sign: str) -> None:
 
 
 @pytest.mark.parametrize(("copies", "asked"), [(64, False), (65, True)])
-def test_of_very_many_columns_it_is_asked_before_they_are_read(copies: int, *, asked: bool) -> None:
+def test_assign_asks_about_many_columns_before_loading(copies: int, *, asked: bool) -> None:
     loaded: list[int] = []
     same = wide(copies)
 
@@ -214,7 +214,7 @@ def test_of_very_many_columns_it_is_asked_before_they_are_read(copies: int, *, a
     assert len(loaded) == (0 if asked else copies)
 
 
-def test_points_that_could_part_thousands_are_found_as_one_column_at_a_time_would(
+def test_decimal_marks_in_blocks_equal_those_by_column(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(decimal_marks, "_CELLS", 90)  # blocks of three rows
@@ -310,7 +310,7 @@ def test_a_table_is_cut_where_the_screen_ends(more: int, *, cut: bool) -> None:
     assert (shown == rows) is not cut
 
 
-def test_a_row_of_names_is_not_judged_to_its_end_for_units(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unit_row_test_stops_early_on_a_row_of_names(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
     inner = header._unit_shape
     monkeypatch.setattr(header, "_unit_shape", lambda word: asked.append(word) or inner(word))
@@ -322,12 +322,12 @@ def test_a_row_of_names_is_not_judged_to_its_end_for_units(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(("words", "units"), [(4, True), (5, False)])
-def test_six_of_ten_cells_make_a_row_of_units(words: int, *, units: bool) -> None:
+def test_unit_row_needs_six_of_ten_cells(words: int, *, units: bool) -> None:
     row = [*(f"ch{i}" for i in range(words)), *["mm", "N"] * 5][:10]
     assert header._holds_units(row) is units
 
 
-def test_columns_that_differ_by_a_number_are_asked_about_once(
+def test_assign_asks_once_about_columns_that_differ_by_a_number(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     judged: list[str] = []

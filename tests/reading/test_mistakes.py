@@ -85,7 +85,7 @@ def test_a_large_force_is_a_note(
 
 
 @pytest.mark.parametrize(("factors", "heading", "meant"), UNITS.values(), ids=UNITS.keys())
-def test_a_unit_that_makes_no_test_is_asked_about(
+def test_read_relaxation_asks_about_an_implausible_unit(
     tmp_path: Path, factors: tuple[float, ...], heading: str, meant: str
 ) -> None:
     path = tmp_path / "seal.csv"
@@ -123,7 +123,7 @@ def _role(mistake: str) -> str:
     ("one", "other"),
     [(a, b) for a, b in combinations(UNITS, 2) if _role(a) != _role(b)],
 )
-def test_who_obeys_a_question_is_asked_no_other(tmp_path: Path, one: str, other: str) -> None:
+def test_answered_question_leads_to_no_other(tmp_path: Path, one: str, other: str) -> None:
     """Two columns in wrong units: what is asked together is answered together."""
     path = tmp_path / "seal.csv"
     factors = tuple(a * b for a, b in zip(UNITS[one][0], UNITS[other][0], strict=True))
@@ -138,14 +138,14 @@ def test_who_obeys_a_question_is_asked_no_other(tmp_path: Path, one: str, other:
         read_relaxation(path, options=asked)
 
 
-def test_a_unit_stated_by_option_is_not_asked_about(tmp_path: Path) -> None:
+def test_read_relaxation_accepts_a_unit_stated_by_option(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(bench(1, 1e-3, 1))
     test = read_relaxation(path, options=ReadOptions(units={"displacement": "mm"}))
     assert np.ptp(test.displacement) == pytest.approx(8.04e-6, rel=0.01)
 
 
-def test_a_probe_in_its_own_units_is_not_asked_about(tmp_path: Path) -> None:
+def test_read_relaxation_accepts_a_probe_in_micro_units(tmp_path: Path) -> None:
     """Micrometres and micronewtons, or metres and newtons as an AFM writes them."""
     path = tmp_path / "probe.csv"
     for head, factors in (
@@ -157,7 +157,7 @@ def test_a_probe_in_its_own_units_is_not_asked_about(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("heading", "meant"), HITS.values(), ids=HITS.keys())
-def test_a_unit_that_makes_no_hammer_is_asked_about(
+def test_read_impact_asks_about_an_implausible_unit(
     tmp_path: Path, heading: str, meant: str
 ) -> None:
     path = tmp_path / "hammer.csv"
@@ -241,7 +241,7 @@ def test_lines_in_quotes_are_seen(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2, 2), (0, 1, 1, 3)])
-def test_one_channel_twice_is_refused(tmp_path: Path, order: tuple[int, ...]) -> None:
+def test_read_impact_refuses_a_duplicate_channel(tmp_path: Path, order: tuple[int, ...]) -> None:
     path = tmp_path / "hammer.csv"
     path.write_text(hammer(*order))
     with pytest.raises(ReadError, match="hold the same numbers: one channel stands there twice"):
@@ -265,7 +265,7 @@ def frf(path: Path, head: str, *columns: np.ndarray) -> Path:
         ("rad", np.angle(OF_A_MASS, deg=True), "deg", "rad"),
     ],
 )
-def test_a_phase_in_the_other_unit_is_asked_about(
+def test_read_frf_asks_about_a_phase_in_the_other_unit(
     tmp_path: Path, unit: str, phase: np.ndarray, asked: str, meant: str
 ) -> None:
     head = f"frequency [Hz],magnitude [(m/s^2)/N],phase [{unit}]"
@@ -292,7 +292,7 @@ def test_decibels_and_per_cents_are_no_plain_numbers(tmp_path: Path) -> None:
     np.testing.assert_allclose(in_parts.coherence, 0.99)
 
 
-def test_an_frf_in_kilohertz_is_asked_about(tmp_path: Path) -> None:
+def test_read_frf_asks_about_kilohertz(tmp_path: Path) -> None:
     head = "frequency [kHz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
     path = frf(tmp_path / "frf.csv", head, LINES, OF_A_MASS.real, OF_A_MASS.imag)
     with pytest.raises(ReadError, match="is the unit of frequency Hz"):
@@ -303,7 +303,7 @@ def test_an_frf_in_kilohertz_is_asked_about(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("roles", list(combinations(("time", "displacement", "force"), 2)))
-def test_inspect_asks_as_the_reader_does_where_one_column_is_named_twice(
+def test_inspect_asks_as_the_reader_about_a_column_with_two_roles(
     tmp_path: Path, roles: tuple[str, str]
 ) -> None:
     place = tmp_path / "a.txt"

@@ -47,7 +47,7 @@ def test_profile_round_trip(tmp_path_factory: pytest.TempPathFactory, options: R
     assert load_profile(path) == options
 
 
-def test_what_is_of_some_files_alone_is_in_no_profile() -> None:
+def test_profile_refuses_options_of_some_files() -> None:
     scoped = ReadOptions(own=(("h*.csv", ReadOptions(force="F")),))
     with pytest.raises(DataError, match=r"GLOB:lab\.toml"):
         dump_profile(scoped)

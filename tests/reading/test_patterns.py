@@ -26,6 +26,6 @@ def test_every_pattern_takes_a_time_in_proportion_to_its_text() -> None:
     assert last_line() == "done"
 
 
-def test_a_quadratic_one_is_caught() -> None:
+def test_pattern_check_detects_a_quadratic_expression() -> None:
     """The swiftest quadratic pattern that once stood here: runs of bare CR."""
     assert last_line(r"\r+\n") == r"\r+\n"

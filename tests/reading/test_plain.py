@@ -144,7 +144,7 @@ def test_digits_of_even_columns_are_read_to_the_nearest_double(rows):
      "1:5", "a.5", "1.e", "nan", "1e5", "\x00.5", "1234567890123456.5"]
 )  # fmt: skip
 @pytest.mark.parametrize("first", [True, False])
-def test_digits_are_left_where_one_number_is_written_otherwise(odd, first):
+def test_split_line_cells_leaves_an_irregular_number_unparsed(odd, first):
     rows = [f"{odd};1", "2.5;1"] if first else ["2.5;1", f"{odd};1"]
     found = split_line_cells("".join(f"{row}\n" for row in rows).encode("latin-1"), ord(";"))
     assert found.numbers((0,), b".") is None
@@ -259,7 +259,7 @@ def grouped_tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
 @example(('"1,234.5","2","3,000"\n"1,234","1","1"\n', COMMA, (0, 1, 2)))
 @example(("1 234.5;2;3\n1 234;1;1 2\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
 @given(grouped_tables())
-def test_grouped_thousands_are_read_the_same_in_blocks_and_row_by_row(table):
+def test_grouped_thousands_in_blocks_equal_those_by_row(table):
     with patch.object(PlainRows, "_numbers_even_grouped", PlainRows._numbers):
         expected = outcome(*table, sure=False)
     assert outcome(*table, sure=False) == expected
@@ -293,7 +293,7 @@ def test_msgspec_is_imported_once_it_saves_more_time_than_it_takes(monkeypatch, 
 
 
 @pytest.mark.parametrize("size", range(1, 12))
-def test_ends_of_lines_are_one_however_the_blocks_are_cut(size):
+def test_decode_blocks_is_independent_of_block_size(size):
     """Some write two carriage returns before the end of a line, some nothing else."""
     raw = b"1\r\r\n2\r\n3\r4\n\n5\r\r\n"
     blocks = [raw[i : i + size] for i in range(0, len(raw), size)]

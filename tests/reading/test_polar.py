@@ -62,7 +62,7 @@ def test_size_and_angle_are_storage_and_loss(tmp_path: Path, size: str, angle: s
         assert ("cosine" in " ".join(test.source.notes)) == (base is SIZE)
 
 
-def test_a_stiffness_that_does_not_say_which_is_asked_for(tmp_path: Path) -> None:
+def test_read_dynamic_asks_about_an_ambiguous_stiffness(tmp_path: Path) -> None:
     path = written(tmp_path, "Frequency (Hz),Stiffness (N/mm),tan delta", F, SIZE, np.tan(DELTA))
     with pytest.raises(
         ReadError, match='say which: --column storage="Stiffness" or --column magnitude='

@@ -185,7 +185,7 @@ def test_a_column_that_is_named_may_be_empty(tmp_path: Path, content: str) -> No
 # -- who names a column, or a kind -----------------------------------------------------------------
 
 
-def test_a_modulus_beside_a_record_is_one_where_it_is_named(tmp_path: Path) -> None:
+def test_recognise_takes_a_modulus_column_only_if_named(tmp_path: Path) -> None:
     time = 1 + CLOCK
     modulus = 0.2 + sum(k / 1e3 * np.exp(-time / tau) for k, tau in ARMS)
     head = "time [s],displacement [mm],force [N],E(t) [MPa]"
@@ -196,7 +196,7 @@ def test_a_modulus_beside_a_record_is_one_where_it_is_named(tmp_path: Path) -> N
     assert read_modulus(path, options=named).unit == "Pa"
 
 
-def test_a_kind_that_is_said_overrules_what_is_seen(tmp_path: Path) -> None:
+def test_recognise_accepts_a_requested_kind(tmp_path: Path) -> None:
     path = written(tmp_path, FILES["cld_1.csv"].write())
     assert recognise(path).kind == "cld"
     found = recognise(path, kind="relaxation")
@@ -218,7 +218,7 @@ def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
 # -- what is no table ------------------------------------------------------------------------------
 
 
-def test_what_dashpot_keeps_is_known_by_its_schema(tmp_path: Path) -> None:
+def test_recognise_identifies_documents_by_schema(tmp_path: Path) -> None:
     path = written(tmp_path, to_json(a_fit(PAPER)), "fit.json")
     found = recognise(path)
     assert (found.kind, found.stored, found.kind_title) == ("fit", True, "a fit")
@@ -255,7 +255,7 @@ def test_toml_is_a_door_or_a_profile(tmp_path: Path, content: str, kind: str) ->
         ("seal.csv", "folder"),
     ],
 )
-def test_a_folder_is_known_by_what_lies_in_it(tmp_path: Path, name: str, kind: str) -> None:
+def test_recognise_identifies_a_folder_by_its_content(tmp_path: Path, name: str, kind: str) -> None:
     (tmp_path / name).touch()
     assert recognise(tmp_path).kind == inspect_file(tmp_path).kind == kind
 
@@ -277,7 +277,7 @@ def parsed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
-def test_a_file_is_recognised_and_read_by_parsing_it_once(
+def test_recognise_and_read_parse_a_file_once(
     tmp_path: Path, parsed: list[str]
 ) -> None:
     path = written(tmp_path, FILES["seal_8mm.csv"].write())
@@ -303,7 +303,7 @@ def test_a_file_that_was_written_to_is_read_as_it_is(tmp_path: Path) -> None:
     assert recognise(path).kind == "relaxation"
 
 
-def test_few_files_are_left_open(tmp_path: Path) -> None:
+def test_recognise_caches_few_files(tmp_path: Path) -> None:
     for number in range(channels._MOST + 3):
         recognise(written(tmp_path, both(), f"{number}.csv"))
     assert len(channels._LEFT_OPEN) == channels._MOST

@@ -58,7 +58,7 @@ def test_midnight_is_a_fall_of_a_day_less_a_minute(
 
 
 @pytest.mark.parametrize(("rows", "cut"), [(4, True), (3, False)])
-def test_a_cut_off_number_is_known_by_four_rows(rows: int, cut: bool) -> None:
+def test_truncated_number_is_detected_after_four_rows(rows: int, cut: bool) -> None:
     dialect = Dialect(";", ".", ("number", "number"))
     assert dialect.is_cut_off(["1.5;2.25"] * rows + ["1.5;2.2"]) is cut
     assert not dialect.is_cut_off(["1.5;2.25"] * rows + ["1.5;2.25"])
@@ -87,7 +87,7 @@ def test_whole_numbers_in_a_later_block_raise_the_question(tmp_path: Path) -> No
         read_relaxation(path)
 
 
-def test_marks_are_judged_by_every_row(tmp_path: Path) -> None:
+def test_decimal_mark_is_decided_by_every_row(tmp_path: Path) -> None:
     """The cell that settles it, or raises the question, stands far below the first megabyte."""
     head, rows = "Time (ms);Position (mm);Load (N)\n", 90_000
     text = [f"{100 + i / 10:.1f};{i % 8};{100 + i % 800}.00" for i in range(rows)]
@@ -106,7 +106,7 @@ def test_marks_are_judged_by_every_row(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("first", "noted"), [(("0", "1", "0.01"), True), (("0", "1", "0.01000"), False)]
 )
-def test_a_first_row_printed_otherwise_is_noted(
+def test_first_row_in_another_format_is_noted(
     tmp_path: Path, first: tuple[str, ...], noted: bool
 ) -> None:
     path = tmp_path / "first.csv"
@@ -184,7 +184,7 @@ def test_logarithms_are_no_moduli(tmp_path: Path, head: str) -> None:
         read_dynamic(path)
 
 
-def test_the_parts_of_an_frf_have_one_unit(tmp_path: Path) -> None:
+def test_read_frf_refuses_parts_in_different_units(tmp_path: Path) -> None:
     path = tmp_path / "frf.csv"
     rows = [[f"{i + 1}.0", "1.0", "0.1"] for i in range(20)]
     path.write_text(joined(rows, "Frequency (Hz);Real (g/N);Imag ((m/s^2)/N)"))
@@ -210,7 +210,7 @@ def test_a_second_header_holds_until_the_next(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("step", "noted"), [(0.5, False), (0.51, True)])
-def test_a_last_step_beyond_five_others_is_noted(step: float, noted: bool) -> None:
+def test_clock_notes_report_a_long_last_step(step: float, noted: bool) -> None:
     time = np.append(np.arange(9) / 10, 0.8 + step)
     assert bool(cleaning.clock_notes(time)) is noted
 

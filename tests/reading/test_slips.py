@@ -1,4 +1,4 @@
-"""A thousandfold slip is asked wherever it is made; no stated unit of a real test is."""
+"""Questions about thousandfold errors of units; none about real tests."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ SLIPS = {
 
 
 @pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_is_asked(slip: str, tmp_path: Path) -> None:
+def test_reader_asks_about_a_thousandfold_slip(slip: str, tmp_path: Path) -> None:
     with pytest.raises(DashpotError, match=r"expected|is expected"):
         SLIPS[slip](tmp_path)
 
@@ -92,7 +92,7 @@ def unasked(path: Path, options: ReadOptions) -> None:
 
 
 @pytest.mark.slow
-def test_no_real_record_is_asked(real_data: Path) -> None:
+def test_readers_accept_every_real_record(real_data: Path) -> None:
     pytest.importorskip("openpyxl")
     records = real(real_data)
     assert len(records) == 18
@@ -106,7 +106,7 @@ def test_no_real_record_is_asked(real_data: Path) -> None:
 
 
 @pytest.mark.slow
-def test_no_large_record_is_asked(shared_data: Path) -> None:
+def test_readers_accept_large_records(shared_data: Path) -> None:
     (machine,) = (shared_data / "formats" / "zwick").glob("*.TXT")
     unasked(machine, ReadOptions(displacement="Standardweg", rate=10.0))
     unasked(shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt", ReadOptions())

@@ -66,7 +66,7 @@ def test_a_pipe_is_read_to_its_end(tmp_path: Path) -> None:
     writer.join()
 
 
-def test_a_pipe_without_end_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pipe_without_end_is_abandoned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert raw_file.PIPED == 1 << 29
     for most in (len(TEXT), len(TEXT) - 1):
         monkeypatch.setattr(raw_file, "PIPED", most)
@@ -111,7 +111,7 @@ def test_no_stdin_and_no_stderr_are_needed(tmp_path: Path, name: str) -> None:
     assert done.stdout.startswith(f"{name}: relaxation")
 
 
-def test_stdin_without_end_is_left() -> None:
+def test_stdin_without_end_is_abandoned() -> None:
     code = (
         "import resource, sys; from dashpot.reading.raw_file import open_raw\n"
         "try: open_raw('-')\n"

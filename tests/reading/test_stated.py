@@ -1,4 +1,4 @@
-"""The temperature that the header of a file states, and the lines that only seem to."""
+"""The temperature stated in the header of a file, and lines that only resemble it."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def test_the_first_line_says_that_the_file_was_overruled() -> None:
     assert "The file says 23 degC, and 73.4 degC was given" in found.verdict.says
 
 
-def test_the_rest_of_the_specimen_is_kept(tmp_path: Path) -> None:
+def test_stated_temperature_keeps_other_specimen_data(tmp_path: Path) -> None:
     test = read(tmp_path / "a.csv", "Temperature: 0 °C", specimen=Specimen(length=0.1))
     assert test.specimen == Specimen(length=0.1, temperature=273.15)
 

@@ -97,7 +97,7 @@ def test_several_impact_files_are_records(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("rate", "one_set"), [(100.5, True), (102.0, False), (400.0, False)])
-def test_files_of_two_rates_are_no_one_test(tmp_path: Path, rate: float, one_set: bool) -> None:
+def test_read_impact_refuses_files_of_two_rates(tmp_path: Path, rate: float, one_set: bool) -> None:
     # read at the rate of the first, hits of four times as many samples ring four times as slowly
     signal = np.random.default_rng(1).normal(size=(2, 50))
     paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
@@ -193,7 +193,7 @@ def test_uneven_uff(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_frf(tmp_path / "a.uff").frequency, written.frequency, rtol=1e-5)
 
 
-def test_several_frfs_are_asked(tmp_path: Path) -> None:
+def test_read_frf_asks_which_of_several(tmp_path: Path) -> None:
     import pyuff
 
     (tmp_path / "a.uff").write_bytes(frf_uff(frf()))

@@ -1,4 +1,4 @@
-"""Every row of the register of kinds holds: what it names is there, and does what the row says."""
+"""The registry of kinds: every row refers to functions, options and columns that exist."""
 
 from __future__ import annotations
 
@@ -119,13 +119,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def test_what_is_recognised_has_a_row_and_the_other_way_round() -> None:
+def test_every_recognised_kind_is_registered() -> None:
     assert set(RECOGNISED) == set(get_args(FileKind)) - {"not-a-test", "unclear"}
     assert set(KINDS) - SAID == set(RECOGNISED)
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
+def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
     for word in words(kind):
         assert load_object(word) is not None
     for noun in kind.nouns:
@@ -140,7 +140,7 @@ def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_what_a_row_says_is_a_command_is_one(kind: KindOfTest) -> None:
+def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
     said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
     asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.says}")
     assert set(asked) <= set(COMMANDS)
@@ -149,7 +149,7 @@ def test_what_a_row_says_is_a_command_is_one(kind: KindOfTest) -> None:
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_a_row_names_options_and_columns_that_there_are(kind: KindOfTest) -> None:
+def test_options_and_columns_named_by_a_kind_exist(kind: KindOfTest) -> None:
     assert not kind.needs or kind.needs in set(Piece._fields)
     assert set(kind.columns) <= set(NUMBERS)
     assert bool(kind.columns) == bool(kind.row)
@@ -167,7 +167,7 @@ def test_every_kind_that_is_fitted_has_an_example() -> None:
 
 
 @pytest.mark.parametrize("name", OWN_ROWS)
-def test_a_row_of_its_own_fills_the_columns_that_it_names(folder: Path, name: str) -> None:
+def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
     kind, piece = KINDS[name], OWN_ROWS[name]
     file = next(file for file, one in FILES.items() if one.kind == name)
     result, numbers = load_object(kind.row)(folder / file, piece)
@@ -177,7 +177,7 @@ def test_a_row_of_its_own_fills_the_columns_that_it_names(folder: Path, name: st
     assert isinstance(figure_of(result)(result), Picture)
 
 
-def test_every_kind_with_a_row_of_its_own_is_tried() -> None:
+def test_every_kind_with_a_batch_row_is_tested() -> None:
     assert {kind.name for kind in KINDS.values() if kind.row} == set(OWN_ROWS)
 
 
@@ -224,7 +224,7 @@ MADE: dict[str, Callable[[Path], object]] = {
 """Return one result of every class with a schema that is of one kind."""
 
 
-def test_every_noun_with_a_schema_is_made_here() -> None:
+def test_every_class_with_a_schema_is_tested() -> None:
     nouns = [load_object(noun) for kind in KINDS.values() for noun in kind.nouns]
     kept = {noun.__name__ for noun in nouns if issubclass(noun, Serialisable) and noun.schema
             and noun._is_loadable}  # fmt: skip
@@ -240,7 +240,7 @@ def test_a_document_comes_back_as_it_was(folder: Path, name: str) -> None:
     assert json.loads(to_json(from_json(text))) == found
 
 
-def test_an_option_is_of_the_kinds_whose_own_fit_takes_it() -> None:
+def test_find_kinds_by_option_names_the_fits_that_take_it() -> None:
     assert find_kinds_by_option("compression") == "cld"
     assert find_kinds_by_option("mass") == "indentation slam"  # no file says it is a rod
 

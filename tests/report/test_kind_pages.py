@@ -60,7 +60,7 @@ RESULTS = {
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_a_page_is_of_one_grammar(name):
+def test_page_of_every_kind_has_the_same_structure(name):
     found = RESULTS[name]()
     page = html(found)
     shown = kind_page(found)
@@ -96,7 +96,7 @@ def test_lights_are_as_bad_as_the_worst_check(name, grade):
     assert ("should" in said) == (grade == "note")
 
 
-def test_a_row_tells_what_is_known_and_nothing_else():
+def test_page_row_shows_only_available_limits():
     known = row(ReportedValue("k", 100.0, 90.0, 110.0, "N/m"))
     assert (known.value, known.low, known.high, known.unit) == ("0.100", "0.090", "0.110", "N/mm")
     alone, held = (
@@ -153,7 +153,7 @@ def test_a_fit_goes_to_a_page(tmp_path, monkeypatch):
     assert ".json or .html" in refused.stderr
 
 
-def test_what_is_weighed_and_each_file_stand_once():
+def test_page_lists_each_finding_and_file_once():
     source = S.fit.source[0]
     bad = Check("of_the_file", False, "It is not.", grade="stop")
     noted = Check("aside", False, "It is odd.", grade="note")
@@ -197,7 +197,7 @@ EXPORTED = {
 
 
 @pytest.mark.parametrize("name", EXPORTED)
-def test_a_deck_of_a_page_is_what_its_command_writes_of_the_document_beside_it(name, tmp_path):
+def test_deck_of_a_page_equals_that_of_its_command(name, tmp_path):
     made, names = EXPORTED[name]
     page = html(made())
     files = held_in(page)
@@ -226,7 +226,7 @@ def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer
     assert calm._saved_result is S.fit
 
 
-def test_a_constant_of_a_law_has_its_interval_and_of_the_noise_alone_its_error():
+def test_constant_of_a_shift_law_shows_interval_or_noise_error():
     law = WLF(7.0, 120.0, 296.15)
     shifts = (Shift(283.15, 0.77, 0.01), Shift(296.15, 0.0, 0.0))
     moved = TemperatureShifts(law, shifts, np.zeros((4, 4)), ("c1", "c2"), np.diag([0.01, 4.0]))
@@ -246,7 +246,7 @@ def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
     assert (light.mark, light.says) == ("note", "1 check passed, 1 note")
 
 
-def test_numbers_of_one_record_stand_under_its_name() -> None:
+def test_numbers_are_grouped_by_record() -> None:
     names = ("loss factor", "a.csv, slam 1: speed", "a.csv, slam 1: contact", "b.csv: speed")
     told = group_by_record(ReportedValue(name, 1.0, unit="m") for name in names)
     assert [(one.title, [row.name for row in one.rows]) for one in told] == [

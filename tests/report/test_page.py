@@ -113,7 +113,7 @@ def sketch(monkeypatch):
     "part", ["test", "fit", "frequency", "hammer", "joint", "hits", "checks", "assumptions",
              "provenance", "method"],
 )  # fmt: skip
-def test_every_part_is_there_and_folded(whole, part):
+def test_report_has_every_section_folded(whole, part):
     assert whole.count(f'<details id="{part}">') == 1
     body = whole[whole.index(f'<details id="{part}">') :]
     assert body.index("<summary><h2>") < body.index('<div class="body">') < body.index("</details>")
@@ -154,7 +154,7 @@ def test_the_page_needs_nothing_but_itself(whole):
     assert "@page" in whole
 
 
-def test_the_policy_allows_the_one_script_and_the_one_style_by_their_hashes(whole):
+def test_report_policy_allows_its_script_and_style_by_hash(whole):
     policy = unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', whole)[1])
     allowed = dict(part.split(" ", 1) for part in policy.split("; "))
     assert allowed.pop("default-src") == "'none'"
@@ -209,7 +209,7 @@ def test_the_answer_comes_first(whole):
     assert places == sorted(places)
 
 
-def test_the_head_names_what_is_known_and_what_was_not_given(sketch):
+def test_report_head_lists_stated_and_missing_information(sketch):
     who = replace(S.prepared.specimen, name="Door seal", lot="L24-117", date="2026-11-21")
     text = sketch(replace(S, prepared=replace(S.prepared, specimen=who)))
     for part in ("Specimen Door seal, 100 mm long", "Lot L24-117", "Operator not given",
@@ -292,7 +292,7 @@ def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
     assert not any(check.says in unescape(body) for check in missed)
 
 
-def test_one_count_of_the_checks_stands_on_the_page(whole):
+def test_report_counts_checks_consistently(whole):
     counted = [check for check in S.verdict_checks if check.passed is not None]
     passed = sum(bool(check.passed) for check in counted)
     heading = whole[whole.index('<details id="checks"') :].partition("</summary>")[0]
@@ -315,7 +315,7 @@ def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
     assert numbers[-1][:4] == ["", "0.0040", "40", "Hz"]  # of the joint model
 
 
-def test_table_and_figure_name_one_peak():
+def test_report_table_and_figure_show_the_same_peak():
     """Between the lines that are drawn, too."""
     alone = replace(S, comparison=None, measured=None, impact=None, direct=None, joint=None,
                     joint_comparison=None)  # fmt: skip
@@ -325,7 +325,7 @@ def test_table_and_figure_name_one_peak():
     assert tag == pytest.approx(frequency, abs=0.006)
 
 
-def test_page_and_terminal_tell_one_shift(whole):
+def test_report_and_terminal_show_the_same_shift(whole):
     """By how many standard errors before a parameter moved, and which way."""
     down = ParameterChange("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
     assert down.shift == -2.0
@@ -394,7 +394,7 @@ def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     assert "--compression" in page
 
 
-def test_what_is_shown_of_the_solid_is_the_recommended_one(whole, sketch):
+def test_report_shows_the_recommended_model(whole, sketch):
     """Table, sentence and checks speak of the solid of both tests, and say so."""
     text = Page(whole).text
     assert "The recommended model, of both tests, one seal" in text
@@ -409,7 +409,7 @@ def test_what_is_shown_of_the_solid_is_the_recommended_one(whole, sketch):
     assert "The model of the relaxation test alone" not in alone
 
 
-def test_a_note_on_a_solid_that_is_not_recommended_stands_in_the_list_alone(sketch):
+def test_note_on_a_rejected_model_appears_only_in_the_list(sketch):
     note = Check("fast_arm_visible", False, "The fastest arm is too fast.", grade="note")
     limit = Check("k_end_determined", False, "The plateau is not known.")
     study = replace(S, fit=altered(S.fit, checks=(*S.fit.checks, note, limit)))
@@ -429,7 +429,7 @@ def test_a_note_on_a_solid_that_is_not_recommended_stands_in_the_list_alone(sket
     assert "fastest arm is too fast" in sketch(study)
 
 
-def test_as_many_checks_are_shown_as_there_is_room_for(sketch):
+def test_report_shows_as_many_checks_as_fit(sketch):
     every = tuple(Check(f"no_{i}", False, " ".join(["word"] * 30)) for i in range(7))
     study = replace(handmade.bench_only(), fit=altered(S.fit, checks=every), checks=())
     text = sketch(study)
@@ -460,7 +460,7 @@ def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
     assert "extrapolated ×40" in text
 
 
-def test_per_100_mm_appears_only_where_the_length_is_known(whole, sketch):
+def test_report_states_values_per_100_mm_only_with_a_length(whole, sketch):
     assert "per 100 mm" in Page(whole).text
     bare = replace(S, prepared=replace(S.prepared, specimen=Specimen()), joint=None,
                    joint_comparison=None)  # fmt: skip
@@ -489,7 +489,7 @@ def test_what_is_assumed_stands_folded_with_what_the_study_says_of_it(whole):
     assert re.search(r'<tr class="bad"><td>elastic law</td>.*<td>doubted</td>', body)
 
 
-def test_a_check_that_two_stages_share_is_said_once(sketch):
+def test_report_shows_a_shared_check_only_at_one_place(sketch):
     twice = replace(handmade.bench_only(), checks=S.fit.checks)
     text = sketch(twice)
     for check in S.fit.checks:
@@ -531,7 +531,7 @@ def test_hits_are_listed_with_the_reason_of_a_rejection(whole):
     assert "a second hit of 40 % struck 60 ms after the first" in Page(whole).text
 
 
-def test_what_the_hammer_moved_is_told(sketch):
+def test_report_lists_parameters_changed_by_the_hammer_test(sketch):
     moved = (
         ParameterChange("k_inf", 196.5, 0.5, 197.5, 0.5, "N/m"),
         ParameterChange("tau_1", None, None, 0.0117, 0.0003, "s"),
@@ -571,7 +571,7 @@ def test_the_resonance_is_read_in_every_way_the_record_supports(whole):
     assert f"model from relaxation: exact pole {exact.frequency:.3f}" in text
 
 
-def test_a_way_that_the_record_refuses_is_said_to_be_refused(sketch):
+def test_report_states_a_refused_method(sketch):
     # 1 Hz between lines: too few in the half-power band
     every = slice(None, None, 8)
     coarse = replace(
@@ -595,7 +595,7 @@ def test_without_a_hammer_the_page_says_so_and_leaves_the_rest_out(bench):
     assert "The relaxation test and its fit" in text
 
 
-def test_with_a_mass_alone_the_prediction_is_drawn_and_called_untested():
+def test_report_with_a_mass_only_calls_its_prediction_untested():
     alone = replace(handmade.bench_only(), mass=S.mass, prediction=S.prediction)
     text = html(alone)
     assert 'id="figure-frf"' in text
@@ -642,7 +642,7 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
     assert "preload at the first sample 0.300 N" in text
 
 
-def test_a_solid_that_is_no_sum_of_arms_is_reported_by_its_own_stiffness(sketch):
+def test_report_of_a_fractional_model_shows_its_stiffness(sketch):
     text = sketch(replace(handmade.bench_only(), fit=a_fit(SEAL, band=handmade.BAND)))
     K = complex(SEAL.complex_stiffness(omega=2 * np.pi))
     at_1_hz = " ".join(round_to_error(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))

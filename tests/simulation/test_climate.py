@@ -52,7 +52,7 @@ def test_the_hidden_seal_is_the_papers_with_the_arm_it_supposes():
 
 
 @pytest.mark.parametrize("law", [SHIFT, Arrhenius(60e3, 296.15)])
-def test_a_cold_test_is_the_warm_one_on_a_slower_clock(law):
+def test_cold_relaxation_equals_warm_relaxation_on_a_shifted_clock(law):
     """Relaxation at T is b_T times that at T_r, at a time shorter by a_T."""
     a, b = float(law.a_t(273.15)), 273.15 / 296.15
     t = np.geomspace(1e-3, 100, 30)
@@ -91,7 +91,7 @@ def test_a_block_rings_as_its_seals_do_at_their_temperature():
     assert made.truth.bounce_poles == same.truth.bounce_poles
 
 
-def test_without_a_climate_nothing_is_said_of_temperature():
+def test_simulation_without_climate_states_no_temperature():
     made = simulate_relaxation(BROAD, hold_time=1.0)
     assert made.test.specimen.temperature is None
     assert made.truth.climate is None

@@ -24,7 +24,7 @@ from dashpot.solids.demo_seals import (
 )
 
 
-def test_the_seals_are_the_papers_and_the_broad_one(paper_seal):
+def test_simulated_seals_have_the_published_stiffness(paper_seal):
     assert paper_seal == PAPER
     omega = 2 * np.pi * 12.71
     assert float(BROAD.storage(omega=omega)) == pytest.approx(364.878, rel=1e-5)

@@ -11,7 +11,7 @@ from dashpot.simulation.rig import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 
 
-def test_a_relaxation_is_stamped_and_its_truth_told():
+def test_simulated_relaxation_has_a_stamp_and_truth():
     truth = simulate_relaxation(PAPER, hold_time=1.0, seed=7).truth
     lines = stamp(truth)
     assert lines[0].startswith("simulated by dashpot")
@@ -28,7 +28,7 @@ def test_a_relaxation_is_stamped_and_its_truth_told():
     assert "force" not in told
 
 
-def test_an_impact_is_stamped_and_its_truth_told():
+def test_simulated_impact_has_a_stamp_and_truth():
     truth = simulate_impact(BROAD, mass=BROAD_MASS, hits=2, rig=Hammer(record=1.0)).truth
     assert "virtual hammer" in stamp(truth)[0]
     told = json.loads(truth_json(truth))

@@ -51,7 +51,7 @@ def test_with_a_half_it_is_the_error_function() -> None:
 
 @pytest.mark.parametrize("alpha", ALPHAS)
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-7])
-def test_its_arms_keep_to_the_tolerance_asked(alpha: float, tolerance: float) -> None:
+def test_fractional_arms_keep_the_requested_tolerance(alpha: float, tolerance: float) -> None:
     solid = FractionalZener(1.0, 0.0, 1.0, alpha)
     arms = solid.arms(tolerance)
     assert (
@@ -80,7 +80,7 @@ def test_a_band_takes_fewer_arms_and_a_steeper_slope_more() -> None:
     assert counts[0] == counts[3] < counts[5] < counts[-1] < 5 * counts[0]
 
 
-def test_far_outside_its_band_it_is_one_arm() -> None:
+def test_fractional_arms_far_outside_the_band_reduce_to_a_single_arm() -> None:
     solid = FractionalZener(3.0, 1.0, 1e-6, 0.5)
     low = solid.arms(1e-3, (1e-6, 1e-5))
     K = low.complex_stiffness(omega=2 * np.pi * 1e-5)
@@ -88,7 +88,7 @@ def test_far_outside_its_band_it_is_one_arm() -> None:
 
 
 @pytest.mark.parametrize("solid", [PARK, FractionalZener(4.0, 1.0, 0.3, 0.8)])
-def test_creep_and_relaxation_are_one_solid(solid: FractionalZener) -> None:
+def test_fractional_creep_agrees_with_its_arms(solid: FractionalZener) -> None:
     t = np.geomspace(1e-3, 1e3, 13)
     arms = solid.arms(1e-9)
     np.testing.assert_allclose(solid.creep(t), arms.creep(t), rtol=1e-7)
@@ -104,7 +104,7 @@ def test_a_fractional_maxwell_solid_creeps_as_a_power() -> None:
     assert flows.stiffness_at(s) == pytest.approx(5.0 * half / (1 + half))
 
 
-def test_a_slope_of_one_is_a_zener_solid() -> None:
+def test_fractional_slope_of_one_is_a_zener_model() -> None:
     zener = FractionalZener(3.0, 1.0, 0.2, 1.0)
     assert zener.maxwell == GeneralizedMaxwell(1.0, (2.0,), (0.2,))
     np.testing.assert_allclose(
@@ -139,7 +139,7 @@ def test_solids_stand_side_by_side() -> None:
     np.testing.assert_allclose(beside.force(t, x), parts, rtol=1e-12)
 
 
-def test_a_dashpot_beside_it_is_felt() -> None:
+def test_fractional_model_includes_a_parallel_dashpot() -> None:
     damped = FractionalZener(10.0, 1.0, 0.01, 0.5, b=0.4)
     apart = PARK.complex_stiffness(omega=OMEGA) + 0.4j * OMEGA
     np.testing.assert_allclose(damped.complex_stiffness(omega=OMEGA), apart, rtol=1e-13)

@@ -63,7 +63,7 @@ def test_order_does_not_matter(one, other):
         assert join(a, b).stiffness_at(s) == pytest.approx(join(b, a).stiffness_at(s), rel=1e-10)
 
 
-def test_equal_parts_in_series_are_one_part_of_half_the_stiffness(paper_seal):
+def test_equal_elements_in_series_halve_the_stiffness(paper_seal):
     half = net.series(paper_seal, paper_seal)
     assert half.arms == paper_seal.arms
     assert half.k == pytest.approx([k / 2 for k in paper_seal.k], rel=1e-12)
@@ -71,7 +71,7 @@ def test_equal_parts_in_series_are_one_part_of_half_the_stiffness(paper_seal):
     assert half.k_inf == pytest.approx(paper_seal.k_inf / 2, rel=1e-14)
 
 
-def test_series_of_one_is_itself(paper_seal):
+def test_series_of_a_single_element_is_that_element(paper_seal):
     assert net.series(paper_seal) is paper_seal
     assert net.parallel(paper_seal, paper_seal).k == pytest.approx((2 * paper_seal).k)
 

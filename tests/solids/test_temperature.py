@@ -11,7 +11,7 @@ CELSIUS = np.array([-40.0, -20.0, 0.0, 40.0, 80.0]) + 273.15
 WLF = dp.solids.WLF.universal(glass=218.15, reference=REFERENCE)
 
 
-def test_universal_wlf_gives_the_numbers_computed_apart():
+def test_universal_wlf_reproduces_reference_values():
     assert WLF.c1 == pytest.approx(6.943703704, rel=1e-9)
     assert WLF.c2 == pytest.approx(129.6, rel=1e-12)
     expected = [6.568368, 3.447797, 1.498172, -0.805204, -2.121067]
@@ -20,7 +20,7 @@ def test_universal_wlf_gives_the_numbers_computed_apart():
     np.testing.assert_allclose(energies, [147.220, 89.962, 61.708], atol=6e-4)
 
 
-def test_arrhenius_gives_the_numbers_computed_apart():
+def test_arrhenius_reproduces_reference_values():
     law = dp.solids.Arrhenius(60e3, REFERENCE)
     expected = [1.797547, 0.891079, -0.574495, -1.708069]
     np.testing.assert_allclose(law.log10_a_t(CELSIUS[1:]), expected, atol=6e-7)
@@ -76,7 +76,7 @@ def test_a_shifted_solid_answers_slower_and_stiffer():
         seal.shift_to_temperature(0.0)
 
 
-def test_stiffness_between_and_beyond_the_tests():
+def test_vertical_shift_interpolates_and_extrapolates():
     law = dp.solids.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
     shifts = (Shift(273.15, 1.5, 0.01, 0.9, 0.001), Shift(296.15, 0.0, 0.0))
     found = TemperatureShifts(law, shifts, np.zeros((4, 4)))

@@ -102,7 +102,7 @@ def test_a_flat_spectrum_of_a_hundred_decades_leaves_its_poles_their_digits() ->
     assert np.abs(cut - accelerance(2 * flat, MASS, s)).max() > 0.5 * np.abs(known).max()
 
 
-def test_the_mass_behind_its_peak_is_found() -> None:
+def test_mass_for_peak_recovers_the_mass() -> None:
     fine = np.linspace(10.0, 30.0, 2001)
     frf = predict_frf(2 * SEAL, mass=MASS, frequency=fine)
     peak = fine[np.argmax(np.abs(frf.value))]

@@ -61,7 +61,7 @@ def test_a_curve_agrees_with_itself(mass: float, loss: float, kind: Kind) -> Non
     assert same.z_rms is None
 
 
-def test_frac_is_one_for_a_wrong_gain_and_the_decibels_tell_it() -> None:
+def test_frac_ignores_gain_and_decibels_report_it() -> None:
     frf = predicted(BROAD)
     double = compare(replace(frf, value=2 * frf.value), frf)
     assert double.frac == pytest.approx(1, abs=1e-12)
@@ -69,13 +69,13 @@ def test_frac_is_one_for_a_wrong_gain_and_the_decibels_tell_it() -> None:
     assert double.ratio_db == pytest.approx(20 * np.log10(2), abs=1e-9)
 
 
-def test_z_is_about_one_where_the_model_holds() -> None:
+def test_compare_z_is_unity_for_the_true_model() -> None:
     truth = predicted(BROAD)
     held = compare(truth, noisy(truth, 0.01), model=BROAD, seals=2, mass=MASS)
     assert held.z_rms == pytest.approx(1, abs=0.1)
 
 
-def test_z_takes_the_scatter_from_coherence_where_no_sd_is_given() -> None:
+def test_compare_takes_scatter_from_coherence_without_sd() -> None:
     truth = predicted(BROAD)
     measured = noisy(truth, 0.01)
     coherence = np.full(len(LINES), 1 / (1 + 0.01**2 * 5))
@@ -205,7 +205,7 @@ def test_a_window_without_a_solid_is_refused_in_words() -> None:
 # -- what the user sees -----------------------------------------------------------------------
 
 
-def test_other_lines_are_refused_and_the_way_out_is_told() -> None:
+def test_compare_refuses_other_lines_and_suggests_a_remedy() -> None:
     other = predict_frf(2 * PAPER, mass=MASS, frequency=LINES + 0.03)
     with pytest.raises(DataError, match=r"predict at measured\.frequency"):
         compare(other, predicted(BROAD))
@@ -241,7 +241,7 @@ def test_acceleration_in_g_is_noticed() -> None:
     assert slip.says.startswith("A unit looks wrong")
 
 
-def test_a_peak_between_the_lines_is_told() -> None:
+def test_compare_reports_a_peak_between_lines() -> None:
     frf = predict_frf(2 * PAPER, mass=MASS, frequency=LINES)
     told = check(compare(frf, frf), "lines_resolve_the_peak")
     assert told.failed

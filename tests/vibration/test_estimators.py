@@ -89,7 +89,7 @@ def test_hs_is_h1_without_force_noise_and_h2_without_response_noise():
     np.testing.assert_allclose(estimate(quiet_response, "Hs"), estimate(some, "H2"), rtol=1e-12)
 
 
-def test_coherence_of_one_blow_is_refused():
+def test_coherence_of_a_single_hit_is_none():
     one = spectra(hits=1, response_noise=1.0)
     assert coherence(one) is None
     assert random_error(one, estimate(one)) is None
@@ -115,7 +115,7 @@ def test_the_random_error_is_the_true_scatter(hits):
     assert np.std(z) == pytest.approx(1, abs=0.06)
 
 
-def test_leaving_one_out_is_estimating_from_the_rest():
+def test_leave_out_estimates_equal_those_of_the_other_hits():
     some = spectra(hits=4, response_noise=0.2)
     without = leave_one_out(some, "H2")
     rest = Spectra(FREQUENCY, some.force[1:], some.response[1:])

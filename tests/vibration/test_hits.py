@@ -30,7 +30,7 @@ def record_of(*starts, seconds=30.0, peaks=None, noise=2e-3, double=None):
     return ImpactTest(time=t, force=force, acceleration=response[None], units="SI")
 
 
-def test_every_blow_is_found_and_timed():
+def test_cut_hits_detects_every_hit_with_its_time():
     starts = (1.0, 7.3, 13.0, 19.9)
     hits = cut_hits([record_of(*starts)])
     assert [hit.time for hit in hits] == pytest.approx(starts, abs=2e-3)
@@ -70,13 +70,13 @@ def test_a_channel_that_never_moves_is_no_accelerometer(value):
         cut_hits([ImpactTest(test.time, test.force, dead, units="SI")])
 
 
-def test_a_record_that_ends_too_soon_is_said():
+def test_estimate_frf_reports_a_record_that_ends_too_soon():
     frf = estimate_frf(record_of(1.0, 8.0, 15.0, 22.0, 28.5))
     assert [hit.accepted for hit in frf.hits] == [True, True, True, True, False]
     assert "the recording ends" in frf.hits[4].reasons[0]
 
 
-def test_a_record_that_starts_in_the_pulse_is_said(strike):
+def test_estimate_frf_reports_a_record_that_starts_in_the_pulse(strike):
     test = strike(record=4.0, hits=3, noise=NOISE)
     n, late = 4 * RATE, round(0.106 * RATE)
     keep = np.r_[late:n, n : 3 * n]
@@ -103,7 +103,7 @@ def test_a_record_that_starts_in_the_pulse_is_said(strike):
     assert message.endswith("accept it by name")
 
 
-def test_the_other_hits_give_an_incoherent_one_away(strike):
+def test_estimate_frf_rejects_an_incoherent_hit(strike):
     test = strike(record=4.0, hits=5, noise=NOISE)
     n = 4 * RATE
     acceleration = test.acceleration.copy()
@@ -131,6 +131,6 @@ def test_the_mean_of_the_quiet_before_is_taken_off(strike):
     assert np.abs(hit.force[: hit.onset - 2]).max() < 1e-9
 
 
-def test_noise_before_a_blow_is_told_from_ringing():
+def test_cut_hits_estimates_noise_without_ringing():
     hit = cut_hits([record_of(1.0, noise=0.01)])[0]
     assert hit.noise == pytest.approx([0.01, 0.01], rel=0.2)

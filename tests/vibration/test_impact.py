@@ -95,7 +95,7 @@ def test_the_force_window_takes_noise_away(strike, paper_seal):
     )
 
 
-def test_one_continuous_record_is_as_good_as_one_per_hit(strike, broad_seal):
+def test_continuous_record_and_separate_records_give_the_same_frf(strike, broad_seal):
     test = strike(2 * broad_seal, 0.114829829, record=8.0, hits=4, noise=NOISE)
     joined = ImpactTest(
         time=np.arange(len(test.force)) / 2048,
@@ -118,7 +118,7 @@ def test_tests_in_several_files_are_averaged(strike):
     assert [hit.name for hit in one.hits] == ["1", "2", "3"]
 
 
-def test_a_shorter_record_and_pretrigger_can_be_asked_for(strike):
+def test_estimate_frf_accepts_record_length_and_pretrigger(strike):
     frf = estimate_frf(strike(record=8.0), record=4.0, pretrigger=0.05)
     assert np.diff(frf.frequency) == pytest.approx(0.25)
     # the record begins in the middle of the 15 ms pulse
@@ -129,13 +129,13 @@ def test_a_shorter_record_and_pretrigger_can_be_asked_for(strike):
 # -- signs --------------------------------------------------------------------------------------
 
 
-def test_a_passive_block_has_a_receptance_with_negative_imaginary_part(strike):
+def test_passive_receptance_has_negative_imaginary_values(strike):
     receptance = estimate_frf(strike(record=32.0), band=(2, 50)).to(Kind.RECEPTANCE)
     assert (receptance.value.imag < 0).all()
 
 
 @pytest.mark.parametrize(("hammer", "accelerometer"), [(-1, 1), (1, -1), (-1, -1)])
-def test_polarity_is_found_and_said(strike, hammer, accelerometer):
+def test_estimate_frf_detects_and_reports_polarity(strike, hammer, accelerometer):
     test = strike(record=4.0, hits=3, noise=NOISE)
     plain = estimate_frf(test)
     turned = estimate_frf(
@@ -147,7 +147,7 @@ def test_polarity_is_found_and_said(strike, hammer, accelerometer):
     assert ("polarity" in names) == (accelerometer < 0)
 
 
-def test_accelerometers_of_opposite_polarity_are_refused_until_told(strike):
+def test_estimate_frf_refuses_opposite_polarity_unless_stated(strike):
     test = strike(record=4.0, hits=3, noise=NOISE)
     both = replace(
         test, acceleration=np.vstack((test.acceleration, -test.acceleration)), channels=()
@@ -191,7 +191,7 @@ def swaying(strike, hits=4):
     return replace(test, acceleration=test.acceleration + sway)
 
 
-def test_the_checks_are_about_the_resonance_in_the_band_asked(strike):
+def test_frf_checks_use_the_resonance_in_the_requested_band(strike):
     frf = estimate_frf(swaying(strike), resonance_band=(5, 50), mass=MASS)
     assert "(12.63 Hz)" in check(frf, "coherence").says
     assert check(frf, "coherence").passed
@@ -222,7 +222,7 @@ def test_hits_of_all_heights_agree_on_a_linear_seal(strike, paper_seal):
     assert check(few, "amplitude_linear").passed is None
 
 
-def test_a_seal_that_softens_with_the_hit_is_told_by_how_much(strike, paper_seal):
+def test_amplitude_check_states_the_softening_per_doubling(strike, paper_seal):
     told = check(struck_alike(strike, paper_seal, softens=0.01), "amplitude_linear")
     assert told.failed
     assert "change the stiffness by -1 % per doubling" in told.says
@@ -239,7 +239,7 @@ def test_a_trend_is_not_seen_where_there_is_none(strike, paper_seal):
     assert sum(one.failed for one in found) <= 2
 
 
-def test_one_hit_has_no_coherence(strike):
+def test_frf_of_a_single_hit_has_no_coherence(strike):
     frf = estimate_frf(strike())
     assert frf.coherence is None
     assert frf.sd is None
@@ -255,7 +255,7 @@ def test_three_good_hits_are_enough(strike):
     assert check(frf, "hits_agree").passed
 
 
-def test_a_short_record_is_told_how_long_to_be(strike):
+def test_frf_checks_state_the_required_record_length(strike):
     frf = estimate_frf(strike(record=4.0, hits=3, noise=NOISE))
     long_enough, lines = check(frf, "record_long_enough"), check(frf, "lines_in_half_power_band")
     assert long_enough.failed
@@ -266,7 +266,7 @@ def test_a_short_record_is_told_how_long_to_be(strike):
 
 
 @pytest.mark.parametrize(("milliseconds", "level"), [(10, -0.131), (20, -0.529)])
-def test_the_tip_is_judged_by_its_force_at_the_resonance(strike, milliseconds, level):
+def test_excitation_check_uses_the_force_at_the_resonance(strike, milliseconds, level):
     """A half-sine's spectrum, cos(pi f T) / (1 - (2 f T)^2), at 12.71 Hz."""
     frf = estimate_frf(strike(hits=3, pulse=milliseconds / 1000, on_sample=True))
     assert check(frf, "hammer_excites").passed
@@ -276,7 +276,7 @@ def test_the_tip_is_judged_by_its_force_at_the_resonance(strike, milliseconds, l
     assert 0.8 < frf.frequency[-1] * milliseconds / 1500 < 0.95
 
 
-def test_a_tip_too_soft_is_said(strike, paper_seal):
+def test_excitation_check_reports_a_soft_tip(strike, paper_seal):
     frf = estimate_frf(strike(hits=3, pulse=0.1, noise=(0.0, 1e-4)), band=(2, 40))
     excites = check(frf, "hammer_excites")
     assert excites.failed
@@ -447,7 +447,7 @@ def test_the_result_is_an_frf_with_its_story(strike):
     assert frf.frequency[0] > 0
 
 
-def test_every_hit_has_its_resonance_and_how_far_it_moved_the_mass(strike, paper_seal):
+def test_hits_have_resonance_and_amplitude(strike, paper_seal):
     """A mass on a seal: velocity F / m after the pulse, and so an amplitude of F / (m omega)."""
     frf = struck_alike(strike, paper_seal, softens=0.01)
     peaks = np.array([hit.peak for hit in frf.hits])
@@ -459,7 +459,7 @@ def test_every_hit_has_its_resonance_and_how_far_it_moved_the_mass(strike, paper
     assert trend.amplitudes == pytest.approx((0.55 * X.min(), 0.55 * X.max()))
 
 
-def test_what_such_hits_would_find_is_found_by_four_of_five():
+def test_trend_of_hits_has_the_published_error():
     """Published numbers: five hits over 1:4, eight over 1:2.5, 0.1 % scatter of the frequency."""
     rng = np.random.default_rng(1)
     for count, wide, published in ((5, 4.0, 0.0054), (8, 2.5, 0.0055)):

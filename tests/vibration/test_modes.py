@@ -64,7 +64,7 @@ def test_a_model_mode_is_a_root_and_its_residue_a_limit(solid, mass):
         assert 0 <= mode.damping_ratio < 1
 
 
-def test_a_plain_spring_has_its_own_mass_as_modal_mass():
+def test_modal_mass_of_a_spring_is_the_mass():
     (mode,) = model_modes(GeneralizedMaxwell(400.0, b=0.2), mass=0.25)
     assert mode.modal_mass == pytest.approx(0.25, rel=1e-12)
     assert mode.damping_ratio == pytest.approx(0.2 / (2 * np.sqrt(400 * 0.25)), rel=1e-12)
@@ -177,7 +177,7 @@ def _modal(frequency, modes, record=None, shift=0.0):
 
 
 @pytest.mark.parametrize(("record", "shift"), [(None, 0.0), (4.0, 0.0), (4.0, 1.0)])
-def test_several_modes_are_told_apart(record, shift):
+def test_modes_separates_several_modes(record, shift):
     true = (
         Mode(9.0, 0.02, -0.05j),
         Mode(11.0, 0.01, -0.03j),
@@ -193,7 +193,7 @@ def test_several_modes_are_told_apart(record, shift):
         assert mode.residue == pytest.approx(expected.residue, rel=1e-2)
 
 
-def test_noise_alone_grows_no_junk_mode():
+def test_modes_of_a_mode_with_noise_has_no_spurious_mode():
     random = np.random.default_rng(1)
     f = np.arange(8, 320) / 8
     for seed in range(5):
@@ -211,7 +211,7 @@ def test_flat_lines_have_no_mode():
     assert FRF(f, np.full(len(f), 2.0 + 0j), units="SI").modes(band=(1, 40)) == ()
 
 
-def test_as_many_modes_as_asked_for():
+def test_modes_returns_the_requested_number():
     f = np.arange(1, 160) / 4
     found = FRF(f, _modal(f, (Mode(9.0, 0.02, -0.05j),)), units="SI").modes(count=2, band=(2, 39))
     assert len(found) == 2
@@ -240,7 +240,7 @@ def test_modes_are_a_method_of_the_frf(strike):
     assert frf.modes()[0].method == Method.RATIONAL.value
 
 
-def test_a_band_beside_the_lines_is_told_where_they_are(paper_seal):
+def test_modes_refuses_a_band_outside_the_lines(paper_seal):
     frf = predict_frf(2 * paper_seal, mass=MASS, frequency=np.arange(4.0, 40.0, 0.5))
     with pytest.raises(DataError, match=r"0 lines between 900 and 950 Hz; .* from 4 to 39.5 Hz"):
         frf.modes(band=(900.0, 950.0))

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from kit.shell import told
+from kit.shell import run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -62,7 +62,7 @@ def test_there_and_back():
         on_heavy_mounts(light.to("accelerance", mass=0.11), mass=0.11, coupled=0.002)
 
 
-def test_the_mass_of_the_seals_is_told_once_to_each_command(tmp_path):
+def test_mass_of_seals_option_is_shared_by_fit_and_predict(tmp_path):
     """A shaker's file of heavy mounts, and what is predicted of it: one option for both."""
     fit, path = tmp_path / "fit.json", tmp_path / "base.csv"
     arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
@@ -72,13 +72,13 @@ def test_the_mass_of_the_seals_is_told_once_to_each_command(tmp_path):
     mass = ["--mass", f"{1e3 * MASS}g", "--seals", "2"]
     seal = ["--seal-mass", f"{1e3 * HEAVY / 2}g"]
 
-    peaks = [told("compare", fit, path, *mass, *more)["frac"] for more in ([], seal)]
+    peaks = [run_json("compare", fit, path, *mass, *more)["frac"] for more in ([], seal)]
     assert peaks[1] > 0.999 > peaks[0]
-    direct = told("fit", path, *mass, *seal, "--arms", 1)["direct"]
+    direct = run_json("fit", path, *mass, *seal, "--arms", 1)["direct"]
     near = np.interp([8.0, 20.0], direct["frequency_hz"], direct["stiffness"])
     assert near == pytest.approx(PAPER.storage(omega=2 * np.pi * np.array([8.0, 20.0])), rel=2e-3)
     lines = ["--band", "5:25Hz", "--points", 401]
-    base = told("predict", fit, *mass, *seal, "--base", *lines)
+    base = run_json("predict", fit, *mass, *seal, "--base", *lines)
     size = np.hypot(base["real"], base["imag"])
     assert size[[0, 100, 400]] == pytest.approx(np.abs(rod([5.0, 10.0, 25.0]).value), rel=5e-3)
     isolated = np.abs(rod([base["isolation_hz"]]).value)

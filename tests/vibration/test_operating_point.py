@@ -53,7 +53,7 @@ def test_a_straight_law_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("fit", [straight(), hard()], ids=["straight", "hardening"])
-def test_no_seal_is_pressed_far_beyond_its_test_or_its_height(fit: Fit) -> None:
+def test_operating_point_refuses_compression_far_outside_the_test(fit: Fit) -> None:
     operating_point(fit, MassOnSeals(MASS, compression=23.9e-3))
     for refused in (
         lambda: operating_point(fit, MassOnSeals(MASS, compression=24.1e-3)),
@@ -122,7 +122,7 @@ def test_the_block_of_the_paper_sags_where_the_cubic_carries_it() -> None:
     assert not point.is_extrapolated
 
 
-def test_deeper_than_tested_the_last_tangent_goes_on_and_it_is_said() -> None:
+def test_operating_point_outside_the_test_extends_the_last_tangent() -> None:
     point = operating_point(hard(), MassOnSeals(1.0, SEALS))
     assert point.is_extrapolated
     assert point.factor == law().ratio[-1]
@@ -134,7 +134,7 @@ def test_deeper_than_tested_the_last_tangent_goes_on_and_it_is_said() -> None:
     assert "last tangent" in told["operating_point"].says
 
 
-def test_without_frequencies_a_prediction_lays_its_own_about_the_peak() -> None:
+def test_predict_frf_without_frequencies_covers_the_peak() -> None:
     frf = predict_frf(hard(), mass=MASS, seals=SEALS)
     top = float(frf.frequency[np.argmax(np.abs(frf.value))])
     scale = hardening.tangent(hardening.resting(MASS, SEALS)) / 196.5
@@ -144,7 +144,7 @@ def test_without_frequencies_a_prediction_lays_its_own_about_the_peak() -> None:
 # -- an independent hammer --------------------------------------------------------------------
 
 
-def test_a_hammer_at_the_masss_own_compression_agrees_with_the_tangent_and_not_the_secant() -> None:
+def test_compare_at_the_operating_point_agrees_with_the_tangent() -> None:
     scale = hardening.tangent(hardening.resting(MASS, SEALS)) / 196.5
     value, sd = hardening.hammered(LINES, mass=MASS, seals=SEALS, scale=scale, noise=0.005, seed=3)
     frf = FRF(LINES, value, sd=sd, averages=4, units="SI")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 from scipy.optimize import brentq, minimize_scalar
 
 import dashpot as dp
@@ -75,7 +75,7 @@ class TestFactors:
         assert bush.factor("axial") == pytest.approx(around / t / 3, rel=1e-3)
         assert bush.factor("torsion") == pytest.approx(around * a**2 / t / 3, rel=1e-3)
 
-    def test_a_long_bush_is_stiffer_than_a_short_one(self):
+    def test_long_bush_is_stiffer_than_a_short_bush(self):
         bush = Bush(0.012, 0.03, 0.04)
         assert bush.factor("radial-long") > bush.factor("radial-short") > bush.factor("axial")
 
@@ -285,10 +285,10 @@ class TestCommand:
         return str(fit)
 
     def peak(self, *words):
-        found = told("predict", *words, "--base", "--band", "5:300Hz")
+        found = run_json("predict", *words, "--base", "--band", "5:300Hz")
         return found["peak"]["frequency_hz"]
 
-    def test_a_shape_or_a_resonance_makes_the_part(self, dma):
+    def test_predict_accepts_a_shape_or_a_resonance(self, dma):
         mass = ["--mass", "400g", "--seals", "2"]
         drawn = self.peak(dma, "--shape", "disc:20mm,12mm", *mass)
         expected, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.4)
@@ -297,12 +297,12 @@ class TestCommand:
         heard = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
         assert heard == pytest.approx(expected, rel=0.01)
 
-    def test_a_peak_beyond_the_sweep_is_said_first(self, dma):
+    def test_predict_states_first_that_a_peak_is_outside_the_sweep(self, dma):
         words = ["predict", dma, "--mass", "10g", "--resonance-mass", "10g", "--base"]
         # the sweep ended before its plateau: within it that comes first
         for hz, first in (("900Hz", "plateau_determined"), ("1100Hz", "prediction_in_valid_band")):
             asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
-            said = told(*asked)["verdict"]
+            said = run_json(*asked)["verdict"]
             assert said["failed_checks"][0] == first
             assert ("prediction_in_valid_band" in said["failed_checks"]) == (hz == "1100Hz")
             first_line = (
@@ -329,7 +329,7 @@ class TestCommand:
         assert says in refused.stderr
 
 
-def test_a_part_is_named_in_words():
+def test_material_part_accepts_a_shape_in_words():
     f = np.geomspace(0.1, 100, 30)
     E = dp.GeneralizedMaxwell(1e6, k=(4e5,), tau=(0.02,)).complex_stiffness(frequency=f)
     material = dp.fit(dp.DynamicTest(f, E.real, E.imag, units="Hz, Pa, Pa"), arms=1)

@@ -20,7 +20,7 @@ PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 
 @pytest.mark.parametrize("step", [0.02, 0.1, 0.25, 0.5])
 @pytest.mark.parametrize("start", [1.0, 1.03, 1.11])
-def test_the_peak_is_found_between_the_lines(step: float, start: float) -> None:
+def test_find_peak_resolves_a_peak_between_lines(step: float, start: float) -> None:
     """Q = 113: the half-power band is 0.113 Hz, narrower than most of these line spacings."""
     frf = predict_frf(PAPER, mass=0.0520213, frequency=np.arange(start, 40, step))
     peak = find_peak(frf)

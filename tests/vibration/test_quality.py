@@ -60,7 +60,7 @@ def test_a_second_pulse_is_a_double_hit(share, gap):
     assert fault.endswith("ms after it")
 
 
-def test_a_smaller_pulse_before_the_main_one_counts_too():
+def test_judge_hit_counts_a_smaller_pulse_before_the_main_pulse():
     first = 3 * half_sine(12)
     force = np.concatenate((0.3 * first, np.zeros(100), first))
     (fault,) = judge_hit(hit(force)).faults
@@ -119,7 +119,7 @@ def test_an_undersampled_pulse_is_doubtful_not_wrong(samples):
     assert any(f"{samples} sample" in doubt for doubt in verdict.doubts)
 
 
-def test_a_response_cut_short_is_said_with_a_limit_for_each_window():
+def test_judge_hit_reports_a_truncated_response_for_each_window():
     t = (np.arange(4096) - BEFORE) / 2048
     response = np.where(t > 0, np.exp(-0.5 * t) * np.sin(80 * t), 0)
     ringing = hit(half_sine(12), response=response, seconds=2.0)
@@ -146,7 +146,7 @@ def test_a_response_that_stands_still_while_it_rings_is_a_fault(start, noise):
 
 @pytest.mark.parametrize("count", [1e-4, 1e-3, 1e-2, 5e-2])
 @pytest.mark.parametrize("noise", [0.0, 1e-4, 2e-3])
-def test_a_response_that_dies_away_in_counts_is_sound(count, noise):
+def test_judge_hit_accepts_a_response_that_decays_in_counts(count, noise):
     t = (np.arange(16384) - BEFORE) / 2048
     ring = np.where(t > 0, np.exp(-2 * t) * np.sin(80 * t), 0)
     ring = ring + noise * np.random.default_rng(1).standard_normal(len(t))

@@ -1,11 +1,11 @@
-"""A mass measured relative to its base, or by another derivative than the base."""
+"""Motion of a mass relative to its base, or by another derivative than that of the base."""
 
 import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -98,7 +98,7 @@ def test_a_name_says_that_it_is_relative(tmp_path):
         ("Frequency [Hz],Transmissibility,Phase [deg]", '--units "magnitude=dB re g/g"'),
     ],
 )
-def test_what_a_transmissibility_lacks_is_said(tmp_path, head, says):
+def test_fit_reports_missing_data_of_a_transmissibility(tmp_path, head, says):
     path = tmp_path / "t.csv"
     columns = (F, -np.linspace(1, 40, len(F)), np.linspace(-10, -170, len(F)))
     rows = np.column_stack(columns[: head.count(",") + 1])
@@ -197,7 +197,7 @@ def written(path, test, *, sign=1, more=""):
     return path
 
 
-def test_a_displacement_beside_the_bases_acceleration(recorded, tmp_path):
+def test_relative_displacement_is_accepted_with_base_acceleration(recorded, tmp_path):
     frf = estimate_transmissibility(recorded, segment=8.0)
     near = (frf.frequency > 5) & (frf.frequency < 30)
     T = dp.systems.predict_frf(
@@ -211,7 +211,7 @@ def test_a_displacement_beside_the_bases_acceleration(recorded, tmp_path):
     assert read.mass == pytest.approx(recorded.mass, abs=1e-12)
 
 
-def test_lines_where_only_noise_moves_are_left_out(recorded):
+def test_transmissibility_omits_lines_of_noise(recorded):
     """The base moves to 80 Hz; beyond, noise over noise times the square of the frequency is a
     peak."""
     rng, n = np.random.default_rng(3), len(recorded.base)
@@ -231,7 +231,7 @@ def test_the_mass_is_the_motion_that_is_named(recorded, tmp_path):
         path, rows, delimiter=",", comments="", header="t [s],table [m/s^2],gap [m],block [m/s^2]"
     )
     words = [path, "--column", "base-acceleration=table", "--relative", *MASS]
-    named = told("fit", *words, "--column", "displacement=gap", "--arms", 1)
+    named = run_json("fit", *words, "--column", "displacement=gap", "--arms", 1)
     assert "relative motion" not in str(named["verdict"])
     read = read_shaken([path], ReadOptions(base_acceleration="table"))
     assert read.order == 2
@@ -245,7 +245,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
     done = ran("fit", path, *words, "-o", out)
     assert done.exit_code == 0, done.output
     assert done.stdout.startswith("Use with care: ")
-    found = told("fit", out, *mass, "--seals", 2, "--arms", 2)
+    found = run_json("fit", out, *mass, "--seals", 2, "--arms", 2)
     near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
     assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
     turned = written(tmp_path / "turned.csv", recorded, sign=-1)
@@ -277,14 +277,14 @@ def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, mot
     heard = ran("fit", path, *MASS, *over_what, "--arms", 1)
     assert says in " ".join(heard.output.split())
     if says == "Use with care: ":
-        compared = told("compare", fit, path, *MASS, *over_what)
+        compared = run_json("compare", fit, path, *MASS, *over_what)
         assert compared["frac"] > 0.99
-        there = told("predict", fit, *MASS, "--base", *over_what)
+        there = run_json("predict", fit, *MASS, "--base", *over_what)
         assert there["kind"] == RELATIVE
         assert there["limits"]["kind"] == RELATIVE
 
 
-def test_a_motion_said_to_be_relative_that_is_not_is_told(tmp_path):
+def test_fit_reports_an_absolute_motion_stated_as_relative(tmp_path):
     path = tmp_path / "t.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.1), "transmissibility"), path)
     heard = " ".join(ran("fit", path, *MASS, "--relative").output.split())

@@ -1,4 +1,4 @@
-"""A block struck while it still rings."""
+"""A hit on a mass that still rings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def hasty(paper_seal):
     return simulate_impact(paper_seal, mass=MASS, hits=5, rig=rig).test
 
 
-def test_what_still_rings_is_taken_off_and_said(hasty):
+def test_estimate_frf_removes_and_reports_ringing(hasty):
     frf = estimate_frf(hasty)
     mode = frf.modes()[0]
     assert mode.frequency == pytest.approx(TRUE[0], rel=5e-5)
@@ -42,12 +42,12 @@ def test_without_that_the_damping_would_be_wrong(hasty, monkeypatch):
     assert abs(mode.damping_ratio / TRUE[1] - 1) > 0.05
 
 
-def test_a_block_at_rest_is_left_alone(strike):
+def test_estimate_frf_keeps_a_mass_at_rest_unchanged(strike):
     frf = estimate_frf(strike(hits=3, noise=(5e-3, 0.02)))
     assert "ringing" not in [step.name for step in frf.steps]
 
 
-def test_motion_that_is_no_free_decay_is_left_alone(hasty):
+def test_remove_ringing_keeps_motion_without_free_decay(hasty):
     hit = cut_hits([hasty])[3]
     pole = complex(-0.354171, 79.85693)
     assert remove_ringing(hit, [pole]).calmed

@@ -95,7 +95,7 @@ def test_the_real_hits_are_doubtful_but_not_thrown_away(real_hits):
 # -- a simulated block --------------------------------------------------------------------------
 
 
-def test_the_mean_hears_no_rocking_where_one_accelerometer_is_deaf_for_it(broad_seal):
+def test_mean_of_accelerometers_cancels_rocking(broad_seal):
     """Hits scattered by 3 mm: coherence holds for the mean and breaks for one accelerometer."""
     rig = replace(Hammer().noise_free(), record=8.0, eccentricity=3e-3)
     test = simulate_impact(broad_seal, mass=MASS, hits=10, rig=rig).test
@@ -113,7 +113,7 @@ def test_damping_survives_hits_off_centre(broad_seal):
         assert mode.damping_ratio == pytest.approx(TRUE[1], rel=0.01)
 
 
-def test_weights_beat_the_mean_where_one_accelerometer_is_misplaced(broad_seal):
+def test_weighted_accelerometers_cancel_rocking_better_than_the_mean(broad_seal):
     rig = replace(Hammer(), record=8.0, eccentricity=8e-3)
     test = simulate_impact(broad_seal, mass=MASS, hits=6, rig=rig, seed=3).test
     bounce = test.acceleration.mean(axis=0)
@@ -127,12 +127,12 @@ def test_weights_beat_the_mean_where_one_accelerometer_is_misplaced(broad_seal):
     assert weights == pytest.approx([0.6 / 1.6, 1 / 1.6], abs=0.03)
 
 
-def test_one_accelerometer_has_nothing_to_combine(strike):
+def test_single_accelerometer_is_not_combined(strike):
     frf = estimate_frf(strike(hits=3, noise=(5e-3, 0.02)), combine="weighted")
     assert "combine" not in [step.name for step in frf.steps]
 
 
-def test_weights_sum_to_one_and_see_nothing_of_a_shape():
+def test_accelerometer_weights_sum_to_unity_and_cancel_a_shape():
     shape = np.array([[1.0 + 0j], [-0.7], [0.2]])
     weights = _weights(shape)
     assert weights.sum() == pytest.approx(1)

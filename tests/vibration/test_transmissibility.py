@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.checks import verdict
@@ -39,7 +39,7 @@ def over_base(name="broad", frequency=AT):
 
 
 @pytest.mark.parametrize("name", SEALS)
-def test_the_known_numbers(name):
+def test_transmissibility_reproduces_reference_values(name):
     found = over_base(name)
     assert np.abs(found.value) == pytest.approx(SIZES[name], abs=6e-7)
     assert found.unit == "m/m"
@@ -109,7 +109,7 @@ def test_the_first_lines_say_what_a_degree_and_a_percent_do(tmp_path):
     words = ["fit", path, "--seals", 2, "--arms", 1, "--mass"]
 
     def direct(mass):
-        return told(*words, f"{1e3 * mass:.9g}g")["direct"]
+        return run_json(*words, f"{1e3 * mass:.9g}g")["direct"]
 
     one = direct(PAPER_MASS)
     effect = {name: one["sensitivity"][name] for name in ("mass_1_percent", "phase_1_degree")}
@@ -126,7 +126,7 @@ def test_the_first_lines_say_what_a_degree_and_a_percent_do(tmp_path):
     assert any("1 deg: %" in line for line in head)
 
 
-def test_one_degree_hides_the_loss_away_from_the_peak():
+def test_degree_of_phase_masks_the_loss_off_resonance():
     mass = PAPER_MASS
     known = over_base("paper", np.array([5.0, 12.71, 30.0]))
     K = 2 * PAPER.complex_stiffness(omega=2 * np.pi * known.frequency)
@@ -182,7 +182,7 @@ def test_what_cannot_be_is_refused():
         dp.FRF.from_receptance(np.array(AT), np.ones(6, complex), kind="transmissibility")
 
 
-def test_what_is_written_is_known_as_a_transmissibility(tmp_path):
+def test_written_transmissibility_is_recognised(tmp_path):
     path = tmp_path / "base.csv"
     write_frf(over_base(frequency=np.arange(4.0, 40.0, 0.1)), path)
     assert inspect_file(path).kind == "transmissibility"
@@ -258,7 +258,7 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, tol
     assert error["ln_tau_2"] < 0.02 if told_apart else error["ln_tau_2"] > 1
 
 
-def test_a_base_tells_the_stiffness_over_the_mass_alone():
+def test_identify_over_a_base_refuses_an_unknown_mass():
     with pytest.raises(DataError, match="neither alone"):
         identify(noisy(2 * PAPER, BROAD_MASS, np.arange(6.0, 36.0, 0.1)), seals=2)
 
@@ -299,7 +299,7 @@ def first_words(T, f):
 
 @pytest.mark.parametrize("eta", ETA)
 @pytest.mark.parametrize("ends", [(0.3, 3.0), (0.2, 2.0), (0.05, 5.0), (0.5, 1.5)])
-def test_a_sound_transmissibility_is_never_taken_for_another(eta, ends):
+def test_valid_transmissibility_is_never_rejected_as_another_ratio(eta, ends):
     """Sensors 3 % and 1 degree apart, 1 % of scatter."""
     f = 12.7 * np.linspace(*ends, 300)
     for seed, gain, turn in ((0, 1.03, 1.0), (1, 0.97, -1.0)):
@@ -312,7 +312,7 @@ def test_a_sound_transmissibility_is_never_taken_for_another(eta, ends):
 @pytest.mark.parametrize("eta", ETA)
 @pytest.mark.parametrize("ends", [(0.3, 3.0), (0.5, 1.5)])
 @pytest.mark.parametrize("name", WRONG)
-def test_another_ratio_is_told_first(name, ends, eta):
+def test_fit_reports_another_ratio_first(name, ends, eta):
     wrong, cause = WRONG[name]
     f = 12.7 * np.linspace(*ends, 300)
     said = first_words(wrong(lossy(eta, f)), f)
@@ -331,7 +331,7 @@ def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
     for words in (["compare", fit], ["fit", "--arms", 1]):
         done = ran(*words, path, *mass)
         assert done.stdout.startswith("Do not use: below 12.7 Hz the transmissibility is not that")
-        said = told(*words, path, *mass)
+        said = run_json(*words, path, *mass)
         assert said["verdict"]["failed_checks"][0] == "mass_over_base"
 
 
@@ -356,10 +356,10 @@ def test_a_file_of_another_lab_is_compared_and_identified(tmp_path, header, unit
         json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": PAPER.k_inf, "arms": arms}})
     )
     mass = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", *units]
-    said = told("compare", fit, path, *mass, "--plot", tmp_path / "t.svg")
+    said = run_json("compare", fit, path, *mass, "--plot", tmp_path / "t.svg")
     assert said["checks"]
     assert said["frac"] > 0.99
-    direct = told("fit", path, *mass, "--arms", 1)["direct"]
+    direct = run_json("fit", path, *mass, "--arms", 1)["direct"]
     at = np.interp(14.0, direct["frequency_hz"], direct["stiffness"])
     assert at == pytest.approx(PAPER.storage(omega=2 * np.pi * 14), rel=0.05)
 
@@ -371,7 +371,7 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
         json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": PAPER.k_inf, "arms": arms}})
     )
     words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", "--base"]
-    found = told(*words, "--plot", tmp_path / "t.svg")
+    found = run_json(*words, "--plot", tmp_path / "t.svg")
     assert (found["kind"], found["unit"]) == ("transmissibility", "m/m")
     assert found["isolation_hz"] == pytest.approx(17.974582, rel=1e-7)
     size = np.hypot(found["real"], found["imag"])
@@ -383,7 +383,7 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
         assert low <= high
     own = np.interp(limits["frequency_hz"], found["frequency_hz"], size)
     assert limits["parameter"][0] == pytest.approx(own, rel=0.3)
-    plain = told(*words[:-1])
+    plain = run_json(*words[:-1])
     assert plain["limits"]["kind"] == "accelerance"
     text = ran(*words).output
     assert "the mass moves less than its base above 17.975 Hz" in text
@@ -411,7 +411,7 @@ def test_the_limits_are_those_of_what_is_predicted(bench):
     assert "the transmissibility is extrapolated" in moved
 
 
-def test_bench_and_shaker_together_tell_one_solid(bench, tmp_path):
+def test_joint_fit_of_relaxation_and_shaker_is_valid_in_both_bands(bench, tmp_path):
     """The test the slow arms, the shaker the fast ones; what follows is informed."""
     seal, _ = bench
     f = np.arange(6.0, 36.0, 0.1)
@@ -419,7 +419,7 @@ def test_bench_and_shaker_together_tell_one_solid(bench, tmp_path):
     write_frf(noisy(2 * PAPER, PAPER_MASS, f, gain=1.01, delay=5e-5), path)
     on = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
     rigid = ["--machine", "compliance=0um/N,creep=0um"]
-    found = told("fit", seal, path, *on, *rigid, "-o", joint)
+    found = run_json("fit", seal, path, *on, *rigid, "-o", joint)
     assert found["method"] == "joint"
     model = found["model"]
     solid = dp.GeneralizedMaxwell(
@@ -438,7 +438,7 @@ def test_bench_and_shaker_together_tell_one_solid(bench, tmp_path):
     assert limits[0] <= size(1) <= limits[1]
     assert limits[1] / limits[0] < 1.05
     # of a bench that nobody named the seal may be as much stiffer as that gives
-    told("fit", seal, path, *on, "-o", joint)
+    run_json("fit", seal, path, *on, "-o", joint)
     give = 1.96 * USUAL["give"].size
     assert limits_near(12.0, joint, on)[1] == pytest.approx(
         [size(1 + give), size(1 - give)], rel=0.1
@@ -447,7 +447,7 @@ def test_bench_and_shaker_together_tell_one_solid(bench, tmp_path):
 
 def limits_near(f, joint, on):
     """The line of a prediction over a base nearest to f, and its limits by the errors of a fit."""
-    known = told("predict", joint, *on, "--base")["limits"]
+    known = run_json("predict", joint, *on, "--base")["limits"]
     at = np.argmin(np.abs(np.array(known["frequency_hz"]) - f))
     return known["frequency_hz"][at], np.array(known["parameter"])[:, at]
 

@@ -282,7 +282,7 @@ def test_strangers_are_turned_away(text, says):
         from_json(text)
 
 
-def test_what_is_no_noun_has_no_archive_form():
+def test_to_json_refuses_other_types():
     with pytest.raises(DataError, match="a dict has no archive form"):
         to_json({})
 
@@ -296,7 +296,7 @@ def test_any_bytes_are_read_or_refused(content):
 
 @given(st.data())
 @settings(max_examples=60, deadline=None)
-def test_a_document_with_one_thing_changed_is_read_or_refused(data):
+def test_altered_document_is_read_or_refused(data):
     """A key renamed, dropped or given another type: a result or an error, never a guess."""
     whole = json.loads(to_json(data.draw(st.sampled_from([MODEL, FIT, NOUNS[-1], INSPECTIONS]))))
     place = data.draw(st.sampled_from([one for one in objects(whole) if one]))

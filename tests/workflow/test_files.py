@@ -57,14 +57,14 @@ def sweep(tmp_path_factory):
     return path
 
 
-def test_ramp_and_hold_is_fitted_by_the_pipeline_of_its_own(seal):
+def test_fit_files_uses_the_relaxation_fit_for_ramp_and_hold(seal):
     found, (test,) = fit_files([seal], arms=1)
     assert found.method == "full"
     assert test.depth == pytest.approx(8e-3, rel=0.01)
     assert fit_files([seal], arms=1, method="hold")[0].method == "hold"
 
 
-def test_a_law_of_the_depth_heeds_or_refuses_what_is_asked(two_depths):
+def test_depth_law_applies_or_refuses_options(two_depths):
     found, _ = fit_files(two_depths, arms=2, depth_law=True)
     assert [at.depth for at in found.evidence.stiffness_by_depth] == pytest.approx(
         [4e-3, 8e-3], rel=0.01
@@ -123,7 +123,7 @@ def test_the_moving_mass_is_the_block_and_a_third_of_the_seals():
     assert total_mass(BlockOnSeals(None, 2, 0.003)) == (None, ())
 
 
-def test_a_fit_is_not_fitted_together_with_its_own_test():
+def test_identify_files_refuses_a_fit_with_its_test():
     choices = {"hammer": HammerChoices(), "options": ReadOptions()}
     with pytest.raises(ReadError, match="leave the fit out"):
         identify_files(
@@ -138,7 +138,7 @@ def test_an_inspection_says_what_preparation_sees(seal, sweep):
     assert found.checks == found.files[0].preparation.checks
 
 
-def test_an_inspection_and_its_reader_parse_the_numbers_once(tmp_path, monkeypatch):
+def test_inspect_and_read_parse_the_numbers_a_single_time(tmp_path, monkeypatch):
     text = write_relaxation(simulate_relaxation(PAPER, hold_time=5.0).test)
     first, last = text.rstrip("\n").rsplit("\n", 1)
     path = tmp_path / "seal.csv"

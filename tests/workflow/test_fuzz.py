@@ -61,7 +61,7 @@ def test_wounded_profiles(fuzzer: Fuzzer, content: bytes) -> None:
 
 
 @cache
-def kept() -> dict[str, bytes]:
+def project_files() -> dict[str, bytes]:
     """The files of a project, by name."""
     with TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patch:
         folder = Path(place) / "seal"
@@ -78,7 +78,7 @@ def kept() -> dict[str, bytes]:
 @st.composite
 def projects(draw: st.DrawFn) -> bytes:
     """A project of which one file was altered, with the hashes of its history put right or not."""
-    files = dict(kept())
+    files = dict(project_files())
     name = draw(st.sampled_from(["history.jsonl", *files]))
     if name != "history.jsonl" or draw(st.booleans()):
         files[name] = draw(wounded(files[name]))

@@ -149,7 +149,7 @@ def test_a_write_that_fails_leaves_what_was_there(tmp_path, monkeypatch, fails):
     assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [("fit.json", "old")]
 
 
-def test_permissions_are_kept_and_devices_written_as_they_are(tmp_path):
+def test_write_atomic_preserves_permissions_and_devices(tmp_path):
     path = tmp_path / "fit.json"
     path.write_text("old")
     path.chmod(0o640)

@@ -1,4 +1,4 @@
-"""One door for whatever a bench wrote."""
+"""`read_test`: one function for every file of a bench."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_anything_else_keeps_the_sentence_of_the_relaxation_reader(tmp_path: Pat
 @pytest.mark.parametrize(
     "header", ["time [s],displacement [mm],force [N]", "f [Hz],E_stor [MPa],E_loss [MPa]"]
 )
-def test_a_file_is_opened_once(
+def test_read_test_opens_a_file_a_single_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, header: str
 ) -> None:
     path = tmp_path / "bench.csv"

@@ -1,4 +1,4 @@
-"""The answer of a study: which solid, and numbers between ends that hold the truth."""
+"""The recommended model of a study, and numbers with limits that contain the truth."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_every_value_lies_between_its_ends(study):
         assert one.low <= one.value <= one.high
 
 
-def test_what_relaxation_alone_leaves_open_holds_the_truth_of_what_it_did_not_see():
+def test_recommendation_bounds_contain_unresolved_arms():
     """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
     found = recommendation(ALONE)
     (truth,) = model_modes(2 * BROAD, BROAD_MASS)

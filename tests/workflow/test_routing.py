@@ -1,4 +1,4 @@
-"""Which fit records mean, with what was said of them; and which are not fitted together."""
+"""Which fit a set of records means, and which sets are refused."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def meant(*kinds: str, **said: object) -> str:
 
 
 @pytest.mark.parametrize("kind", [one.name for one in KINDS.values() if one.meant])
-def test_one_record_or_several_of_a_kind_mean_what_its_row_says(kind: str) -> None:
+def test_several_records_of_a_kind_mean_the_same_fit(kind: str) -> None:
     assert meant(kind) == meant(kind, kind) == KINDS[kind].meant
 
 
@@ -41,7 +41,7 @@ def test_one_record_or_several_of_a_kind_mean_what_its_row_says(kind: str) -> No
         (("indentation",), {"masses": 1}, "indentation"),
     ],
 )
-def test_what_is_said_of_them_decides(
+def test_options_select_the_fit(
     kinds: tuple[str, ...], said: dict[str, object], word: str
 ) -> None:
     assert meant(*kinds, **said) == word
@@ -69,7 +69,7 @@ def test_what_is_said_of_them_decides(
         (("comparison",), {}, "0.csv is a stored comparison: it is not fitted"),
     ],
 )
-def test_what_is_not_fitted_is_refused_in_one_sentence(
+def test_unfit_records_are_refused_in_a_sentence(
     kinds: tuple[str, ...], said: dict[str, object], says: str
 ) -> None:
     with pytest.raises(ReadError) as caught:
@@ -77,14 +77,14 @@ def test_what_is_not_fitted_is_refused_in_one_sentence(
     assert says in str(caught.value)
 
 
-def test_every_kind_that_is_fitted_goes_one_way() -> None:
+def test_every_bench_kind_is_fitted_by_fit_files() -> None:
     assert not BENCH & VIBRATION
     assert {HITS, FRF, BASE} == VIBRATION
     assert {KINDS[kind].fit for kind in BENCH} == {"dashpot.workflow.bench_tests:fit_files"}
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_every_example_is_fitted_or_says_in_one_sentence_why_not(name: str) -> None:
+def test_every_example_is_fitted_or_refused_in_a_sentence(name: str) -> None:
     kind = FILES[name].kind
     if kind in KINDS and KINDS[kind].meant:
         assert route({name: kind}) == KINDS[kind].meant

@@ -48,7 +48,7 @@ def test_the_broad_seal_peaks_where_the_reference_says():
     assert BROAD.loss_factor(omega=omega) == pytest.approx(0.056189, rel=1e-5)
 
 
-def test_the_papers_own_fit_misses_the_damping_of_the_broad_seal():
+def test_fit_of_the_paper_misses_the_damping_of_the_broad_seal():
     """Two arms on the hold alone: 4.3 % low in frequency, a peak 5.8 times too high."""
     fit = fit_tests(ideal_record(BROAD, rate=100.0), arms=2, method="hold")
     f = np.linspace(10, 15, 20001)
@@ -81,7 +81,7 @@ def test_the_joint_fit_mends_it(story):
     assert any(moved.name.startswith("k_") for moved in story.joint.evidence.parameter_changes)
 
 
-def test_the_measured_frf_lies_in_the_bound_over_unseen_arms(story):
+def test_unresolved_arm_band_contains_the_measured_frf(story):
     lines = story.measured.band(8.0, 18.0)
     band = frf_band(story.fit, story.prepared, mass=BROAD_MASS, frequency=lines.frequency, seals=2)
     size, slack = np.abs(lines.value), 3 * lines.sd
@@ -89,7 +89,7 @@ def test_the_measured_frf_lies_in_the_bound_over_unseen_arms(story):
     assert inside.mean() > 0.98
 
 
-def test_standard_errors_know_nothing_of_unseen_arms():
+def test_standard_errors_exclude_unresolved_arms():
     """Two arms, as in Table 1: a formal loss factor to 5 %, with a bound five times as high."""
     prepared = prepare(simulate_relaxation(PAPER, seed=2).test)
     fit = fit_tests(prepared, arms=2)
@@ -112,7 +112,7 @@ def test_the_story_without_a_hammer_ends_at_the_prediction():
     assert characterise(bench.test).prediction is None
 
 
-def test_a_mass_that_is_not_given_is_inferred_and_labelled(story):
+def test_characterise_infers_and_labels_a_missing_mass(story):
     again = characterise(
         story.test,
         replace(story.measured, checks=()),

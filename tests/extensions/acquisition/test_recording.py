@@ -1,4 +1,4 @@
-"""An instrument that is read: over a real pseudo-terminal, from a file, from the virtual rig."""
+"""Recording from an instrument: a pseudo-terminal, a file, the virtual rig."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_a_serial_instrument_becomes_a_record_that_is_fitted(tmp_path):
 
 
 @needs_pty
-def test_what_the_line_loses_is_counted_and_said(tmp_path):
+def test_record_counts_and_reports_lost_lines(tmp_path):
     sent = [b"\n", *PLAIN[:300]]
     sent[100:105] = []  # five samples never came
     sent[150] = b"0.7450,0.00\xff\xfe7\n"
@@ -109,7 +109,7 @@ def test_what_the_line_loses_is_counted_and_said(tmp_path):
 
 
 @needs_pty
-def test_a_line_is_opened_to_read_alone_and_must_be_one(tmp_path):
+def test_serial_line_is_opened_read_only_and_must_be_serial(tmp_path):
     with instrument() as (_, line):
         with pytest.raises(OSError, match="Bad file descriptor"):
             os.write(line._handle, b"G0 Z-8\n")
@@ -256,7 +256,7 @@ def test_a_device_that_says_nothing_is_not_waited_for(tmp_path):
 
 
 @pytest.mark.once
-def test_two_recorders_never_write_one_file(tmp_path):
+def test_record_refuses_a_file_that_another_recorder_writes(tmp_path):
     """The second is refused while the first runs, and not after it was killed."""
     file = tmp_path / "a.csv"
     words = f"record --driver simulated --speed 0.5 -o {file}".split()

@@ -91,7 +91,7 @@ def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, col
     assert ("it is the amplitude" in told) is (over != 1.0)
 
 
-def test_two_amplitudes_are_asked_about(tmp_path):
+def test_fit_asks_which_of_two_strain_columns(tmp_path):
     name = tmp_path / "two.csv"
     header = "Frequency [Hz],Strain 1 [%],Strain 2 [%],E' [MPa],E'' [MPa]"
     saved(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
@@ -124,7 +124,7 @@ def test_strains_at_several_frequencies_are_no_sweep_of_frequency(tmp_path, ampl
     assert "each frequency recurs" in shell.ran("inspect", path).stdout
 
 
-def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(tmp_path):
+def test_frequency_sweep_with_varying_amplitude_remains_a_frequency_sweep(tmp_path):
     """A drive at its limit moves a cold rubber less; that is no sweep of amplitude."""
     hz, T = (each.ravel() for each in np.meshgrid(np.geomspace(1, 50, 8), [-40.0, 0.0, 40.0]))
     path = tmp_path / "warming.csv"
@@ -196,7 +196,7 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
         ("Dynamic stiffness", "'Dynamic stiffness' is the size |K*|, and no column is its loss"),
     ],
 )
-def test_one_column_is_not_storage_and_loss(tmp_path, name, says):
+def test_strain_sweep_refuses_one_column_for_storage_and_loss(tmp_path, name, says):
     header = f"Frequency [Hz],Strain [%],{name} [N/mm],Coherence"
     path = saved(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
     result = shell.ran("fit", path, "--kind", "strain-sweep")
@@ -231,7 +231,7 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     assert found["orders"][found["law"]] <= min(found["orders"].values()) + 2.0
 
 
-def test_what_a_lag_between_the_channels_does_to_loops_is_said(tmp_path):
+def test_fit_reports_the_effect_of_channel_delay_on_loops(tmp_path):
     """A spring; its force comes a sample, 1 ms, before the displacement is seen."""
     rate, hz, per = 1000, 5.0, 6
     sizes = np.geomspace(1e-4, 6e-3, 9)
@@ -309,7 +309,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
         (["bare.csv"], "no column of strain or displacement"),
     ],
 )
-def test_what_cannot_be_is_said(tmp_path, monkeypatch, words, says):
+def test_fit_refuses_impossible_amplitude_data(tmp_path, monkeypatch, words, says):
     monkeypatch.chdir(tmp_path)
     frfs(tmp_path, (0.05,))
     X = np.geomspace(1e-3, 5, 12)
@@ -381,7 +381,7 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     assert "Four of five such tests find" in format_residual_note(read)
 
 
-def test_levels_said_of_hits_are_held_against_them(tmp_path):
+def test_fit_compares_stated_levels_with_the_hits(tmp_path):
     """The soft hits are a twentieth of the hard ones, which would hide them in one record."""
     soft = struck(tmp_path / "soft.csv", [0.1, 0.11, 0.12])
     hard = struck(tmp_path / "hard.csv", [2.0, 2.2, 2.4])

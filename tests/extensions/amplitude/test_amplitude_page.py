@@ -8,7 +8,7 @@ from html import unescape
 
 import pytest
 from kit import levels
-from kit.shell import told
+from kit.shell import run_json
 
 from dashpot.reading.write import write_relaxation
 
@@ -19,7 +19,7 @@ def test_the_page_holds_what_the_command_prints(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     name = "<b>loops & co.csv"
     write_relaxation(levels.loops(), tmp_path / name)
-    printed = told("fit", name, "-o", "level.html")
+    printed = run_json("fit", name, "-o", "level.html")
     page = (tmp_path / "level.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "<b>loops" not in page

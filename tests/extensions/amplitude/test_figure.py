@@ -40,7 +40,7 @@ def test_every_amplitude_has_its_loop_and_its_fit():
     assert len(plot.loops(levels.loops()).panels) == 4
 
 
-def test_cycles_cut_by_noise_are_of_one_frequency():
+def test_steady_cycles_of_noisy_loops_have_one_frequency():
     shaken = levels.loops(jitter=2e-6)
     (hz,) = {one.frequency for one in steady_cycles(shaken)}
     assert hz == pytest.approx(5.0, rel=1e-3)
@@ -61,7 +61,7 @@ def test_a_law_is_dashed_where_it_was_not_measured():
         assert inside.x[known][[0, -1]] == pytest.approx(ends, rel=0.02)
 
 
-def test_levels_are_drawn_with_one_solid_and_its_backbone():
+def test_level_figure_draws_data_model_and_backbone():
     found, frfs = levels.followed(), levels.frfs()
     sizes, storage, loss = plot.level(found, frfs).panels
     dots, fits = marks(sizes, Dots), [one for one in lines(sizes) if one.pen.colour == "fit"]

@@ -40,7 +40,7 @@ def sweep(K, X=X, hz=10.0, noise=0.0, seed=0, **words):
 
 
 class TestSweep:
-    def test_a_factor_is_found_to_the_last_digit(self):
+    def test_fit_recovers_a_factor_law_to_the_last_digit(self):
         found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X)))
         assert found.law == "factor"
         assert (found.lost, found.half_way, found.exponent) == pytest.approx(
@@ -52,7 +52,7 @@ class TestSweep:
         assert found.verdict.use == "use with care"
         assert [check.name for check in found.checks if check.failed] == ["no_hidden_cubic_spring"]
 
-    def test_an_element_beside_a_solid_is_found(self):
+    def test_fit_recovers_an_element_parallel_to_the_solid(self):
         K = 400 * (1 + 0.05j) + 200 * (payne(X, d=1.0) - 1)
         found = fit_amplitude(sweep(K, unit="N/m", of="m"))
         assert found.law == "additive"
@@ -85,7 +85,7 @@ class TestSweep:
         assert found["up_and_down_sweeps_agree"].failed == (abs(change) > 0.03)
         assert ("softer" if change < 0 else "stiffer") in found["up_and_down_sweeps_agree"].says
 
-    def test_no_way_back_is_judged_where_there_is_none(self):
+    def test_fit_omits_the_return_check_without_a_return(self):
         shuffled = np.random.default_rng(1).permutation(X)
         for one in (X, X[::-1], shuffled):
             found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(one), one))
@@ -154,7 +154,7 @@ class TestSweep:
         assert held >= 10
         assert found.ratio(6e-3) == pytest.approx(complex(K[-1] / (400 + 32j)), rel=0.01)
 
-    def test_both_are_found_and_the_springs_error_knows_of_the_friction(self):
+    def test_fit_recovers_friction_and_cubic_spring_with_honest_error(self):
         Xs = np.geomspace(1e-4, 6e-3, 12)
         for friction in (lambda X: payne(X, d=1.0, X_c=4e-4), lambda X: jenkins(X) / 100):
             K = 400 + 30j + 150 * np.array([friction(one) for one in Xs]) + 0.75 * 5e6 * Xs**2
@@ -163,7 +163,7 @@ class TestSweep:
             assert abs(found.k3 - 5e6) < 2.5 * dict(found.se)["k3"]
 
     @pytest.mark.parametrize("other", [lambda X: 8e10 * 0.625 * X**4, lambda X: 2 * stop(X)])
-    def test_a_spring_that_is_not_cubic_is_said_and_no_friction_either(self, other):
+    def test_fit_reports_a_spring_that_is_not_cubic(self, other):
         Xs = np.tile(np.geomspace(1e-4, 6e-3, 12), 3)
         K = 400 + 30j + np.array([other(one) for one in Xs])
         found = fit_amplitude(sweep(K, Xs, noise=0.002, unit="N/m", of="m"))
@@ -283,7 +283,7 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
         ([2.0, 50.0], "sensitivity of the force"),
     ],
 )
-def test_levels_that_hits_contradict_are_told_why(said, says):
+def test_levels_check_explains_a_contradiction_with_the_hits(said, says):
     check = levels_as_stated(said, [2.1, 19.0])
     assert check.failed
     assert says in check.says
@@ -331,14 +331,14 @@ class TestLevels:
         assert found.residual < 0.012
         assert found.linear_residual > 0.05
 
-    def test_several_seals_are_one_seal_so_many_times(self):
+    def test_fit_levels_scales_with_the_number_of_seals(self):
         one = fit_levels(three(), LEVELS, mass=MASS)
         two = fit_levels(three(), LEVELS, mass=MASS, seals=2)
         assert 2 * two.stiffness(omega=80.0, amplitude=1e-3) == pytest.approx(
             one.stiffness(omega=80.0, amplitude=1e-3), rel=1e-6
         )
 
-    def test_a_mass_said_wrong_moves_another_mass_and_no_level(self):
+    def test_wrong_mass_in_fit_levels_leaves_the_predicted_resonance(self):
         one, other = (fit_levels(three(), LEVELS, mass=part * MASS) for part in (1, 1.01))
         for level in (0.02, 0.2):
             here, there = (resonance_at_level(found, level)[0] for found in (one, other))
@@ -372,7 +372,7 @@ class TestLevels:
         assert bool(worst(found) < 0.002) is said
         assert found.verdict.use == use
 
-    def test_lines_of_another_noise_beside_the_resonance_are_no_misfit(self):
+    def test_fit_levels_accepts_excess_noise_off_resonance(self):
         """Ten times the noise below 12 Hz, as of a transmissibility near 1, and none of it said."""
         part = np.where(F < 12, 0.03, 0.003)
         rng = np.random.default_rng(4)
@@ -408,7 +408,7 @@ class TestLevels:
             ({"friction": lambda X: jenkins(X) - 0.4 * stop(X)}, "use with care"),
         ],
     )
-    def test_what_is_told_wrong_or_lies_outside_is_no_use(self, wrong, use):
+    def test_fit_levels_rejects_wrong_statements_and_poor_fits(self, wrong, use):
         """FRFs that say nothing of their scatter: it is seen from line to line."""
         frfs = three(wrong.get("friction", jenkins), noise=0.005)
         odd = wrong.get("gain", 1.0) * np.exp(1j * wrong.get("phase", 0.0))
@@ -423,7 +423,7 @@ class TestLevels:
 
     @pytest.mark.parametrize("k3", [4e5, -4e5, 8e5])
     @pytest.mark.parametrize("slips", [True, False])
-    def test_a_spring_that_stiffens_is_told_from_friction(self, k3, slips):
+    def test_fit_levels_distinguishes_a_hardening_spring_from_friction(self, k3, slips):
         def both(X):
             return 0.75 * k3 * X**2 + (jenkins(X) if slips else 0)
 
@@ -475,7 +475,7 @@ class TestLevels:
                     held.append(low <= part(arms(w) + jenkins(X)) <= high)
         assert 0.88 < np.mean(held) < 1
 
-    def test_one_level_of_one_amplitude_is_said(self):
+    def test_fit_levels_reports_a_single_amplitude(self):
         far = np.linspace(30, 40, 30)  # above resonance the amplitude hardly moves
         found = fit_levels([measured(0.05, far)], [0.05], mass=MASS)
         assert any(c.name == "amplitudes_spread" and c.failed for c in found.checks)

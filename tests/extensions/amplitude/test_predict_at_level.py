@@ -34,7 +34,7 @@ def payne(strain):
     return 1 - SHARE + SHARE / (1 + u**2) + 2j * SHARE * POWER / np.pi * u / (1 + u**2)
 
 
-def moved(f, level, factor=1.0, base=True):
+def solve_relative_motion(f, level, factor=1.0, base=True):
     """Relative motion of the mass, m, at a level: the quasi-linear balance, by bisection."""
     omega, force = 2 * np.pi * f, MASS * level if base else level
 
@@ -51,7 +51,7 @@ def peak(level, factor=1.0, base=True):
     lines = np.linspace(60, 160, 801)
     height = []
     for f in lines:
-        X = moved(f, level, factor, base)
+        X = solve_relative_motion(f, level, factor, base)
         K = FACTOR * modulus(f) * payne(factor * X / HEIGHT)
         accelerance = (2 * np.pi * f) ** 2 * X / level
         height.append(abs(K / (K - MASS * (2 * np.pi * f) ** 2)) if base else accelerance)
@@ -104,7 +104,7 @@ def test_a_shaken_base_at_ten_times_the_level(place):
         assert one["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
         assert one["peak"]["value"] == pytest.approx(height, rel=0.02)
         assert one["strain"] == pytest.approx(one["amplitude"] / HEIGHT)
-        assert one["amplitude"] == pytest.approx(moved(hz, level), rel=0.03)
+        assert one["amplitude"] == pytest.approx(solve_relative_motion(hz, level), rel=0.03)
     change = high["peak"]["frequency_hz"] / low["peak"]["frequency_hz"]
     assert change == pytest.approx(peak(HIGH)[0] / peak(LOW)[0], rel=2e-3)
     assert change < 0.93
@@ -124,7 +124,7 @@ def test_what_the_strain_measure_leaves_open_holds_either(place):
     assert high / low > 1.01
 
 
-def test_a_resonance_tells_the_geometry_at_its_own_level(place):
+def test_predict_uses_a_resonance_measured_at_another_level(place):
     """One peak, measured where the rubber had softened, gives that of another level."""
     measured = ("--resonance", f"{peak(HIGH)[0]:.5g}Hz", "--resonance-mass", "400g")
     told = answered(
@@ -157,7 +157,7 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
 
 
 @pytest.mark.parametrize(("letter", "factor"), [("E", 3**-0.5), ("G", 3**0.5)])
-def test_a_sweep_in_shear_leaves_open_that_the_part_is_not(place, tmp_path, letter, factor):
+def test_predict_states_that_a_shear_sweep_may_not_apply(place, tmp_path, letter, factor):
     (tmp_path / "m.json").write_bytes((place / "m.json").read_bytes())
     text = (place / "strain.csv").read_text().replace("E'", f"{letter}'")
     (tmp_path / "strain.csv").write_text(text)
@@ -167,7 +167,7 @@ def test_a_sweep_in_shear_leaves_open_that_the_part_is_not(place, tmp_path, lett
 
 @pytest.mark.parametrize("since", [0.0, 2e-3])
 @pytest.mark.parametrize("law", ["factor", "additive", "additive+cubic"])
-def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, since):
+def test_element_parallel_to_a_solid_is_the_change_since_its_amplitude(law, since):
     X = np.geomspace(1e-4, 0.1, 24)
     E = 4e6 * payne(X) + (0.75 * 2e9 * X**2 if "cubic" in law else 0)
     sweep = dp.AmplitudeSweep(10 + 0 * X, X, E.real, E.imag, "Pa", "strain", units="SI")
@@ -184,7 +184,7 @@ def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, s
 
 
 @pytest.mark.parametrize(("level", "passes"), [("2m/s^2", True), ("200m/s^2", False)])
-def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
+def test_predict_states_first_that_a_level_is_outside_the_sweep(place, level, passes):
     told = answered(place, *DISC, "--base", "--amplitude", level)
     assert ("amplitude_in_tested_range" in str(told["verdict"])) is not passes
     assert told["verdict"]["message"].startswith("At 200 m/s^2") is not passes
@@ -224,7 +224,7 @@ def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):
     assert says in " ".join(told.stderr.split())
 
 
-def test_one_level_is_written_and_drawn(place, tmp_path):
+def test_predict_writes_and_plots_one_level(place, tmp_path):
     words = ("--sweep", str(place / "strain.csv"), *DISC, "--base", "--amplitude", "5m/s^2")
     told = predict(
         place, *words, "-o", str(tmp_path / "frf.csv"), "--plot", str(tmp_path / "frf.svg")

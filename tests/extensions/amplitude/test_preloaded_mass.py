@@ -1,4 +1,4 @@
-"""A mass on a seal that bends and may be left: harmonics by shooting, apart from dashpot."""
+"""A mass on a nonlinear seal with lift-off: harmonics against independent shooting."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_the_seal_opens_when_shaken():
         ),
     ],
 )  # fmt: skip
-def test_a_mass_that_bounces_far_is_found_past_the_folds(of, at, amplitudes, growth, lost):
+def test_shaken_mass_follows_large_bouncing_past_the_folds(of, at, amplitudes, growth, lost):
     """By shooting with DOP853 between the instants of contact, apart from dashpot."""
     found = of.shaken(level=at[0], frequency=at[1])
     assert 1e3 * found.amplitudes[:4] == pytest.approx(amplitudes, abs=1e-6 * amplitudes[1])
@@ -125,7 +125,7 @@ def test_an_orbit_that_does_not_last_is_refused():
     )
 
 
-def test_a_sweep_goes_round_the_fold_and_finds_what_one_frequency_finds():
+def test_sweep_passes_the_fold_and_agrees_with_single_frequencies():
     lines = np.array([10.0, 11.0, 12.76, 14.0, 26.15, 30.0])
     swept = ON_SEALS.sweep(level=0.3, frequency=lines)
     assert [one.frequency for one in swept] == lines.tolist()
@@ -163,7 +163,7 @@ def test_a_sweep_jumps_where_its_branch_ends_and_the_end_moves_with_the_law():
     assert moved == pytest.approx(jump(stiffer)[1].before.frequency - before.frequency, rel=0.1)
 
 
-def test_a_small_motion_is_the_linear_one():
+def test_shaken_mass_of_small_motion_is_linear():
     """Of the tangent at rest, with arms, a dashpot, and a solid of no finite number of arms."""
     for solid in (
         SOLID,
@@ -209,7 +209,7 @@ class TestRefused:
         with pytest.raises(DataError, match=r"not monotone.*1 N rests at 1 mm, 2 mm, 4 mm"):
             PreloadedMass(MASS, law, SOLID, preload=1.0)
 
-    def test_a_law_that_is_not_monotone_but_has_one_rest(self):
+    def test_preloaded_mass_has_one_rest_on_a_non_monotone_law(self):
         law = PolynomialLaw((14e3 / 8, -7e6 / 8, 1e9 / 8))
         assert PreloadedMass(MASS, law, SOLID, preload=5.0).rest > 4e-3
 
@@ -217,7 +217,7 @@ class TestRefused:
         with pytest.raises(DataError, match="relaxes to nothing"):
             PreloadedMass(MASS, LAW, GeneralizedMaxwell(0.0, (100.0,), (1.0,)))
 
-    def test_a_force_that_no_orbit_bears_says_the_last_that_one_did(self):
+    def test_shaken_mass_states_the_largest_force_with_an_orbit(self):
         # bears 1.5 N at most
         soft = PreloadedMass(MASS, ElasticLaw((0.0, 5e-3), (2.0, 0.0), 300.0), SOLID)
         with pytest.raises(DataError, match=r"is reached above 0\.\d+ N, and 1 N was asked for"):
@@ -235,7 +235,7 @@ class TestRefused:
 
 
 @pytest.mark.slow
-def test_a_case_of_its_own_by_shooting():
+def test_shaken_mass_agrees_with_shooting_for_a_general_case():
     """A law that softens and hardens, an arm that is fast, a dashpot, under a spring of 3 N."""
     from scipy.integrate import solve_ivp
 

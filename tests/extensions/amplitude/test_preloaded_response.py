@@ -1,4 +1,4 @@
-"""A mass at a level on a seal whose elastic law bends: its document and its text."""
+"""Prediction at a level on a seal with a nonlinear elastic law: document and text."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def bent(straight):
 
 
 @pytest.fixture(scope="module")
-def told(bent):
+def bent_prediction(bent):
     return dp.predict(bent, mass=MASS, seals=2, level="0.3N", lines=31)
 
 
-def test_the_document_tells_harmonics_shift_and_whether_it_lasts(told, bent):
-    (level,) = told.to_dict()["levels"]
+def test_the_document_tells_harmonics_shift_and_whether_it_lasts(bent_prediction, bent):
+    (level,) = bent_prediction.to_dict()["levels"]
     hz, law = level["peak"]["frequency_hz"], bent.elastic_law
     (alone,) = PreloadedMass(MASS, 2 * law, bent.solid).sweep(level=0.3, frequency=np.array([hz]))
     rest = 2 * law.force(level["rest"])
@@ -57,10 +57,10 @@ def test_the_document_tells_harmonics_shift_and_whether_it_lasts(told, bent):
     assert level["peak"]["value"] == pytest.approx(omega**2 * level["amplitude"] / 0.3, rel=1e-9)
 
 
-def test_the_text_says_that_the_seal_opens(told):
-    said = " ".join(" ".join(prediction(told).lines).split())
+def test_the_text_says_that_the_seal_opens(bent_prediction):
+    said = " ".join(" ".join(prediction(bent_prediction).lines).split())
     assert "mean shift, mm" in said
-    shift = -1e3 * told.preloaded[0].orbit.shift
+    shift = -1e3 * bent_prediction.preloaded[0].orbit.shift
     assert f"at 0.3 N the seal opens by {shift:.2g} mm when shaken" in said
 
 
@@ -76,7 +76,7 @@ def peaked(law, solid, level, about):
     return lines[top] - 0.5 * slope / bend
 
 
-def test_the_interval_is_what_laws_one_error_off_find(bent):
+def test_prediction_interval_agrees_with_laws_one_error_off(bent):
     """Only the law is in doubt: its tangent at rest by 1 %, at 8 mm by 2 %, its mean kept."""
     sure = replace(bent.estimate, covariance=0 * bent.covariance)
     known = replace(bent, estimate=sure)
@@ -98,21 +98,21 @@ def test_the_interval_is_what_laws_one_error_off_find(bent):
     assert (limits[1] / limits[0])[f > 45] == pytest.approx(1.0, abs=2e-3)
 
 
-def test_where_two_answers_last_is_said_with_the_page_and_the_numbers(told, tmp_path):
-    one = told.preloaded[0]
+def test_prediction_reports_the_frequency_range_with_two_solutions(bent_prediction, tmp_path):
+    one = bent_prediction.preloaded[0]
     (hz,) = one.jumps_hz
     before, after = one.jumps[0]
     assert after.amplitudes[1] > 1.5 * before.amplitudes[1]
     assert after.frequency - before.frequency < 1e-3 * hz
     assert one.frequency == pytest.approx(hz, rel=1e-9)
-    said = " ".join(" ".join(prediction(told).lines).split())
+    said = " ".join(" ".join(prediction(bent_prediction).lines).split())
     assert f"! at 0.3 N two answers last below {hz:.5g} Hz" in said
     low, high = one.interval.shift
     half = 1e3 * (high - low) / 2
     assert f"± {half:.2g}" in said
-    page = told.save(tmp_path / "level.html").read_text()
+    page = bent_prediction.save(tmp_path / "level.html").read_text()
     assert "At 0.3 N" in page
-    known = told.to_dict()["levels"][0]
+    known = bent_prediction.to_dict()["levels"][0]
     assert known["interval"]["mean_shift"] == [low, high]
     response = known["response"]
     assert np.shape(response["magnitude_between"]) == (2, len(response["frequency_hz"]))
@@ -131,14 +131,14 @@ def test_a_vanishing_level_over_a_base_is_the_linear_answer(bent):
 
 
 @pytest.mark.parametrize(("depth", "passes"), [(1.001, True), (0.999, False)])
-def test_a_swing_deeper_than_tested_is_told(told, bent, depth, passes):
-    deepest = told.preloaded[0].deepest
+def test_prediction_reports_a_swing_deeper_than_tested(bent_prediction, bent, depth, passes):
+    deepest = bent_prediction.preloaded[0].deepest
     law = bent.elastic_law
     from dashpot.vibration.checks import compression_tested
 
     assert any(
         check.name == "compression_tested" and check.value == pytest.approx(deepest / law.depth)
-        for check in told.checks
+        for check in bent_prediction.checks
     )
     assert compression_tested(deepest, depth * deepest).passed is passes
 
@@ -157,7 +157,7 @@ def test_a_straight_law_takes_no_level(straight):
         ({"level": "1uN", "mass": "10mg"}, r"so slight a contact was not tested"),
     ],
 )
-def test_a_mass_that_hardly_presses_is_refused_at_once(bent, how, says):
+def test_predict_refuses_a_mass_that_hardly_preloads(bent, how, says):
     with pytest.raises(DataError, match=says):
         dp.predict(bent, **{"mass": MASS, "seals": 2, "lines": 31, **how})
 

@@ -1,4 +1,4 @@
-"""A solid in series with friction, against the path that it settles to."""
+"""A model in series with friction, against its settled path in time."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class TestSeries:
         t = np.linspace(0, 1, 400)
         assert pair.path_force(t, x) == pytest.approx(one.force(x), abs=1e-9)
 
-    def test_stuck_it_is_the_solid_alone(self):
+    def test_series_element_without_slip_is_the_solid(self):
         pair = InSeries(GeneralizedMaxwell(10.0, (5.0,), (0.1,)), Coulomb(1.0))
         assert pair.equivalent(3.0, 1e-4) == pytest.approx(pair.solid.complex_stiffness(omega=3.0))
 
-    def test_with_a_linear_part_behind_compliances_add(self):
+    def test_series_element_with_a_linear_part_adds_compliances(self):
         solid = GeneralizedMaxwell(10.0, (5.0,), (0.1,))
         soft = InParallel((spring(3.0),))
         K = InSeries(solid, soft).equivalent(7.0, 1e-3)
@@ -77,7 +77,7 @@ class TestSeries:
             K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
             assert abs(K - complex(pair.equivalent(w, X))) < 2e-3 * abs(K)
 
-    def test_far_beyond_slip_only_the_slider_is_left(self):
+    def test_series_element_at_large_amplitude_is_the_slider(self):
         pair = InSeries(GeneralizedMaxwell(200.0, (300.0,), (0.02,)), Coulomb(0.05))
         X = np.array([500.0, 5000.0])
         slides = Coulomb(0.05).equivalent(40.0, X)

@@ -308,7 +308,7 @@ def test_a_deck_of_levels_says_where_it_comes_from(target):
     assert solver == (target in ("opensees", "calculix"))
 
 
-def test_what_is_not_known_of_levels_is_refused():
+def test_export_of_levels_refuses_missing_information():
     bare = a_level_fit(specimen=type(a_level_fit().specimen)())
     with pytest.raises(ExportError, match=r"temperature is not stated.*length is not stated"):
         TARGETS["opensees"](bare, units="SI")
@@ -325,7 +325,7 @@ def test_what_is_not_known_of_levels_is_refused():
     assert re.search("^# USE WITH CARE: From 0.1 to 2 mm .* A little off[.]$", deck, re.M)
 
 
-def test_what_has_no_sense_beside_friction_is_refused():
+def test_export_refuses_options_incompatible_with_friction():
     with pytest.raises(ExportError, match="steady-state step, which is linear"):
         TARGETS["calculix"](a_level_fit(), units="SI", mass=0.1)
     with pytest.raises(ExportError, match="of one compression"):
@@ -352,13 +352,13 @@ def test_seals_in_parallel_are_so_many_of_each():
 # -- from the JSON of dashpot level ----------------------------------------------------------------
 
 
-def told(fit: LevelFit) -> str:
+def archive_fit(fit: LevelFit) -> str:
     return to_json(fit)
 
 
 def test_what_a_level_document_holds_makes_the_same_deck(tmp_path):
     path = tmp_path / "level.json"
-    path.write_text(told(replace(a_level_fit(), checks=(Check("c", None, "a check"),))))
+    path.write_text(archive_fit(replace(a_level_fit(), checks=(Check("c", None, "a check"),))))
     again = workflow.read_exported(path)
     assert isinstance(again, LevelFit)
     again = replace(again, specimen=a_level_fit().specimen)
@@ -369,7 +369,7 @@ def test_what_a_level_document_holds_makes_the_same_deck(tmp_path):
 
 
 def test_a_level_document_that_was_changed_is_refused():
-    text = told(a_level_fit())
+    text = archive_fit(a_level_fit())
     with pytest.raises(ReadError, match="was changed by hand"):
         from_json(text.replace('"slip": 0.05', '"slip": 0.06'))
     document = json.loads(text)

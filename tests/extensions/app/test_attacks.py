@@ -1,4 +1,4 @@
-"""A server as it runs, and what comes to its port from elsewhere."""
+"""The running server against foreign requests to its port."""
 
 import http.client
 import json
@@ -43,17 +43,17 @@ def server():
 def ask(server):
     port, token = server
 
-    def asked(method, path, body=None, **headers):
+    def send_request(method, path, body=None, **headers):
         headers = {"Cookie": f"dashpot-{port}={token}"} | headers
         with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=30)) as line:
             line.request(method, path, body, headers)
             answer = line.getresponse()
             return answer.status, answer.read().decode(errors="replace")
 
-    return asked
+    return send_request
 
 
-def test_it_listens_on_this_machine_alone(server):
+def test_server_listens_on_localhost_only(server):
     if sys.platform != "linux":
         pytest.skip("sockets are looked up in /proc")
     table = "".join(Path(f"/proc/net/{kind}").read_text() for kind in ("tcp", "tcp6"))

@@ -1,4 +1,4 @@
-"""Folders that a page opens: what it gets of them, and what it never gets."""
+"""Folders opened on the page: which files it reads and which it never reads."""
 
 import json
 import os
@@ -63,7 +63,7 @@ def project(tmp_path, text):
     return job, home.folder
 
 
-def test_a_project_is_opened_with_what_it_was_kept_with(store, project):
+def test_opened_project_restores_its_job(store, project):
     job, folder = project
     head = ask("folder", store, folder=str(folder))
     (test,) = head["tests"]

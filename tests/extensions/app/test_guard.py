@@ -1,4 +1,4 @@
-"""Who gets in: this machine, this page, this user."""
+"""Access to the server: this machine, this page, this user."""
 
 import pytest
 from kit.asgi import Client
@@ -78,12 +78,12 @@ def test_every_answer_carries_the_policy(guarded):
     "path", ["/static/../server.py", "/static/%2e%2e/server.py", "/static/..%2fserver.py",
              "/static/none.js", "/static/app.py"],
 )  # fmt: skip
-def test_nothing_beside_the_page_is_served(guarded, path):
+def test_server_serves_nothing_but_the_page(guarded, path):
     assert admitted(guarded).get(path).status_code == 404
 
 
 @pytest.mark.parametrize("body", [b"", b"{", b"[]", b"[" * 100_000, b"\xff\xfe"])
-def test_what_is_no_json_object_is_told_so(guarded, body):
+def test_server_reports_a_body_that_is_no_json_object(guarded, body):
     answer = admitted(guarded).request("PUT", "/api/state", body)
     assert answer.status_code == 422
     assert "JSON" in answer.json()["error"]
@@ -92,7 +92,7 @@ def test_what_is_no_json_object_is_told_so(guarded, body):
 @pytest.mark.parametrize(
     "body", ['{"files": 3}', '{"open": [1]}', '{"folders": [{}]}', '{"open": {"a": []}}']
 )
-def test_a_state_of_other_types_is_told_so(guarded, body):
+def test_server_reports_a_state_of_wrong_types(guarded, body):
     answer = admitted(guarded).request("PUT", "/api/state", body.encode())
     assert answer.status_code == 422
     assert "no list of" in answer.json()["error"]
@@ -104,14 +104,14 @@ def test_a_request_that_no_page_sends_is_cut_short(guarded):
 
 
 @pytest.mark.parametrize("verb", ["settle", "live", "inspect", "study", "take", "predict"])
-def test_a_question_that_is_no_json_is_told_so(guarded, verb):
+def test_server_reports_a_request_that_is_no_json(guarded, verb):
     for body in (b"", b"{'a': 1}", b'{"job":', b"null"):
         answer = admitted(guarded).request("POST", f"/api/{verb}", body)
         assert answer.status_code == 422
         assert "JSON" in answer.json()["error"]
 
 
-def test_a_fault_is_told_by_its_kind_and_quotes_nothing(guarded, desk, monkeypatch):
+def test_server_reports_the_kind_of_a_fault_without_data(guarded, desk, monkeypatch):
     monkeypatch.setattr(desk, "answer", lambda *_: {}["the customer's words"])
     answer = admitted(guarded).request("POST", "/api/settle", b"{}")
     assert answer.status_code == 500
@@ -122,7 +122,7 @@ def test_a_verb_that_is_none(guarded):
     assert admitted(guarded).request("POST", "/api/eval", b"{}").status_code == 404
 
 
-def test_a_file_beyond_the_limit_is_refused_while_it_comes(desk, monkeypatch):
+def test_upload_over_the_limit_is_refused_during_transfer(desk, monkeypatch):
     import asyncio
 
     from dashpot.extensions.app import upload_store

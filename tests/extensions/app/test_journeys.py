@@ -111,7 +111,7 @@ def test_files_are_dropped_and_the_answer_stands_there(visit, files):
         )
 
 
-def test_the_example_is_one_click(visit):
+def test_example_opens_with_one_click(visit):
     page = visit()
     page.at.get_by_role("button", name="Try the example").click()
     page.done()
@@ -119,7 +119,7 @@ def test_the_example_is_one_click(visit):
     assert page.at.get_by_text("SIMULATED").first.is_visible()
 
 
-def test_a_missing_unit_is_asked_for_and_answered(visit, files):
+def test_page_asks_for_a_missing_unit_and_accepts_it(visit, files):
     page = visit(files / "bare.csv")
     page.at.get_by_role("heading", name="What does bare.csv hold?").wait_for()
     page.at.get_by_role("heading", name="With this unit the seal would be").wait_for()
@@ -150,7 +150,7 @@ def test_a_file_that_the_page_has_no_place_for_says_what_it_is_and_why(visit, tm
     page.at.get_by_text("for this one:").wait_for()
 
 
-def test_a_sweep_is_fitted_beside_a_seal(visit, files):
+def test_page_fits_a_sweep_next_to_a_seal(visit, files):
     page = visit(files / "seal_8mm.csv")
     page.done()
     shown = page.at.locator("#solid").inner_text()
@@ -177,7 +177,7 @@ def test_a_sweep_is_fitted_beside_a_seal(visit, files):
         assert page.at.locator(what).inner_text() == ""
 
 
-def test_a_hammer_alone_asks_for_the_relaxation_test(visit, files):
+def test_page_asks_for_the_relaxation_test_of_a_hammer_test(visit, files):
     page = visit(files / "hammer.csv")
     page.at.get_by_role("heading", name="Now the relaxation test").wait_for()
     assert not page.at.get_by_role("tab", name="both tests").is_visible()
@@ -445,7 +445,7 @@ def test_a_lot_is_opened_and_a_test_of_it(visit, lot):
 
 
 @pytest.mark.slow  # a server and two pages of its own; test_folders.py opens a project
-def test_a_lot_of_the_command_line_is_opened_and_a_test_of_it_kept_as_a_project(browser, lot):
+def test_page_opens_a_lot_and_saves_one_test_as_project(browser, lot):
     with served(str(lot)) as address:
         page = Page(browser, address, fresh=False)
         open_row(page)
@@ -528,7 +528,7 @@ def test_a_page_that_is_loaded_again_has_lost_nothing(visit, files):
     assert "--arms" not in second.locator("#command").inner_text()
 
 
-def test_kinds_that_stand_alone_are_judged(visit, tmp_path):
+def test_page_fits_kinds_without_a_second_test(visit, tmp_path):
     pieces = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
     for name in (*pieces, "tension.csv", "hit.csv"):
         (tmp_path / name).write_text(workflow.EXAMPLES[name]())
@@ -692,7 +692,7 @@ def held_to(name, told):
     assert told == (GOLDEN / f"{name}.yaml").read_text(), f"{name} reads otherwise"
 
 
-def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, files):
+def test_accessibility_tree_of_single_and_joint_tests(visit, files):
     page = visit()
     held_to("empty", tree(page, ".bar") + tree(page, "#drop"))
     page.at.locator("#pick").set_input_files(str(files / "seal_8mm.csv"))
@@ -721,7 +721,7 @@ def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, fi
     assert "Transmissibility of" in page.at.locator('[data-panel="frf"]').inner_text()
 
 
-def test_a_file_of_the_command_line_is_there_at_once(window):
+def test_page_shows_a_file_of_the_command_line_immediately(window):
     assert "8.00 mm" in window.at_first
 
 
@@ -803,7 +803,7 @@ CHANGE = """() => {
 }"""
 
 
-class Told:
+class RecordedServer:
     """Recorded answers of the server: a request costs no study."""
 
     def __init__(self, page):
@@ -834,7 +834,7 @@ FEW = {"mass", "hit", "removed"}
 @pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, files, every):
     page = visit()
-    told, verdict = Told(page), page.at.get_by_role("region", name="Verdict")
+    told, verdict = RecordedServer(page), page.at.get_by_role("region", name="Verdict")
     told.instead = (409, "cancelled")  # the study of the other tab is not needed
     page.at.get_by_role("button", name="Try the example").click()
     verdict.get_by_role("button", name="Judge it").wait_for()

@@ -1,4 +1,4 @@
-"""Kinds that stand alone, dropped on the page: what the commands say of them, and what they ask."""
+"""Kinds fitted without a second test in the app: same result as the command, same questions."""
 
 import json
 import shlex
@@ -45,7 +45,7 @@ def ask(verb, store, **request):
 @pytest.mark.parametrize(
     "kind", [pytest.param(one, marks=[pytest.mark.slow] * (one in DEAR)) for one in ASKED]
 )
-def test_a_kind_is_judged_as_by_its_command(store, tmp_path, monkeypatch, kind):
+def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkeypatch, kind):
     names, said = ASKED[kind]
     files = put(store, names)
     monkeypatch.chdir(tmp_path)
@@ -72,7 +72,7 @@ def test_every_kind_of_the_register_has_a_place_on_the_page():
     assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in"}
 
 
-def test_what_is_missing_is_asked_for_in_words_of_the_page(store):
+def test_app_asks_for_missing_input_in_words_of_the_page(store):
     for kind, names, words in (
         ("indentation", ["hit.csv"], "moving mass is not given"),
         ("rod", ["rod.csv"], "the shape is not given"),
@@ -85,7 +85,7 @@ def test_what_is_missing_is_asked_for_in_words_of_the_page(store):
 
 
 @pytest.mark.parametrize("place", ["/etc/passwd", "../secret.csv", "C:\\\\secret.csv"])
-def test_a_door_names_no_file_elsewhere(store, place):
+def test_app_refuses_a_door_that_names_a_file_outside_its_folder(store, place):
     text = workflow.EXAMPLES["door.toml"]().replace("door_line.csv", place)
     identity = store.put("door.toml", text.encode())
     with pytest.raises(dp.ReadError, match="names a file elsewhere"):

@@ -1,4 +1,4 @@
-"""Workers: they answer, can be cancelled, and leave with their server."""
+"""Worker processes: answers, cancellation, and end with their server."""
 
 import asyncio
 import contextlib
@@ -30,7 +30,7 @@ def store():
     store.remove()
 
 
-def test_what_a_killed_server_left_is_cleared_by_the_next(store, tmp_path, monkeypatch):
+def test_store_clears_files_of_a_killed_server(store, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     living, dead, other = Store(), tmp_path / "dashpot-dead", tmp_path / "dashpot-other"
     for one in (dead, other):
@@ -87,7 +87,7 @@ def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
 
 
 @ON_LINUX
-def test_nothing_is_left_of_a_server_that_was_killed():
+def test_killed_server_leaves_no_process():
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
         address = server.stdout.readline()
@@ -115,7 +115,7 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
         address = urlsplit(run.stdout.readline().strip())
         cookie = {"Cookie": f"dashpot-{address.port}={address.query.partition('=')[2]}"}
 
-        def asked(path, body):
+        def send_request(path, body):
             line = open_.enter_context(
                 contextlib.closing(
                     http.client.HTTPConnection("127.0.0.1", address.port, timeout=60)
@@ -124,25 +124,25 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
             line.request("POST", path, body, cookie)
             return line
 
-        def told(line):
+        def read_response(line):
             answer = line.getresponse()
             return answer.status, answer.read()
 
-        file = json.loads(told(asked("/api/files?name=seal.csv", seal))[1])["id"]
+        file = json.loads(read_response(send_request("/api/files?name=seal.csv", seal))[1])["id"]
         inspect = "/api/inspect", json.dumps({"file": file})
         # who reads or computes stands still: it would never end by itself
         for one in children(run.pid):
             os.kill(one, signal.SIGSTOP)
-        reading = asked(*inspect)
-        while not json.loads(told(asked("/api/cancel", ""))[1])["cancelled"]:
+        reading = send_request(*inspect)
+        while not json.loads(read_response(send_request("/api/cancel", ""))[1])["cancelled"]:
             time.sleep(0.05)
-        assert told(reading)[0] == 409
-        status, body = told(asked(*inspect))
+        assert read_response(reading)[0] == 409
+        status, body = read_response(send_request(*inspect))
         assert (status, wire_format.decode_message(body)[0]["kind"]) == (200, "relaxation")
         for one in children(run.pid):
             os.kill(one, signal.SIGSTOP)
-        asked(*inspect)
-        asked("/api/study", json.dumps({"job": {"relaxation": file}}))
+        send_request(*inspect)
+        send_request("/api/study", json.dumps({"job": {"relaxation": file}}))
         half = open_.enter_context(
             contextlib.closing(http.client.HTTPConnection("127.0.0.1", address.port))
         )

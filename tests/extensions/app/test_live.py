@@ -1,4 +1,4 @@
-"""An instrument that is read while a page looks on."""
+"""Live view of a running recording."""
 
 import os
 
@@ -56,7 +56,7 @@ def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
     assert "it goes with the app" in played["says"]
 
 
-def test_one_at_a_time_and_stopped_by_hand(live):
+def test_live_record_runs_singly_and_stops_on_request(live):
     live.start({"driver": "simulated", "speed": 1e-3})
     with pytest.raises(DataError, match="a record is running; stop it first"):
         live.start({"driver": "simulated"})
@@ -89,7 +89,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
     assert live.look(0, 0)["rows"] == 0
 
 
-def test_a_driver_that_breaks_is_said(live, monkeypatch):
+def test_live_record_reports_a_failing_driver(live, monkeypatch):
     class Broken:
         def describe(self):
             from dashpot.extensions.acquisition.recorder import Description

@@ -88,7 +88,7 @@ def test_modes_are_those_of_the_command(store, home, monkeypatch, case):
     assert mine == its
 
 
-def test_a_mass_that_is_not_said_is_asked_for(store, home):
+def test_modes_ask_for_a_missing_mass(store, home):
     with pytest.raises(dp.DataError, match=r"250g\.csv: say which mass was on the seals"):
         ask("modes", store, home, [f"{mass}.csv" for mass in MASSES], masses=["104g", ""])
 

@@ -1,4 +1,4 @@
-"""What a server leaves of its session, and another takes up."""
+"""The saved session of a server, and its restoration by the next."""
 
 import asyncio
 import json
@@ -39,7 +39,7 @@ def test_a_session_is_taken_up_by_another_server(store):
     after.remove()
 
 
-def test_it_goes_with_its_files_and_when_told_to(store):
+def test_session_is_removed_with_its_files_and_on_request(store):
     one, other = store.put("a.csv", b"1\n"), store.put("b.csv", b"2\n")
     session.keep(state(one, other), store)
     session.keep(state(other), store)
@@ -63,7 +63,7 @@ def test_what_is_not_whole_is_not_offered(store):
 
 
 @pytest.mark.parametrize("name", ["../../secret", "", "0" * 16])
-def test_a_name_that_is_no_file_of_the_page_is_not_kept(store, name):
+def test_session_ignores_a_file_that_is_not_on_the_page(store, name):
     session.keep(state(name), store)
     assert session.get_saved_session() is None
 

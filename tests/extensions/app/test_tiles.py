@@ -1,4 +1,4 @@
-"""What stands beside each other on the page of a file, and what its keys name."""
+"""Layout of figure cards on the page of a file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def panel(quantity: str, *labels: str, tags: tuple[Tag, ...] = ()) -> Panel:
 @pytest.mark.parametrize(
     ("count", "beside"), [(1, [1]), (2, [2]), (3, [1, 2]), (4, [2, 2]), (5, [1, 2, 2])]
 )
-def test_of_unlike_strips_two_stand_beside_each_other(count: int, beside: list[int]) -> None:
+def test_rows_places_two_unlike_strips_side_by_side(count: int, beside: list[int]) -> None:
     strips = tuple((panel(f"quantity {i}", f"mark {i}"),) for i in range(count))
     rows = _rows(Picture("p", "words", strips))
     assert [len(row) for row in rows] == beside

@@ -1,4 +1,4 @@
-"""What the workers answer: the command line's own numbers, digit for digit."""
+"""Request handlers: the same numbers as the command line, digit for digit."""
 
 import json
 import re
@@ -38,7 +38,7 @@ AT = {296.15: BROAD, 273.15: BROAD.shift_to_temperature(10**1.498172, 273.15 / 2
 
 
 @pytest.fixture(autouse=True)
-def _no_list_of_the_users_own(tmp_path, monkeypatch):
+def _isolate_state_folder(tmp_path, monkeypatch):
     monkeypatch.setenv("DASHPOT_STATE", str(tmp_path / "state"))
 
 
@@ -55,7 +55,7 @@ def files(store):
 
 
 @pytest.fixture(scope="module")
-def asked(files):
+def page_job(files):
     """What the page says of both files."""
     return {
         "relaxation": files["seal_8mm.csv"], "impact": [files["hammer.csv"]], "mass": "114.8g",
@@ -83,25 +83,25 @@ def typed(command, *more):
     return json.loads(found.stdout)
 
 
-def test_the_fit_is_that_of_the_command_digit_for_digit(store, asked, at_home):
-    told = json.loads(ask("take", store, job=asked, what="fit")["text"])
+def test_the_fit_is_that_of_the_command_digit_for_digit(store, page_job, at_home):
+    told = json.loads(ask("take", store, job=page_job, what="fit")["text"])
     words = ("--arms", "2", "--time-limits", "ramp-end=2.6s", "--temperature", "23degC")
-    assert told == shell.told("fit", "seal_8mm.csv", *words)
+    assert told == shell.run_json("fit", "seal_8mm.csv", *words)
 
 
 @pytest.mark.parametrize("joint", [False, True])
-def test_the_command_line_gives_the_pages_numbers(store, asked, at_home, joint):
-    head = ask("study", store, job=asked | {"joint": joint})
+def test_the_command_line_gives_the_pages_numbers(store, page_job, at_home, joint):
+    head = ask("study", store, job=page_job | {"joint": joint})
     study = typed(head["command"], "-o", "r.html", "--json")
-    page = result_cache.study(job_of(asked | {"joint": joint}, store.folder))
+    page = result_cache.study(job_of(page_job | {"joint": joint}, store.folder))
     mine = json.loads(to_json(page))
     for part in ("fit", "joint", "comparison"):
         assert mine[part] == study[part]
 
 
-def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
-    head = ask("settle", store, job=asked)
-    fit = from_json(ask("take", store, job=asked, what="fit")["text"])
+def test_what_is_shown_are_the_digits_of_the_fit(store, page_job):
+    head = ask("settle", store, job=page_job)
+    fit = from_json(ask("take", store, job=page_job, what="fit")["text"])
     assert f"{1e-3 * fit.model.k[0]:.4f}"[:5] in head["solid"]
     assert fit.verdict.use.capitalize() in head["verdict"]
     assert set(head["panels"]) == {"ramp", "hold", "spectrum", "frf"}
@@ -109,7 +109,7 @@ def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
     assert head["cuts"]["ramp_end"] == 2.6
 
 
-def test_a_record_is_read_once_for_every_lane(store):
+def test_record_is_parsed_once_for_all_workers(store):
     text = workflow.EXAMPLES["seal_8mm.csv"]()
     identity = store.put("once.csv", text.encode())
     assert not ask("inspect", store, file=identity)["long"]
@@ -125,7 +125,7 @@ def test_a_record_is_read_once_for_every_lane(store):
     assert again["specimen"]["name"] == "A"
 
 
-def test_a_record_of_a_fast_clock_is_kept(store):
+def test_inspect_accepts_a_record_with_a_fast_clock(store):
     rig = replace(Rig(), rate=200.0)
     test = simulate_relaxation(BROAD, rig=rig, seed=1).test
     fast = replace(test, time=test.time[0] + (test.time - test.time[0]) / 80)
@@ -134,7 +134,7 @@ def test_a_record_of_a_fast_clock_is_kept(store):
     assert "length of the record" not in line, line
 
 
-def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
+def test_long_record_shows_a_quick_fit_first(store, files, monkeypatch):
     job = {"relaxation": files["seal_8mm.csv"], "arms": 2}
     rows = ask("inspect", store, file=job["relaxation"])
     assert not rows["long"]
@@ -148,10 +148,10 @@ def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
     assert ask("settle", store, job=job)["solid"] == whole["solid"]
 
 
-def test_the_record_is_there_without_a_fit(store, asked):
+def test_the_record_is_there_without_a_fit(store, page_job):
     sizes = {"ramp": [260, 200], "hold": [260, 200]}
-    drawn = ask("look", store, job=asked, sizes=sizes)["panels"]
-    settled = ask("settle", store, job=asked, sizes=sizes)["panels"]
+    drawn = ask("look", store, job=page_job, sizes=sizes)["panels"]
+    settled = ask("settle", store, job=page_job, sizes=sizes)["panels"]
     assert all('data-name="fit"' not in html for html in drawn.values())
     # where it will stand upon its fit
     (line,) = re.findall(r'<path[^>]* data-name="measured"[^>]*>', drawn["ramp"])
@@ -160,19 +160,19 @@ def test_the_record_is_there_without_a_fit(store, asked):
     assert axes[0] == axes[1]
 
 
-def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
-    whole = VERBS["live"]({"job": asked}, store.folder)
+def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
+    whole = VERBS["live"]({"job": page_job}, store.folder)
     assert len(whole) < 30_000
-    found = ask("live", store, job=asked)
+    found = ask("live", store, job=page_job)
     assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(found["arrays"])
     assert "eq. (5)" in found["beside"]
-    later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
+    later = ask("live", store, job=page_job | {"cuts": {"hold_end": 20.0}})
     assert later["cuts"]["hold_end"] == 20.0
     # what it is called and how large it is: the solid's own, after the hold of the cut
     name, size = later["end"]
     after = 20.0 - later["cuts"]["ramp_end"]
     assert name == f"k after {after:.1f} s"
-    cut = job_of(asked | {"cuts": {"hold_end": 20.0}}, store.folder)
+    cut = job_of(page_job | {"cuts": {"hold_end": 20.0}}, store.folder)
     own = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut)).solid.relaxation(
         after
     )
@@ -180,17 +180,17 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
     assert found["cuts"]["hold_end"] > 40.0
     # on the axis that is there, which counts from where the ramp ended when it was drawn
-    moved = asked | {"cuts": {"ramp_end": 2.6}}
+    moved = page_job | {"cuts": {"ramp_end": 2.6}}
     since = found["cuts"]["ramp_end"]
     own, there = (ask("live", store, job=moved, **how)["arrays"] for how in ({}, {"since": since}))
     for name in ("hold/fit/x", "hold/mean/x"):
         assert there[name] - own[name] == pytest.approx(2.6 - since, abs=1e-5)
 
 
-def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, asked):
+def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, page_job):
     """The same optimum, without what a cut does not change: number of arms and law."""
-    ask("live", store, job=asked)
-    cut = job_of(asked | {"cuts": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
+    ask("live", store, job=page_job)
+    cut = job_of(page_job | {"cuts": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
     after = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut))
     anew = result_cache.fit_job(result_cache.select_fit_choices(cut), False, result_cache.HELD)
     assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
@@ -203,18 +203,18 @@ def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(sto
     assert not result_cache._is_followed(anew, replace(one, method="hold"))
 
 
-def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, asked):
+def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, page_job):
     """What a cut makes ten times larger must not become a thousandth of it."""
     size = {
-        unit: abs(ask("live", store, job=asked, unit=unit)["arrays"]["hold/mean/y"]).max()
+        unit: abs(ask("live", store, job=page_job, unit=unit)["arrays"]["hold/mean/y"]).max()
         for unit in ("N", "mN")
     }
     assert size["mN"] == pytest.approx(1000 * size["N"], rel=1e-5)
 
 
-def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, asked):
+def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, page_job):
     """Its handle goes both ways; what the cut leaves out is hatched."""
-    request = {"relaxation": asked["relaxation"], "arms": 2}
+    request = {"relaxation": page_job["relaxation"], "arms": 2}
     cut = request | {"cuts": {"hold_end": 12.0}}
     drawn = [ask("settle", store, job=one)["panels"]["hold"] for one in (request, cut)]
     ends = [float(re.search(r'data-x="log \S+ (\S+)"', one)[1]) for one in drawn]
@@ -229,7 +229,7 @@ def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, asked):
     assert result_cache.prepare_uncut_test(uncut, short) is None
 
 
-def test_a_law_that_was_found_can_be_asked_for():
+def test_elastic_law_of_a_result_can_be_requested():
     """A handle that is held asks for the law that was settled."""
     bent, straight = (
         SimpleNamespace(elastic_law=ElasticLaw((0.0, 8e-3), ratio, 100.0))
@@ -242,17 +242,17 @@ def test_a_law_that_was_found_can_be_asked_for():
     assert set(found[:2]) <= set(get_choice_values(RampLawAsked))
 
 
-def test_a_response_follows_the_mass(store, asked):
-    light, heavy = (ask("predict", store, job=asked | {"mass": mass}) for mass in ("100g", "200g"))
+def test_a_response_follows_the_mass(store, page_job):
+    light, heavy = (ask("predict", store, job=page_job | {"mass": mass}) for mass in ("100g", "200g"))
     peaks = [one["arrays"]["frf/predicted/x"][one["arrays"]["frf/predicted/y"].argmax()]
              for one in (light, heavy)]  # fmt: skip
     assert peaks[0] / peaks[1] == pytest.approx(2**0.5, rel=0.02)
-    assert len(VERBS["predict"]({"job": asked}, store.folder)) < 30_000
+    assert len(VERBS["predict"]({"job": page_job}, store.folder)) < 30_000
 
 
 @pytest.mark.parametrize("joint", [False, True])
-def test_a_base_that_moves_is_predicted_as_by_the_command(store, asked, at_home, joint):
-    job = asked | {"joint": joint}
+def test_a_base_that_moves_is_predicted_as_by_the_command(store, page_job, at_home, joint):
+    job = page_job | {"joint": joint}
     head = ask("study", store, job=job, base=True)
     fit = "joint" if joint else "fit"
     (at_home / f"{fit}.json").write_text(ask("take", store, job=job, what=fit)["text"])
@@ -265,7 +265,7 @@ def test_a_base_that_moves_is_predicted_as_by_the_command(store, asked, at_home,
     moving = ask("predict", store, job=job, base=True)["arrays"]["frf/predicted/y"]
     assert moving[0] == pytest.approx(1.0, abs=0.15)
     with pytest.raises(dp.DataError, match="no mass"):
-        ask("take", store, job={"relaxation": asked["relaxation"]}, what="base")
+        ask("take", store, job={"relaxation": page_job["relaxation"]}, what="base")
 
 
 @pytest.mark.parametrize(
@@ -287,7 +287,7 @@ def test_a_sweep_or_a_modulus_is_fitted_as_by_the_command(store, tmp_path, monke
     assert head["figures"]
 
 
-def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
+def test_tests_at_two_temperatures_share_one_model(store, at_home):
     ids = []
     for name, temperature in (("warm.csv", 296.15), ("cold.csv", 273.15)):
         rig = replace(Rig(), rate=200.0)
@@ -298,7 +298,7 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
     head = ask("settle", store, job=job)
     words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC")
     told = json.loads(ask("take", store, job=job, what="fit")["text"])
-    assert told == shell.told("fit", *words)
+    assert told == shell.run_json("fit", *words)
     assert len(told["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
     with pytest.raises(
@@ -307,13 +307,13 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
         ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
 
 
-def test_a_hammer_without_a_mass_is_no_verdict_yet(store, asked):
-    bare = {key: value for key, value in asked.items() if key not in {"mass", "seals"}}
+def test_a_hammer_without_a_mass_is_no_verdict_yet(store, page_job):
+    bare = {key: value for key, value in page_job.items() if key not in {"mass", "seals"}}
     head = ask("study", store, job=bare | {"joint": False})
     assert "mass of the block" in head["hint"]
     fit = from_json(ask("take", store, job=bare, what="fit")["text"])
     assert fit.verdict.use.capitalize() in head["verdict"]
-    assert not ask("study", store, job=asked | {"joint": False})["hint"]
+    assert not ask("study", store, job=page_job | {"joint": False})["hint"]
 
 
 @pytest.mark.parametrize(
@@ -328,18 +328,18 @@ def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
 
 
 @pytest.mark.slow
-def test_what_would_tell_more_is_said_once(store, asked):
-    study = result_cache.study(job_of(asked, store.folder))
+def test_advice_is_shown_once(store, page_job):
+    study = result_cache.study(job_of(page_job, store.folder))
     more = view_models.tells_more(study, ())
     assert study.fit.evidence.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
     said = Check("told", False, "Not known.", remedy=Remedy(study.fit.evidence.end_of_hold.remedy))
     assert view_models.tells_more(study, (said,)) == ""
 
 
-def test_a_wrong_mass_has_its_cure_beside_the_verdict(store, asked):
+def test_page_offers_the_mass_of_the_frf_next_to_the_verdict(store, page_job):
     """Twice the mass: the page offers that of the FRF; of the right one it offers none."""
     wrong, right = (
-        ask("study", store, job=asked | {"joint": False, "mass": mass})["verdict"]
+        ask("study", store, job=page_job | {"joint": False, "mass": mass})["verdict"]
         for mass in ("229.6g", "114.8g")
     )
     (grams,) = re.findall(r'data-mass="([0-9.]+)g">Set \1 g<', wrong)
@@ -347,15 +347,15 @@ def test_a_wrong_mass_has_its_cure_beside_the_verdict(store, asked):
     assert "data-mass" not in right
 
 
-def test_a_fractional_solid_shows_its_own_four(store, asked):
-    head = ask("settle", store, job=asked | {"arms": "auto", "family": "fractional"})
+def test_fractional_model_lists_four_parameters(store, page_job):
+    head = ask("settle", store, job=page_job | {"arms": "auto", "family": "fractional"})
     assert head["solid"].count('scope="row"') == 5  # its four, and the end of the hold
     assert "--model fractional" in head["command"]
-    assert ask("live", store, job=asked | {"arms": "auto", "family": "fractional"})["beside"]
+    assert ask("live", store, job=page_job | {"arms": "auto", "family": "fractional"})["beside"]
 
 
-def test_a_hit_is_left_out_by_hand(store, asked):
-    rejected = ask("study", store, job=asked | {"joint": False, "hammer": {"reject": ["2"]}})
+def test_hit_can_be_rejected_on_the_page(store, page_job):
+    rejected = ask("study", store, job=page_job | {"joint": False, "hammer": {"reject": ["2"]}})
     assert "4 of 5 hits" in rejected["hammer"]
     assert "--reject 2" in rejected["command"]
 
@@ -383,26 +383,26 @@ def test_a_hit_is_left_out_by_hand(store, asked):
         ({"reading": {"units": 5}}, "not of the kind"),
     ],
 )
-def test_what_is_not_of_a_job_is_told_so(store, asked, change, says):
+def test_job_reports_unknown_fields(store, page_job, change, says):
     with pytest.raises(dp.DashpotError, match=says):
-        job_of(asked | change, store.folder)
+        job_of(page_job | change, store.folder)
 
 
 @pytest.mark.parametrize("mass", ["0g", "-5g"])
 @pytest.mark.parametrize("verb", ["settle", "predict", "study"])
 @pytest.mark.parametrize("base", [False, True])
-def test_a_mass_that_cannot_be_is_told_so(store, asked, mass, verb, base):
-    bare = {"relaxation": asked["relaxation"], "arms": 2, "mass": mass}
+def test_job_reports_an_invalid_mass(store, page_job, mass, verb, base):
+    bare = {"relaxation": page_job["relaxation"], "arms": 2, "mass": mass}
     with pytest.raises(dp.DataError, match=r"mass = .* kg; expected a number > 0"):
         ask(verb, store, job=bare, base=base)
 
 
-def test_a_job_and_its_command_say_the_same(store, asked):
+def test_a_job_and_its_command_say_the_same(store, page_job):
     more = {
         "compression": "2.6mm", "band": "5:40Hz", "machine": {"sync": "0.5ms"}, "law": "linear",
         "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
     }  # fmt: skip
-    words = shlex.split(line("report", job_of(asked | more, store.folder)))
+    words = shlex.split(line("report", job_of(page_job | more, store.folder)))
     for one in (
         "--compression",
         "2.6mm",
@@ -434,21 +434,21 @@ def test_whatever_comes_from_a_file_is_escaped(store):
 
 
 @pytest.mark.parametrize("what", ["report", "fit", "picture", "frf"])
-def test_what_can_be_taken_away(store, asked, what):
-    told = ask("take", store, job=asked | {"joint": False}, what=what)
+def test_what_can_be_taken_away(store, page_job, what):
+    told = ask("take", store, job=page_job | {"joint": False}, what=what)
     assert told["name"]
     assert len(told["text"]) > 20
 
 
-def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, asked):
+def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page_job):
     with pytest.raises(dp.ExportError, match="length"):
-        ask("take", store, job=asked, what="deck", target="nastran")
-    whole = asked | {"specimen": {"temperature": "23degC", "length": "100mm"}}
+        ask("take", store, job=page_job, what="deck", target="nastran")
+    whole = page_job | {"specimen": {"temperature": "23degC", "length": "100mm"}}
     with pytest.raises(dp.DashpotError, match="no solver"):
         ask("take", store, job=whole, what="deck", target="word")
     assert (
         "OVERRIDE"
-        in ask("take", store, job=asked, what="deck", target="nastran", anyway=True)["text"]
+        in ask("take", store, job=page_job, what="deck", target="nastran", anyway=True)["text"]
     )
     with pytest.raises(dp.DataError, match="both tests"):
         ask("take", store, job=whole | {"joint": False}, what="joint")
@@ -463,10 +463,10 @@ def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, aske
         ({"target": "radioss", "modulus": "3MPa"}, ("--to", "radioss", "--modulus", "3MPa")),
     ],
 )  # fmt: skip
-def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
+def test_a_deck_is_that_of_the_command(store, page_job, at_home, more, words):
     specimen = {"temperature": "23degC", "length": "100mm"}
     # of the bench alone: what the page holds against it under a mass is in its header, too
-    job = asked | {"joint": False, "impact": [], "mass": "", "specimen": specimen}
+    job = page_job | {"joint": False, "impact": [], "mass": "", "specimen": specimen}
     deck = ask("take", store, job=job, what="deck", **more)["text"]
     (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
     typed = ("export", "fit.json", "--unit-system", "mm-t-s", *words)
@@ -476,8 +476,8 @@ def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
 
 
 @pytest.mark.parametrize("joint", [True, False])
-def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, asked, joint):
-    job = asked | {"joint": joint}
+def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, page_job, joint):
+    job = page_job | {"joint": joint}
     told = ask("study", store, job=job)
     table = told["solid"]
     assert joint or table == ask("settle", store, job=job)["solid"]
@@ -493,8 +493,8 @@ def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, asked, 
         ask("take", store, job=job, solid="0" * 16, **wanted)
 
 
-def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
-    job = asked | {"joint": True}
+def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, page_job):
+    job = page_job | {"joint": True}
     told, alone = ask("study", store, job=job), ask("settle", store, job=job)["panels"]
     both = told["panels"]
     assert both.keys() == {"ramp", "hold", "spectrum"}
@@ -506,13 +506,13 @@ def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
     arms = result_cache.study(job_of(job, store.folder)).joint.model.arms
     assert both["spectrum"].count(">τ") >= arms
     assert (
-        ask("study", store, job=asked | {"joint": False})["panels"]["spectrum"]
+        ask("study", store, job=page_job | {"joint": False})["panels"]["spectrum"]
         == (alone["spectrum"])
     )
 
 
-def test_what_both_tests_leave_of_the_hold_is_its_noise(store, asked):
-    both = ask("study", store, job=asked | {"joint": True, "arms": "auto"})["panels"]["hold"]
+def test_what_both_tests_leave_of_the_hold_is_its_noise(store, page_job):
+    both = ask("study", store, job=page_job | {"joint": True, "arms": "auto"})["panels"]["hold"]
     rms, noise = map(float, re.search(r"rms ([\d.]+), noise ([\d.]+)", both).groups())
     assert 0.9 * noise < rms < 1.1 * noise
 
@@ -526,8 +526,8 @@ def test_the_list_of_files_names_no_option_and_no_python(store):
     assert "Python" not in line
 
 
-def test_two_fits_are_held_against_each_other(store, asked):
-    sides = {name: {"job": asked | {"joint": name == "b"}} for name in "ab"}
+def test_two_fits_are_held_against_each_other(store, page_job):
+    sides = {name: {"job": page_job | {"joint": name == "b"}} for name in "ab"}
     head = ask("against", store, **sides)
     assert head["colour"] == "open"
     assert set(head["panels"]) == {"ab-frf", "ab-rest"}
@@ -549,12 +549,12 @@ def test_two_fits_are_held_against_each_other(store, asked):
     assert "×" not in same["table"]
     assert "outside" not in same["table"]
     with pytest.raises(dp.DataError, match="no model of both tests"):
-        ask("against", store, a=sides["a"], b={"job": asked | {"joint": True, "impact": []}})
+        ask("against", store, a=sides["a"], b={"job": page_job | {"joint": True, "impact": []}})
 
 
-def test_a_project_is_kept(store, asked, tmp_path):
-    kept = ask("project", store, job=asked | {"joint": False}, folder=str(tmp_path / "door"))
+def test_project_is_saved_with_its_report(store, page_job, tmp_path):
+    kept = ask("project", store, job=page_job | {"joint": False}, folder=str(tmp_path / "door"))
     assert (tmp_path / "door" / "dashpot.toml").exists()
     assert kept["report"].endswith(".html")
     with pytest.raises(dp.DataError, match="no folder"):
-        ask("project", store, job=asked, folder=" ")
+        ask("project", store, job=page_job, folder=" ")

@@ -76,26 +76,26 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
     assert batch(folder, output="lot", jobs=1, **QUICK).computed == 0
 
 
-def asked(entries, **changes):
+def run_worker(entries, **changes):
     """What a worker of a cluster answers."""
     how = {"choices": json.dumps(to_plain_value(CHOICES)), "folder": ".", "version": __version__}
     return rows_of(json.dumps([one.packed for one in tasks(entries, CHOICES)]), **(how | changes))
 
 
-def test_a_worker_refuses_what_would_be_another_row_than_here(folder, tmp_path):
+def test_cluster_worker_refuses_another_version_or_folder(folder, tmp_path):
     here = [Entry("tests/junk.csv")]
     with pytest.raises(DataError, match="a worker of the cluster has dashpot"):
-        asked(here, version="0.0.1")
+        run_worker(here, version="0.0.1")
     with pytest.raises(DataError, match="such as on a shared drive"):
-        asked(here, folder=str(tmp_path / "elsewhere"))
+        run_worker(here, folder=str(tmp_path / "elsewhere"))
     with pytest.raises(DataError, match="such as on a shared drive"):
-        asked([Entry(str(Path("tests/0.csv").absolute()), hammer=("tests/1.csv",))], folder="/")
-    (row,) = json.loads(asked(here))
+        run_worker([Entry(str(Path("tests/0.csv").absolute()), hammer=("tests/1.csv",))], folder="/")
+    (row,) = json.loads(run_worker(here))
     stop_idle_workers()
     assert (row["file"], row["outcome"]) == ("tests/junk.csv", "refused")
 
 
-def test_a_scheduler_that_is_none_is_refused_at_once(folder):
+def test_batch_refuses_an_unreachable_scheduler_immediately(folder):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         nobody = f"tcp://127.0.0.1:{taken.getsockname()[1]}"

@@ -32,7 +32,7 @@ def files(*paths, **how):
     return [Path(one.file).as_posix() for one in find_entries(paths, without=Path("lot"), **how)]
 
 
-def test_folders_patterns_and_files_are_taken_once(here):
+def test_find_entries_takes_each_file_once(here):
     everything = ["a/deep/lotY_2.csv", "a/lotX_1.csv", "a/seal.csv", "b.csv"]
     assert files(".") == everything
     assert files("a", "b.csv", here / "a" / "lotX_1.csv", "**/*.csv") == everything
@@ -153,7 +153,7 @@ def test_hammers_are_paired_by_the_name_of_the_test_and_are_no_tests_themselves(
     assert elsewhere == {"A_2": ["A-2.uff"], "A_2_again": ["A-2.uff"]}
 
 
-def test_a_name_with_the_marks_of_a_pattern_finds_its_own_hammer(pairs):
+def test_find_entries_pairs_a_name_with_pattern_characters(pairs):
     for name in ("s[1].csv", "s[1]_h.csv", "s1_h.csv"):
         Path(name).write_text(name)
     assert hammers("s[1].csv", pair="{stem}_h.csv") == {"s[1]": ["s[1]_h.csv"]}
@@ -199,13 +199,13 @@ def test_a_manifest_names_the_hammers_and_wins_over_a_pattern(pairs, name, text)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are text elsewhere")
-def test_a_name_that_is_no_text_is_said(tmp_path):
+def test_find_entries_reports_a_name_that_is_no_utf8(tmp_path):
     (tmp_path / os.fsdecode(b"a\xff.csv")).write_text("")
     with pytest.raises(ReadError, match=r"a\\udcff\.csv: the name is not UTF-8"):
         find_entries([tmp_path], without=Path("lot"))
 
 
-def test_a_folder_that_cannot_be_read_is_said_and_none_is_left_out(here, monkeypatch):
+def test_find_entries_reports_an_unreadable_folder(here, monkeypatch):
     def walk(folder, onerror):
         onerror(FileNotFoundError(2, "gone", "a/gone"))
         onerror(PermissionError(13, "Permission denied", "a/deep"))
@@ -230,7 +230,7 @@ def test_a_task_gives_back_what_it_was_made_of(entry):
     assert Task.from_entry(task.entry, task.hashes, task.key) == task
 
 
-def test_a_link_out_of_the_folder_and_a_pipe_are_said_and_not_read(tmp_path):
+def test_find_entries_reports_links_outside_and_pipes_unread(tmp_path):
     rig, beside = tmp_path / "rig", tmp_path / "beside.csv"
     rig.mkdir()
     beside.write_text("secret\n")

@@ -16,7 +16,7 @@ import numpy as np
 import polars as pl
 import pytest
 from kit.processes import ON_LINUX, alive, children
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ExportError, ReadError
@@ -69,7 +69,7 @@ def row_of(table, name):
     return next(one for one in table.to_dicts() if one["file"].endswith(name))
 
 
-def test_every_file_is_a_row_and_says_what_it_is(whole):
+def test_batch_has_a_row_for_every_file(whole):
     assert whole["file"].to_list() == sorted(whole["file"])
     assert whole["outcome"].value_counts(sort=True).rows() == [
         ("fitted", 8), ("refused", 2), ("other", 1)
@@ -107,7 +107,7 @@ def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     assert row["frequency_Hz"] == pytest.approx(mode.frequency, rel=1e-4)
 
 
-def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folder):
+def test_batch_row_has_the_requested_stiffness_and_loss(folder):
     path = folder / "lotA_seal0_rep0.csv"
     (row,) = batch(path, arms=2, at=["12.7Hz", 0.1], compression="2.6mm").table.to_dicts()
     test = prepare(read_relaxation(path))
@@ -128,7 +128,7 @@ def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folde
         batch(path, at=-1.0, **QUICK)
 
 
-def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
+def test_batch_refits_only_a_changed_file(
     folder, whole, tmp_path
 ):
     tests = tmp_path / "tests"
@@ -154,7 +154,7 @@ def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
     assert other.table["k_2_N_per_m"].drop_nulls().len() > 0
 
 
-def test_a_part_that_is_damaged_is_made_again(folder, whole, tmp_path):
+def test_batch_rebuilds_a_damaged_part_file(folder, whole, tmp_path):
     batch(folder, output=tmp_path, jobs=2, **QUICK)
     victim = sorted(tmp_path.glob("part-*.parquet"))[0]
     victim.write_bytes(victim.read_bytes()[:100])
@@ -328,7 +328,7 @@ def test_the_first_chunk_counts_the_others_of_its_round_and_later_ones_no_start(
 
 
 @pytest.mark.once
-def test_a_full_disk_says_what_is_kept(folder, tmp_path, monkeypatch):
+def test_batch_reports_saved_rows_when_the_disk_is_full(folder, tmp_path, monkeypatch):
     def full(*_of):
         raise OSError(28, "No space left on device")
 
@@ -337,7 +337,7 @@ def test_a_full_disk_says_what_is_kept(folder, tmp_path, monkeypatch):
         batch(folder, output=tmp_path / "lot", jobs=1, **QUICK)
 
 
-def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, tmp_path):
+def test_interrupted_batch_reports_saved_rows_and_resumes(folder, whole, tmp_path):
     """As a terminal does it: all its processes get the signal."""
     code = (
         "import sys, dashpot.extensions.batch.batch_run as batches; from dashpot.cli import main;"
@@ -378,7 +378,7 @@ def test_the_results_may_lie_among_the_tests(folder, tmp_path):
         assert (found.outcomes, found.computed) == ({"fitted": 3}, computed)
 
 
-def test_a_folder_in_which_nothing_can_be_written_is_said_before_the_work(
+def test_batch_reports_a_read_only_folder_before_computing(
     folder, tmp_path, monkeypatch
 ):
     def read_only(**_how):
@@ -390,7 +390,7 @@ def test_a_folder_in_which_nothing_can_be_written_is_said_before_the_work(
 
 
 @ON_LINUX
-def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whole, tmp_path):
+def test_batch_has_a_row_for_a_file_that_kills_workers_and_retries_it(folder, whole, tmp_path):
     """The worker is made to leave at one file, as one would that ran out of memory."""
     deadly = tmp_path / "site"
     deadly.mkdir()
@@ -421,11 +421,11 @@ def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whol
 def test_the_command_prints_logs_and_judges(folder, tmp_path):
     out = tmp_path / "lot"
     words = ["batch", folder, "-o", out, "--arms", 1, "--quick", "--label-pattern", BY]
-    plan = told(*words, "--dry-run", "--jobs", 2)
+    plan = run_json(*words, "--dry-run", "--jobs", 2)
     assert (plan["files"], plan["done"], plan["chunks"], plan["jobs"]) == (11, 0, 3, 2)
     assert plan["seconds"] > 0
     assert not out.exists()
-    assert told(*words, "--jobs", 2)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
+    assert run_json(*words, "--jobs", 2)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
     assert len((out / "lot.csv").read_text().splitlines()) == 13
     log = (out / "batch.log").read_text().splitlines()
     assert len(log) == 3
@@ -434,7 +434,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
     assert strict.exit_code == 1
     assert "0 now, 11 taken from an earlier run" in strict.stdout
     assert "it is a hammer file: say of which test" in " ".join(strict.stdout.split())
-    plan = told(*words, "--dry-run")
+    plan = run_json(*words, "--dry-run")
     assert (plan["done"], plan["chunks"], plan["seconds"]) == (11, 0, 0)
     good = [*words[:1], folder / "lotA_seal0_rep0.csv", *words[2:], "--strict", "--jobs", 1]
     assert ran(*good).exit_code == 0
@@ -460,7 +460,7 @@ def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, given, says):
     assert not (tmp_path / "lot").exists()
 
 
-def test_a_folder_of_something_else_is_refused_and_two_runs_do_not_share_one(folder, tmp_path):
+def test_batch_refuses_a_foreign_folder_and_a_second_run(folder, tmp_path):
     (tmp_path / "sales.parquet").write_bytes(b"PAR1")
     with pytest.raises(ExportError, match=r"sales\.parquet was not written by dashpot batch"):
         batch(folder, output=tmp_path, **QUICK)

@@ -128,7 +128,7 @@ def test_a_page_is_as_high_for_many_tests_as_for_few(lot):
     assert json.loads(unescape(points)) == [[f"L{i}", ""] for i in range(1, 21)]
 
 
-def test_tests_are_found_by_their_date_where_one_is_known(lot):
+def test_lot_page_lists_dates_if_stated(lot):
     days = pl.Series("date", [f"2026-11-{2 + i % 2:02}" for i in range(lot.table.height)])
     every = {
         name: json.loads(re.search(r'id="every"[^>]*>(.*?)</script>', html(one), re.DOTALL)[1])

@@ -1,4 +1,4 @@
-"""A row: every kind of file has one, by its fit or with the sentence why not; a hammer with it."""
+"""Batch rows: every kind of file has one, with its fit or the reason for none."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def row_of(entry, choices=ONE_ARM):
 
 
 @pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))
-def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, name):
+def test_batch_row_of_every_kind_has_a_fit_or_a_reason(folder, name):
     kind = files()[name][1]
     found = row_of(Entry(str(folder / name)))
     assert found["kind"] == kind
@@ -71,18 +71,18 @@ def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, nam
         assert found["measured_Hz"] == pytest.approx(14.6, abs=0.1)
 
 
-def test_a_quick_row_judges_nothing_that_it_does_not_write(folder, monkeypatch):
-    def judged(*_args, **_how):
+def test_quick_batch_row_evaluates_no_checks(folder, monkeypatch):
+    def refuse_checks(*_args, **_how):
         raise DataError("judged")
 
-    monkeypatch.setattr("dashpot.preprocessing.checks.motion_resolved", judged)
+    monkeypatch.setattr("dashpot.preprocessing.checks.motion_resolved", refuse_checks)
     name = "seal.csv"
     assert row_of(Entry(str(folder / name)), replace(ONE_ARM, quick=True))["outcome"] == "fitted"
     assert row_of(Entry(str(folder / name)))["reason"] == "judged"
 
 
 @pytest.mark.parametrize("name", ["seal.csv", "frf.csv", "triangle.csv"])
-def test_a_row_says_whether_its_file_is_simulated(folder, tmp_path, name):
+def test_batch_row_states_whether_its_file_is_simulated(folder, tmp_path, name):
     text = (folder / name).read_text()
     lines = [line for line in text.splitlines(keepends=True) if "simulated" not in line]
     for head, origin in (("", ""), ("# simulated\n", "simulated")):
@@ -90,7 +90,7 @@ def test_a_row_says_whether_its_file_is_simulated(folder, tmp_path, name):
         assert row_of(Entry(str(tmp_path / name)))["origin"] == origin
 
 
-def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
+def test_batch_row_of_load_deflection_equals_its_command(tmp_path):
     path = pressed(softening=0.05).write(tmp_path / "p1.csv")
     choices = BatchOptions(compression=(6e-3,), length=0.05)
     found = row_of(Entry(str(path)), choices)
@@ -106,7 +106,7 @@ def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
     assert short["kind"] == "cld"
 
 
-def test_a_lot_of_pieces_is_judged_by_their_force(tmp_path):
+def test_lot_of_load_deflection_pieces_is_evaluated_by_force(tmp_path):
     for number, scale in enumerate((1.0, 1.04, 0.97), start=1):
         truth = pressed(scale=scale, seed=number, softening=0.05, cycles=2)
         truth.write(tmp_path / f"p{number}.csv")
@@ -125,7 +125,7 @@ def stated(folder):
     return path
 
 
-def test_a_hit_is_a_row_once_the_indenter_has_a_mass(tmp_path):
+def test_batch_row_of_a_hit_needs_the_indenter_mass(tmp_path):
     path = tmp_path / "hit.csv"
     path.write_text(EXAMPLES["hit.csv"]())
     found = row_of(Entry(str(path), mass=5e-3), BatchOptions(radius=5e-3))
@@ -195,7 +195,7 @@ def test_a_hammer_at_another_temperature_says_its_resonance_and_no_agreement(
 
 
 @pytest.mark.once
-def test_a_joint_fit_finds_the_damping_that_the_bench_alone_misses(folder, tmp_path):
+def test_batch_joint_fit_includes_damping_of_the_hammer_test(folder, tmp_path):
     """Beside the arms of the bench's file the hammer's seals have one of 10 ms."""
     seal = dp.GeneralizedMaxwell(STIFFNESS, (40.0, *(k for k, _ in ARMS)), (0.01, 0.5, 16.0))
     frf = dp.systems.predict_frf(2 * seal, mass=MASS, frequency=np.linspace(6, 30, 60))

@@ -1,4 +1,4 @@
-"""What the page of a lot says of runs of lots, and a batch of which nothing was fitted."""
+"""The lot page on runs of lots, and a batch without any fit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dashpot.extensions.batch.statistics.control_chart import Chart, Signal
 from tests.kit.shell import ran
 
 
-def said_of(values: list[float], broken: list[int]) -> list[dict[str, Any]]:
+def list_causes(values: list[float], broken: list[int]) -> list[dict[str, Any]]:
     x = np.array(values)
     signals = tuple(Signal(at, "beyond") for at in broken)
     chart = Chart("mean", x, float(x.mean()), x - 1, x + 1, signals)
@@ -25,16 +25,16 @@ def said_of(values: list[float], broken: list[int]) -> list[dict[str, Any]]:
     return list(page._causes(main))
 
 
-def test_a_run_of_lots_on_both_sides_is_told_for_each_side() -> None:
-    low, high = said_of([190.0, 203.0, 191.0, 202.0], [0, 1, 2, 3])
+def test_lot_page_lists_runs_on_both_sides_separately() -> None:
+    low, high = list_causes([190.0, 203.0, 191.0, 202.0], [0, 1, 2, 3])
     assert low["name"] == "Lots A and C"
     assert low["says"].startswith("lie low: 0.1900 to 0.1910 N/mm")
     assert high["name"] == "Lots B and D"
     assert high["says"].startswith("lie high: 0.2020 to 0.2030 N/mm")
 
 
-def test_lots_on_one_side_are_told_by_their_ends() -> None:
-    (one,) = said_of([190.0, 191.0, 189.0, 250.0], [0, 1, 2])
+def test_lot_page_names_a_run_on_one_side_by_its_ends() -> None:
+    (one,) = list_causes([190.0, 191.0, 189.0, 250.0], [0, 1, 2])
     assert one["name"] == "Lots A to C"
     assert one["says"].startswith("lie low: 0.1890 to 0.1910 N/mm")
 

@@ -4,7 +4,7 @@ import numpy as np
 import polars as pl
 import pytest
 from kit.lots import lot_of, scattered
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
@@ -23,7 +23,7 @@ def test_seals_stand_in_the_order_in_which_people_count():
     assert sorted(shuffled, key=make_natural_sort_key) == counted
 
 
-def test_a_quantity_is_found_by_its_column_and_without_the_unit():
+def test_quantity_is_resolved_by_column_with_or_without_unit():
     columns = ["k_end_N_per_m", "loss_factor_at_12.7Hz_2.6mm", "storage_at_5Hz_N_per_m",
                "storage_at_5Hz_Pa", "frequency_Hz"]  # fmt: skip
     assert quantity("k_end", columns) == quantity("k_end_N_per_m", columns)
@@ -47,7 +47,7 @@ def test_a_quantity_is_found_by_its_column_and_without_the_unit():
         ("temperature_K", 299.15, 299.2, "tested at 299 K, its lot 296 K"),
     ],
 )
-def test_a_test_made_otherwise_is_left_out(column, keeps, breaks, says):
+def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, says):
     for value, left in ((keeps, {}), (breaks, {"L1/1_1.csv": says})):
         rows = scattered(lots=1, seals=3)
         rows[0][column] = value
@@ -58,7 +58,7 @@ def test_a_test_made_otherwise_is_left_out(column, keeps, breaks, says):
         assert check.failed is bool(left)
 
 
-def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_itself():
+def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
     rows = [row | {"sha256": f"{i}"} for i, row in enumerate(scattered(lots=1, seals=3, repeats=2))]
     sound = lot_of(rows)
     assert sound.copies == {}
@@ -84,7 +84,7 @@ def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_its
     ]
 
 
-def test_of_two_depths_one_is_the_lots():
+def test_lot_uses_the_depth_of_the_first_tests():
     rows = scattered(lots=1, seals=4, repeats=1)
     for row in rows[2:]:
         row["depth_m"] = 0.006
@@ -174,7 +174,7 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     assert alike.each[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
 
     folders = [in_folder(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
-    document = told("compare", *folders)
+    document = run_json("compare", *folders)
     assert document["schema"] == "dashpot/lot-comparison@2"
     assert document["lots"] == ["may", "june"]
     assert [one["different"] for one in document["differences"]] == [True, True]
@@ -198,7 +198,7 @@ def test_lots_tested_otherwise_are_not_called_the_same_test():
     assert not compare_two_lots(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
 
 
-def test_a_test_without_a_seal_is_said_to_count_as_one():
+def test_compare_two_lots_counts_a_test_without_seal_as_one_seal():
     rows = scattered(lots=1, seals=4, repeats=2)
     for row in rows:
         row["seal"] = ""
@@ -208,7 +208,7 @@ def test_a_test_without_a_seal_is_said_to_count_as_one():
     assert check.value == 16
 
 
-def test_a_folder_of_several_lots_is_asked_which(tmp_path):
+def test_open_lot_asks_which_of_several_lots(tmp_path):
     folder = in_folder(tmp_path / "all", lot_of(scattered(lots=3, seals=2)))
     assert open_lot(f"{folder}:L2")[1].table.height == 8
     for named, error, words in (

@@ -1,4 +1,4 @@
-"""What a lot says: limits and their guard band, what stands out, the workbook; hostile lots."""
+"""Summary of a lot: limits and guard band, outliers, workbook; hostile lots."""
 
 import json
 import math
@@ -187,7 +187,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
             assert seal.decision in {"pass", "fail", "not proven", "no result"}
 
 
-def test_a_workbook_is_known_as_ours_and_is_the_same_bytes_again():
+def test_workbook_is_recognised_and_reproducible():
     found = summary(lot_of(scattered(2, 3, 2)))
     made = workbook(found)
     assert is_ours(made[:4096])
@@ -197,7 +197,7 @@ def test_a_workbook_is_known_as_ours_and_is_the_same_bytes_again():
     assert seals["3"] == pytest.approx(found.main.seals[-1].mean)
 
 
-def test_tests_that_no_sheet_holds_are_said_to_be_in_the_table(monkeypatch):
+def test_workbook_refers_tests_over_the_sheet_limit_to_the_table(monkeypatch):
     found = summary(lot_of(scattered(1, 3, 2)))
     for rows, width in ((6, found.lot.table.width), (5, 1)):
         monkeypatch.setattr(workbooks, "_SHEET_ROWS", rows)
@@ -207,7 +207,7 @@ def test_tests_that_no_sheet_holds_are_said_to_be_in_the_table(monkeypatch):
     assert book["tests"]["A2"].value == "6 are more than a sheet has rows: they are in lot.csv"
 
 
-def test_capability_that_is_asked_for_and_not_there_leads_the_page(tmp_path):
+def test_lot_page_leads_with_a_missed_capability(tmp_path):
     lot = lot_of(scattered(2, 25, 2, seed=4))
     asked = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
     found = summary(lot, limits=asked)
@@ -229,7 +229,7 @@ def test_capability_that_is_asked_for_and_not_there_leads_the_page(tmp_path):
     ],
     ids=["one seal", "all equal", "a lot without a seal that is used", "known"],
 )
-def test_a_capability_that_is_asked_for_and_not_known_has_not_passed(tmp_path, rows, unknown):
+def test_required_capability_that_is_undetermined_fails(tmp_path, rows, unknown):
     asked = limits(tmp_path, '[k_end]\nlower = "1N/m"\nupper = "999N/m"\ncpk = 1.33\n')
     found = summary(lot_of(rows), limits=asked).checks
     (check,) = [one for one in found if one.name == "capability_as_asked"]
@@ -252,7 +252,7 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
     ("sds", "mark", "use"),
     [((0.0, 0.03, 0.005), "good", "use"), ((0.0, 0.02, 0.02), "bad", "do not use")],
 )
-def test_a_gauge_that_tells_nothing_apart_is_no_lot_to_release(sds, mark, use):
+def test_summary_does_not_release_a_lot_with_an_inadequate_gauge(sds, mark, use):
     found = summary(lot_of(scattered(lots=2, seals=25, repeats=4, sds=sds)))
     lights = {one.name: one.mark for one in found.lights}
     assert lights["measuring"] == mark
@@ -313,7 +313,7 @@ def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
     assert (found.grade if found.failed else None) == grade
 
 
-def test_frequencies_beyond_the_band_are_said():
+def test_summary_reports_frequencies_outside_the_band():
     rows = [row | {"loss_factor_at_12.7Hz": 0.03, "loss_factor_at_0.1Hz": 0.03}
             for row in scattered(1, 3, 1)]  # fmt: skip
     (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "frequencies_in_band"]

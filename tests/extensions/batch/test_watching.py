@@ -85,7 +85,7 @@ def test_a_file_is_fitted_when_it_has_been_still_for_two_seconds(rig):
     assert story.lot.table.equals(batch("rig", jobs=1, **QUICK).table)
 
 
-def test_a_file_that_grows_waits_and_one_that_paused_is_fitted_again(rig):
+def test_watch_waits_for_a_growing_file_and_refits_a_resumed_one(rig):
     lines = TEXT.splitlines(keepends=True)
     growing = [write("a.csv", "".join(lines[:n]), at=t) for n, t in ((20, 0), (30, 1.5), (40, 3))]
     story = Story(*growing, write("a.csv", at=8.0), until(12.0))
@@ -121,7 +121,7 @@ def test_what_is_replaced_by_as_many_bytes_of_the_same_time_is_fitted_again(rig)
     assert story.lot.table["depth_m"][0] == pytest.approx(7.2e-3, rel=1e-3)
 
 
-def test_a_file_that_cannot_be_read_yet_is_a_row_until_it_can(rig, monkeypatch):
+def test_watch_retries_an_unreadable_file(rig, monkeypatch):
     (rig / "a.csv").write_text(TEXT)
     opened, locked = Path.open, [True]
 
@@ -154,7 +154,7 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
     assert story.tables[0] == (2.0, {"a": "changed"})
 
 
-def test_a_folder_that_is_away_for_a_while_costs_no_row(rig):
+def test_watch_keeps_rows_while_the_folder_is_absent(rig):
     (rig / "a.csv").write_text(TEXT)
     story = Story(
         (3.0, lambda: rig.rename("away")),
@@ -173,7 +173,7 @@ def test_hammers_are_paired_as_they_come(rig):
     assert story.lot.table["hammer"][0] == str(Path("rig", "a_hammer.csv"))
 
 
-def test_many_tests_one_by_one_end_in_few_parts(rig):
+def test_watch_merges_many_single_tests_into_few_parts(rig):
     acts = [write(f"{i:02}.csv", "junk", at=i * BEAT) for i in range(2 * SMALL)]
     story = Story(*acts, until(2 * SMALL * BEAT + STILL))
     assert story.lot.table.height == 2 * SMALL

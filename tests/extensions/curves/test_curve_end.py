@@ -1,4 +1,4 @@
-"""What a modulus, a compliance and a sweep know of their end: limits over every spectrum."""
+"""Limits at the end of a modulus, a compliance and a sweep, over every spectrum."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.curve_ends import Score, judged
+from kit.curve_ends import Score, evaluate_curve
 from kit.foreign.curves import compliances, crept, moduli, sweeps
 from kit.foreign.truths import Solid
 
@@ -27,7 +27,7 @@ def curve(solid: GeneralizedMaxwell, t: np.ndarray = T, noise: float = 5e-3, see
     return dp.RelaxationModulus(t, solid.relaxation(t) * (1 + error), units="SI")
 
 
-def test_the_creep_of_a_known_solid_is_that_of_its_inverse() -> None:
+def test_foreign_creep_compliance_agrees_with_the_closed_form() -> None:
     """The foreign compliance against the closed form of one arm."""
     k_inf, k, tau = 2.0, 3.0, 4.0
     t = np.array([0.1, 1.0, 30.0])
@@ -51,7 +51,7 @@ def test_a_curve_that_levels_off_keeps_its_plateau() -> None:
     assert from_json(to_json(found)) == found
 
 
-def test_a_curve_cut_before_its_plateau_is_told_so_and_holds_what_came_later() -> None:
+def test_fit_modulus_reports_a_missing_plateau_with_valid_limits() -> None:
     """An arm ten times slower than the end is a spring to it."""
     slow = GeneralizedMaxwell(1e6, (1e6, 5e5), (1.0, 300.0))
     found = fit_modulus(curve(slow, T[T < 30]))
@@ -92,7 +92,7 @@ def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
     assert 40 < data.dof < 80
 
 
-def test_a_material_becomes_a_part_with_its_limits() -> None:
+def test_part_of_a_material_scales_its_limits() -> None:
     found = fit_modulus(curve(ZENER))
     part = found.part(0.02)
     assert part.stiffness_limits is not None
@@ -120,7 +120,7 @@ def test_a_sweep_tells_its_storage_in_hertz() -> None:
     )
 
 
-def test_few_values_are_not_asked() -> None:
+def test_fit_modulus_of_few_values_has_no_end_limits() -> None:
     assert fit_modulus(curve(ZENER, T[::12]), arms=1).evidence.end_of_hold is None
 
 
@@ -135,7 +135,7 @@ def met(score: Score, *, sound: float = 0.6) -> None:
 
 def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
     some = [
-        judged(one)
+        evaluate_curve(one)
         for make, chosen in ((moduli, (1, 7, 9)), (compliances, (3, 9)), (sweeps, (1, 9)))
         for i, one in enumerate(make(10))
         if i in chosen
@@ -148,13 +148,13 @@ def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("make", "count"), [(moduli, 300), (compliances, 100), (sweeps, 100)])
 def test_limits_hold_and_use_is_right(make, count) -> None:
-    met(Score.of(map(judged, make(count, 1))))
+    met(Score.of(map(evaluate_curve, make(count, 1))))
 
 
 @pytest.mark.slow
 def test_a_curve_cut_to_its_first_tenth_holds_what_came_later() -> None:
     for make in (moduli, compliances, sweeps):
         cut = [one.cut() for one in make(60, 2)]
-        score = Score.of(judged(one) for one in cut if len(one.at) >= 12)
+        score = Score.of(evaluate_curve(one) for one in cut if len(one.at) >= 12)
         assert min(score.held.values()) >= 0.95, score
         assert score.used_off <= max(0.05 * score.used, 1), score

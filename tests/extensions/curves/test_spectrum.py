@@ -112,7 +112,7 @@ def test_a_curve_over_many_decades_is_followed_closely() -> None:
     assert found.band == pytest.approx((1 / (2 * np.pi * 1e8), 1 / (2 * np.pi * 1e-7)))
 
 
-def test_the_told_misfit_is_that_of_the_told_model() -> None:
+def test_reported_misfit_is_that_of_the_returned_model() -> None:
     t = np.geomspace(1e-7, 1e8, 100)
     noise = 1 + 0.02 * np.random.default_rng(0).standard_normal(len(t))
     modulus = GLASS.relaxation(t) * noise
@@ -133,7 +133,7 @@ def test_the_told_misfit_is_that_of_the_told_model() -> None:
         assert misfit.rms == pytest.approx(np.sqrt(np.mean((fitted / measured - 1) ** 2)), rel=1e-9)
 
 
-def test_the_dense_spectrum_is_the_best_one_on_its_grid() -> None:
+def test_dense_spectrum_equals_scipy_nnls() -> None:
     """Against scipy's NNLS on the same columns."""
     from scipy.optimize import nnls
 
@@ -162,7 +162,7 @@ def test_exact_modes_come_back_exactly_without_a_junk_arm() -> None:
 
 @given(solids(), st.sampled_from([1.0, 1e6]))
 @settings(max_examples=15, deadline=None)
-def test_arms_a_decade_apart_are_recovered(model: GeneralizedMaxwell, unit: float) -> None:
+def test_fit_modulus_recovers_arms_spaced_by_a_decade(model: GeneralizedMaxwell, unit: float) -> None:
     spread = GeneralizedMaxwell(
         model.k_inf, model.k, tuple(10.0 ** (i - 1) for i in range(model.arms))
     )
@@ -293,7 +293,7 @@ def ansys_terms(file: Path) -> np.ndarray:
     return np.array(values).reshape(-1, 2)
 
 
-def test_known_answers_of_pyrespect(real_data: Path) -> None:
+def test_fit_modulus_reproduces_pyrespect_results(real_data: Path) -> None:
     folder = real_data / "pyrespect-time-tests"
     noisy = fit_modulus(*columns_of(folder / "test1.dat"))
     assert noisy.status is Status.CONVERGED

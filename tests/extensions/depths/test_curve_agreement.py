@@ -1,4 +1,4 @@
-"""The relaxed force beside a compression curve."""
+"""Agreement of the relaxed force with a compression curve."""
 
 from __future__ import annotations
 

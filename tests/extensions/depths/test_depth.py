@@ -72,7 +72,7 @@ def test_a_linear_seal_stays_linear_at_every_depth(paper_seal: GeneralizedMaxwel
     assert abs(found.fit.model.k_inf - paper_seal.k_inf) < 3 * error
 
 
-def test_a_shape_that_changes_with_depth_is_found(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_depths_detects_a_shape_that_changes_with_depth(paper_seal: GeneralizedMaxwell) -> None:
     stiffer = GeneralizedMaxwell(paper_seal.k_inf, (1.2 * 117.5, 17.8), paper_seal.tau)
     tests = [
         quasi_linear(paper_seal, 4e-3, noise=2e-3, seed=1),
@@ -85,7 +85,7 @@ def test_a_shape_that_changes_with_depth_is_found(paper_seal: GeneralizedMaxwell
     assert deep / shallow == pytest.approx(1.2, rel=0.02)
 
 
-def test_noise_alone_does_not_make_depths_differ(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_depths_accepts_noise(paper_seal: GeneralizedMaxwell) -> None:
     chances = []
     for seed in range(5):
         tests = [
@@ -139,7 +139,7 @@ def test_eight_long_records_take_seconds(paper_seal: GeneralizedMaxwell) -> None
     assert found.law.tangent(2.6e-3) == pytest.approx(164.7, rel=0.01)
 
 
-def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_depths_refuses_incompatible_options(paper_seal: GeneralizedMaxwell) -> None:
     one = quasi_linear(paper_seal, 8e-3)
     warm, chilled = (
         replace(quasi_linear(paper_seal, depth), specimen=Specimen(temperature=kelvin))

@@ -36,7 +36,7 @@ def test_units_stand_in_the_metadata_of_fields(name: str) -> None:
     assert test.force.max() == pytest.approx(100, rel=0.02)
 
 
-def test_a_factor_is_asked_about() -> None:
+def test_read_asks_about_a_factor() -> None:
     with pytest.raises(ReadError, match="gain = 10"):
         read_relaxation(WRITTEN / "gain.parquet")
 
@@ -53,7 +53,7 @@ def test_units_stand_in_names_and_instants_are_a_clock(tmp_path: Path, kind: str
     np.testing.assert_allclose(test.force, FORCE, atol=1e-9)
 
 
-def test_without_units_it_is_asked(tmp_path: Path) -> None:
+def test_read_asks_for_missing_units(tmp_path: Path) -> None:
     pl.DataFrame({"time": TIME, "travel": MOVED, "force": FORCE}).write_parquet(tmp_path / "a")
     with pytest.raises(ReadError, match="--units"):
         read_relaxation(tmp_path / "a")

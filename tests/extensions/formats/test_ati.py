@@ -18,7 +18,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 @pytest.mark.parametrize("version", ["1.0", "1.1"])
 @pytest.mark.parametrize("torque", ["N-mm", "N-m"])
 @pytest.mark.parametrize("distance", ["mm", "m"])
-def test_both_versions_give_one_matrix(
+def test_read_calibration_gives_one_matrix_for_both_versions(
     tmp_path: Path, version: str, torque: str, distance: str
 ) -> None:
     matrix = cal(tmp_path / "a.cal", version=version, torque=torque, distance=distance)

@@ -36,7 +36,7 @@ def saved(content: dict[str, object] = CONTENT, **options: object) -> BytesIO:
 
 
 @pytest.mark.parametrize("compressed", [False, True])
-def test_sound_files_pass(compressed: bool) -> None:
+def test_check_elements_accepts_valid_files(compressed: bool) -> None:
     stream = saved(do_compression=compressed)
     check_elements(stream)
     assert stream.tell() == 0
@@ -70,7 +70,7 @@ def test_both_byte_orders_are_walked() -> None:
         (168, 0x40000014, "an element of type 20 with 16384 bytes in its tag"),
     ],
 )
-def test_a_wrong_tag_is_said(at: int, put: int, why: str) -> None:
+def test_check_elements_reports_a_wrong_tag(at: int, put: int, why: str) -> None:
     content = bytearray(saved({"a_long_name": np.arange(9.0)}).getvalue())
     content[at : at + 4] = struct.pack("<I", put)
     with pytest.raises(ReadError, match=f"the MAT file is damaged near byte.*{why}"):
@@ -79,13 +79,13 @@ def test_a_wrong_tag_is_said(at: int, put: int, why: str) -> None:
 
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("left", [140, 200, 5000])
-def test_a_file_cut_short_is_said(compressed: bool, left: int) -> None:
+def test_check_elements_reports_a_truncated_file(compressed: bool, left: int) -> None:
     content = saved(do_compression=compressed).getvalue()[:left]
     with pytest.raises(ReadError, match="the MAT file is damaged near byte"):
         check_elements(BytesIO(content))
 
 
-def test_counts_that_do_not_add_up_are_said() -> None:
+def test_check_elements_reports_inconsistent_counts() -> None:
     good = saved({"a_long_name": np.arange(9.0)}).getvalue()
     for at, put, why in (
         (144, 0x806, "an element where 0 bytes are left"),  # complex, but nothing imaginary

@@ -76,7 +76,7 @@ def test_files_of_asammdf_are_read_as_it_reads_them(name: str) -> None:
 
 
 @pytest.mark.parametrize("how", ["DT", "DZ", "DZT", "DL", "HL"])
-def test_data_is_kept_in_five_ways(tmp_path: Path, how: str) -> None:
+def test_mdf_reads_five_layouts_of_data(tmp_path: Path, how: str) -> None:
     test = read_relaxation(save(tmp_path / "a.mf4", mdf4([bench()], how=how)))
     np.testing.assert_allclose(test.force, FORCE, rtol=0, atol=1e-12)
     np.testing.assert_allclose(test.displacement, MOVED * 1e-3, rtol=1e-12)
@@ -159,7 +159,7 @@ def test_channels_without_numbers_are_named() -> None:
     ]
 
 
-def test_groups_with_clocks_of_their_own(tmp_path: Path) -> None:
+def test_mdf_interpolates_groups_with_different_clocks(tmp_path: Path) -> None:
     late = TIME[::2] + 0.013
     moved = Group([clock(late), Channel("Travel", np.interp(late, TIME, MOVED), "mm")], "wire")
     path = save(
@@ -251,13 +251,13 @@ def test_conversions_of_mdf_3(conversion, expected) -> None:
     np.testing.assert_allclose(columns(mdf3(made))["Force"], expected(raw))
 
 
-def test_a_table_of_mdf_3_is_not_asked_between_its_keys() -> None:
+def test_mdf_3_table_refuses_values_between_its_keys() -> None:
     made = [Channel("Force", [1, 2, 3], "N", "<u1", conversion=(2, [1, 5, 3, 9], ()))]
     with pytest.raises(ReadError, match=r"'Force': a table of MDF 3 .* two ways"):
         columns(mdf3(made))
 
 
-def test_a_step_beside_channels_without_a_clock_is_a_hint() -> None:
+def test_mdf_step_without_a_clock_is_a_hint() -> None:
     data = mdf3([Channel("Force", [1, 2, 3], "N", "<u1")], step=0.5)
     table = MdfTable(BytesIO(data), None).table()
     assert table.hints == (
@@ -287,7 +287,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_read_is_said(tmp_path: Path, data: bytes, says: str) -> None:
+def test_mdf_names_what_it_does_not_read(tmp_path: Path, data: bytes, says: str) -> None:
     with pytest.raises(ReadError, match=says):
         inspect_file(save(tmp_path / "a.mf4", data))
 

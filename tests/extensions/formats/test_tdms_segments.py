@@ -88,7 +88,7 @@ def test_segments_whose_group_or_file_is_scaled_otherwise_are_refused(tmp_path: 
             read_relaxation(path)
 
 
-def test_segments_that_go_on_are_one_record(tmp_path: Path) -> None:
+def test_tdms_joins_continuing_segments(tmp_path: Path) -> None:
     """The same properties again, others that mean nothing, and starts where the last one ended."""
     for before, after in (({}, {}), ({"minimum": 1.0}, {"minimum": 2.0, "wf_samples": HALF})):
         path = save(tmp_path / "a.tdms", segment(FIRST, **before), segment(SECOND, **after))
@@ -124,7 +124,7 @@ def test_a_unit_corrected_after_the_last_sample_is_that_of_all(tmp_path: Path) -
 
 @pytest.mark.parametrize("kind", ["Spline", "linear ", "Custom"])
 @pytest.mark.parametrize("of", ["channel", "group"])
-def test_a_scale_that_is_not_known_is_refused(tmp_path: Path, kind: str, of: str) -> None:
+def test_tdms_refuses_an_unknown_scale(tmp_path: Path, kind: str, of: str) -> None:
     scale = {"NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": kind}
     more = scale if of == "channel" else {}
     group = GroupObject("g", scale if of == "group" else {})
@@ -152,7 +152,7 @@ def test_a_channel_that_started_later_is_shifted(tmp_path: Path, late: int) -> N
     np.testing.assert_allclose(test.force, FORCE[late:])
 
 
-def test_starts_apart_without_a_clock_are_refused(tmp_path: Path) -> None:
+def test_tdms_refuses_different_starts_without_a_clock(tmp_path: Path) -> None:
     channels = [
         ChannelObject("g", name, values, {"unit_string": unit, "wf_start_time": start})
         for name, unit, values, start in (
@@ -179,7 +179,7 @@ def test_instants_are_a_clock(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("name", "value"), [("Gain", 10.0), ("sensor_offset", 0.5)])
-def test_a_factor_of_the_operator_is_asked(tmp_path: Path, name: str, value: float) -> None:
+def test_tdms_asks_about_an_operator_gain(tmp_path: Path, name: str, value: float) -> None:
     path = save(tmp_path / "a.tdms", segment(slice(None), **{name: value}))
     with pytest.raises(ReadError, match=f"{name} = {value:g}, which no rule of this format"):
         read_relaxation(path)

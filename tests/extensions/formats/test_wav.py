@@ -36,7 +36,7 @@ def test_samples_are_parts_of_full_scale(tmp_path: Path, kind: str) -> None:
     np.testing.assert_allclose(test.time, TIME, atol=1e-12)
 
 
-def test_without_a_full_scale_it_is_asked(tmp_path: Path) -> None:
+def test_wav_asks_for_its_full_scale(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "a.wav", RATE, PARTS)
     with pytest.raises(ReadError, match="--units"):
         read_relaxation(tmp_path / "a.wav", options=ReadOptions(displacement="2", force="3"))

@@ -59,7 +59,7 @@ def test_decimal_commas_as_text_are_numbers(
     assert not test.source.cautions
 
 
-def test_commas_that_could_part_thousands_are_asked(tmp_path: Path) -> None:
+def test_workbook_asks_about_ambiguous_commas(tmp_path: Path) -> None:
     rows = [
         [float(t), float(x), comma(max(float(f), 0) + 1, 3) if i % 3 else float(f) + 1]
         for i, (t, x, f) in enumerate(zip(TIME, MOVED, FORCE, strict=True))
@@ -71,7 +71,7 @@ def test_commas_that_could_part_thousands_are_asked(tmp_path: Path) -> None:
     np.testing.assert_allclose(test.force, FORCE + 1, atol=1.5e-2)
 
 
-def test_thousands_with_points_beside_decimal_commas(tmp_path: Path) -> None:
+def test_workbook_reads_thousands_points_with_decimal_commas(tmp_path: Path) -> None:
     rows = [
         [float(t), float(x), f"{1e3 * f + 2e3:,.1f}".translate(str.maketrans(",.", ".,"))]
         for t, x, f in zip(TIME, MOVED, FORCE, strict=True)

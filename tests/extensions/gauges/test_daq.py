@@ -17,7 +17,7 @@ def test_a_count_is_305_uv():
     assert read.tolist() == [0.0, card.lsb, 10.0 - card.lsb, -10.0]
 
 
-def test_a_card_that_is_asked_for_too_much_is_refused():
+def test_daq_refuses_a_rate_over_its_capacity():
     # R5: 7 channels at 30 kHz are 210 kS/s, of 200
     with pytest.raises(
         DataError, match=r"7 channels at 30 kHz are 210 kS/s; the card converts 200"
@@ -58,7 +58,7 @@ def test_the_filter_delays_what_is_slow_by_root_2_over_omega():
 
 
 @pytest.mark.parametrize("corner", [0.0, 30.0])
-def test_a_line_above_half_the_rate_shows_elsewhere_unless_it_is_filtered(corner: float):
+def test_daq_aliases_a_line_unless_filtered(corner: float):
     # 60 Hz at 100 samples a second: 40 Hz (section 6 of the domain's reference)
     card = Daq(rate=100.0, filter=corner)
     clock = np.arange(40 * 8000) / 8000.0

@@ -1,4 +1,4 @@
-"""The twin of the transducer: what the reader of calibrations makes of its voltages."""
+"""The simulated transducer, read back by the reader of calibrations."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def normal(*newton: float) -> np.ndarray:
     return load
 
 
-def test_one_count_of_a_gauge_is_one_1280th_of_a_newton():
+def test_gauge_count_is_one_1280th_of_a_newton():
     # R4: resolution 1/1280 N; 2.117728 N -> 2711 counts; a relaxation of 0.5336 N -> 683
     lsb = Daq().lsb
     step = np.array(nano(crosstalk=0.0))[2] * lsb
@@ -80,7 +80,7 @@ def test_a_gauge_late_in_the_scan_is_late_in_the_record():
 
 
 @pytest.mark.parametrize(("rate", "corner"), [(1000.0, 0.0), (100.0, 0.0), (100.0, 20.0)])
-def test_what_aliases_is_said(rate: float, corner: float):
+def test_instrument_reports_aliases(rate: float, corner: float):
     twin = Instrument(daq=Daq(rate=rate, filter=corner))
     rig = replace(Rig(), hum_frequency=60.0)
     said = twin.list_limitations(np.array([1.0]), rig)

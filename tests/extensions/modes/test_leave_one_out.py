@@ -1,4 +1,4 @@
-"""A fit held against the hits that it was made from says so, and what a hit left out shows."""
+"""Comparison of a fit with its own hits, and leave-one-out prediction of each hit."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
     assert "No test, because the fit was made from these hits." in found["verdict"]["message"]
 
 
-def test_hits_left_out_in_turn_are_predicted(files):
+def test_leave_one_out_predicts_each_hit(files):
     found = compared(files, "--record", files / "seal_8mm.csv")
     unseen = found["unmeasured"]
     assert unseen["hits"] >= 3
@@ -72,7 +72,7 @@ def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
     ]  # fmt: skip
 
 
-def test_each_hit_is_held_against_the_others_alone(files, monkeypatch):
+def test_leave_one_out_compares_each_hit_with_the_other_hits(files, monkeypatch):
     impact = read_impact(files / "hammer.csv")
     fit = dp.read(files / "joint.json")
     seen: list[set[str]] = []

@@ -1,10 +1,10 @@
-"""Modes of the FRF in a file: the truth within their errors, and what the lines do not carry."""
+"""Modes of an FRF file: the truth within their errors, and what the lines do not determine."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -48,9 +48,9 @@ def modes_of(*paths, **choices):
     return modes_files(paths, **choices)[0]
 
 
-def asked(path, *words):
+def fit_modes(path, *words):
     paths = path if isinstance(path, list) else [path]
-    return told("fit", *paths, *words)
+    return run_json("fit", *paths, *words)
 
 
 def test_a_transmissibility_has_the_poles_of_any_mass(tmp_path):
@@ -75,12 +75,12 @@ def test_who_says_that_the_motion_is_relative_is_heard(tmp_path):
     over = measured().to("relative_transmissibility", mass=0.104)
     unsaid = replace(over, quantity="transmissibility")
     words = ("--band", "5:50Hz")
-    said = asked(written(tmp_path, over), *words)["modes"]
-    told = asked(written(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
+    said = fit_modes(written(tmp_path, over), *words)["modes"]
+    told = fit_modes(written(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
     assert [one["frequency_hz"] for one in told] == [one["frequency_hz"] for one in said]
 
 
-def test_masses_on_a_base_are_held_against_one_solid(tmp_path):
+def test_modes_of_masses_on_a_base_agree_with_one_model(tmp_path):
     paths = []
     for mass in (0.1, 0.2):
         s = 2j * np.pi * F
@@ -96,7 +96,7 @@ def test_masses_on_a_base_are_held_against_one_solid(tmp_path):
     np.testing.assert_allclose([k.real for k in found.together.stiffness], [560, 600], rtol=1e-4)
 
 
-def test_points_over_a_base_and_per_force_are_no_one_set():
+def test_frf_set_refuses_mixed_kinds():
     frf = measured()
     with pytest.raises(DataError, match="of '2' is transmissibility, that of '1' accelerance; exp"):
         FRFSet((frf, frf.to("transmissibility", mass=0.1)))
@@ -104,7 +104,7 @@ def test_points_over_a_base_and_per_force_are_no_one_set():
 
 @pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance", "dynamic_stiffness"])
 def test_modes_of_a_file_of_any_kind_are_the_true_ones(tmp_path, kind):
-    found = asked(written(tmp_path, measured().to(kind)), "--band", "5:50Hz")
+    found = fit_modes(written(tmp_path, measured().to(kind)), "--band", "5:50Hz")
     assert found["schema"] == "dashpot/modes@2"
     assert found["band"] == [5.0, 50.0]
     assert len(found["modes"]) == len(TRUE)
@@ -137,7 +137,7 @@ def test_a_uff_and_a_csv_tell_the_same_modes(tmp_path):
         assert its.damping_ratio == pytest.approx(mine.damping_ratio, rel=1e-4)
 
 
-def test_what_the_file_cannot_tell_is_said(tmp_path):
+def test_measured_modes_report_missing_file_information(tmp_path):
     bare = modes_of(written(tmp_path, replace(measured(), sd=None, coherence=None, averages=0)))
     assert "line_errors_stated" in {check.name for check in bare.frf.checks if check.failed}
     doubtful = replace(measured(), coherence=np.full(len(F), 0.89))
@@ -150,14 +150,14 @@ def test_what_the_file_cannot_tell_is_said(tmp_path):
     assert result.stdout.startswith("Do not use:")
 
 
-def test_without_a_resonance_nothing_is_told(tmp_path):
+def test_measured_modes_without_a_resonance_report_none(tmp_path):
     frf = measured(noise=0.02)
-    found = asked(written(tmp_path, frf), "--band", "50:79Hz")
+    found = fit_modes(written(tmp_path, frf), "--band", "50:79Hz")
     assert found["modes"] == []
     assert [c["name"] for c in found["checks"] if c["passed"] is False] == ["resonance"]
 
 
-def test_a_mode_beyond_the_lines_is_named():
+def test_modes_check_reports_a_mode_outside_the_band():
     mode = dp.systems.predict_frf(
         dp.GeneralizedMaxwell(400.0, (30.0,), (0.01,)), mass=0.1, frequency=F
     )
@@ -215,8 +215,8 @@ def as_uff(folder, frfs):
     return path
 
 
-def test_poles_two_per_cent_apart_are_parted_by_their_shapes(tmp_path):
-    found = asked(as_text(tmp_path, points()), "--band", "5:79Hz")
+def test_modes_of_close_poles_are_separated_by_their_shapes(tmp_path):
+    found = fit_modes(as_text(tmp_path, points()), "--band", "5:79Hz")
     assert found["points"] == ["a", "b", "c", "d"]
     modes = sorted(found["modes"], key=lambda mode: mode["frequency_hz"])
     for mode, (frequency, ratio, _, shape) in zip(modes, CLOSE, strict=True):
@@ -306,7 +306,7 @@ def test_a_lone_damper_makes_shapes_complex(damper):
 
 
 @pytest.mark.once
-def test_a_mode_beyond_the_band_leaves_those_within_it_alone():
+def test_modes_in_a_band_ignore_modes_outside():
     measured, poles, _ = chain(4.0)
     first, second, third = np.sort(np.abs(poles)) / (2 * np.pi)
     for band in ((4.0, 1.06 * second), (4.0, 0.97 * third), (1.05 * first, 60.0)):
@@ -332,9 +332,9 @@ def test_collinear_and_circular_shapes_are_the_two_ends():
 
 
 @pytest.mark.once
-def test_another_test_of_the_same_points_is_found_again(tmp_path):
+def test_compare_pairs_modes_of_two_tests_of_the_same_points(tmp_path):
     first, second = (as_text(tmp_path, points(seed=i), f"{i}.csv") for i in (0, 1))
-    found = told("compare", first, second, "--band", "5:79Hz")
+    found = run_json("compare", first, second, "--band", "5:79Hz")
     assert [one["other"] for one in found["against"]] == [1, 2]
     assert min(one["mac"] for one in found["against"]) > 0.98
     result = ran("compare", first, written(tmp_path, points()[0]))
@@ -359,7 +359,7 @@ def test_points_measured_at_two_states_are_not_two_modes(tmp_path):
 
 
 @pytest.mark.once
-def test_hum_on_one_line_is_no_mode_and_a_file_is_one_point(tmp_path):
+def test_modes_ignore_hum_on_a_single_line(tmp_path):
     frf = measured()
     value = frf.value.copy()
     value[np.argmin(np.abs(F - 45))] *= 6
@@ -388,7 +388,7 @@ def test_light_and_heavy_modes_stand_at_most_orders_and_nothing_else_does(ratio,
     assert np.count_nonzero(chart.stable & ~near[0] & ~near[1]) < STABLE
 
 
-def test_noise_alone_has_no_mode_that_is_trusted():
+def test_modes_of_noise_are_empty():
     rng = np.random.default_rng(0)
     for _ in range(5):
         value = rng.normal(size=(2, len(G))) + 1j * rng.normal(size=(2, len(G)))
@@ -426,7 +426,7 @@ def on_seals(folder, mass, stiffer=1.0):
 
 
 @pytest.mark.once
-def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
+def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     masses = (0.104, 0.25, 0.6)
     files = [on_seals(tmp_path, mass) for mass in masses]
     found = modes_by_mass(files, masses, seals=2)
@@ -485,7 +485,7 @@ def test_masses_and_files_go_together(tmp_path):
         (3, ", the first of three modes"),
     ],
 )
-def test_how_many_modes_there_are_is_said_where_one_is_told(count, says):
+def test_modes_headline_states_the_number_of_modes(count, says):
     each = [Mode(12.7 + i, 0.03, 0j, 0.01, 0.001, 0.0, "fitted") for i in range(count)]
     said = format_modes_headline(each)
     assert said.endswith(says), said

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.datamodel.vibration_tests import ShakenTest
@@ -39,33 +39,33 @@ def shaken(seconds=120.0, *, noise=(0.0, 0.0), seed=0, gain=1.0, offset=0.0):
     return ShakenTest(RATE, base + noise[0] * e[0] + slow, gain * mass + noise[1] * e[1] + slow)
 
 
-def apart(frf, low=5.0, high=40.0):
+def select_band_with_truth(frf, low=5.0, high=40.0):
     near = (frf.frequency > low) & (frf.frequency < high)
     return frf.only(near), truth(frf.frequency[near])
 
 
 @pytest.mark.parametrize("estimator", ["H1", "H2", "Hv"])
 def test_it_comes_back_within_its_scatter(estimator):
-    frf, T = apart(estimate_transmissibility(shaken(noise=(3e-3, 3e-3)), estimator=estimator))
+    frf, T = select_band_with_truth(estimate_transmissibility(shaken(noise=(3e-3, 3e-3)), estimator=estimator))
     assert np.median(np.abs(frf.value / T - 1)) < 0.01
     off = np.abs(frf.value - T) / np.sqrt(2) / frf.random_sd
     assert np.sqrt(np.mean(off**2)) == pytest.approx(1.0, abs=0.25)
     assert frf.coherence[(frf.frequency > 6) & (frf.frequency < 25)].min() > 0.9
 
 
-def test_each_estimator_is_right_where_its_channel_alone_is_noisy():
+def test_transmissibility_estimator_suits_its_noisy_channel():
     for noise, right, other in (((0.0, 0.5), "H1", "H2"), ((0.5, 0.0), "H2", "H1")):
         test = shaken(noise=noise, seconds=240.0)
         sizes = {}
         for name in (right, other):
-            frf, T = apart(estimate_transmissibility(test, estimator=name, segment=6), 17.0, 30.0)
+            frf, T = select_band_with_truth(estimate_transmissibility(test, estimator=name, segment=6), 17.0, 30.0)
             sizes[name] = np.mean(np.abs(frf.value / T))
         assert sizes[right] == pytest.approx(1.0, abs=0.06)
         assert abs(sizes[other] - 1) > 0.1
 
 
 def test_a_drifting_offset_leaks_into_no_line():
-    one, T = apart(estimate_transmissibility(shaken(offset=5.0)))
+    one, T = select_band_with_truth(estimate_transmissibility(shaken(offset=5.0)))
     assert np.median(np.abs(one.value / T - 1)) < 0.01
 
 
@@ -73,7 +73,7 @@ def test_short_segments_flatten_the_peak_and_the_coherence_shows_it():
     test = shaken(seconds=400.0)
     highs, least = [], []
     for seconds in (2.0, 16.0):
-        frf, _ = apart(estimate_transmissibility(test, segment=seconds))
+        frf, _ = select_band_with_truth(estimate_transmissibility(test, segment=seconds))
         highs.append(np.abs(frf.value).max() / np.abs(truth(np.linspace(12, 13, 999))).max())
         least.append(frf.coherence.min())
     assert highs[0] < 0.85
@@ -81,7 +81,7 @@ def test_short_segments_flatten_the_peak_and_the_coherence_shows_it():
     assert least[0] < 0.9 < least[1]
 
 
-def test_records_are_not_joined_into_one():
+def test_transmissibility_does_not_join_separate_records():
     one, other = shaken(60.0, seed=1), shaken(60.0, seed=2)
     both = ShakenTest(
         RATE,
@@ -89,7 +89,7 @@ def test_records_are_not_joined_into_one():
         np.concatenate((one.mass, other.mass)),
         (0, len(one.base)),
     )
-    frf, T = apart(estimate_transmissibility(both, segment=10))
+    frf, T = select_band_with_truth(estimate_transmissibility(both, segment=10))
     assert np.median(np.abs(frf.value / T - 1)) < 0.01
     alone = estimate_transmissibility(one, segment=10)
     assert frf.averages in (2 * alone.averages, 2 * alone.averages + 1)
@@ -129,21 +129,21 @@ def test_the_file_is_read_like_a_hammers(path, tmp_path):
     assert "Use: " in done.output
     assert "hits" not in done.output
     assert ": transmissibility (" in ran("inspect", out).output
-    found = told("fit", path, *base, *mass, "--seals", 2)
+    found = run_json("fit", path, *base, *mass, "--seals", 2)
     near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
     assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.02)
     names = {one["name"] for one in found["checks"]}
     assert {"mass_over_base", "coherence", "segments_resolve"} <= names
 
 
-def test_the_two_channels_taken_for_each_other_are_told_first(path):
+def test_fit_reports_swapped_channels_first(path):
     mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
     said = ran("fit", path, "--column", "base-acceleration=block", *mass).stdout
     assert said.startswith("Do not use: below 12.")
     assert "the base over the mass" in " ".join(said.split())
 
 
-def test_a_clipped_channel_is_told_and_a_sine_is_not():
+def test_clipping_check_detects_a_clipped_channel_and_accepts_a_sine():
     """Clipped at 2.5 standard deviations the loss is 15 % off, at coherence 0.98."""
     sound = shaken()
     assert not channels_not_clipped(sound).failed
@@ -171,7 +171,7 @@ def test_what_a_shaken_base_has_no_use_for(path, tmp_path, words, says):
     assert says in " ".join(refused.output.split())
 
 
-def test_columns_that_leave_it_open_are_asked_for(tmp_path):
+def test_read_shaken_asks_about_ambiguous_columns(tmp_path):
     three = tmp_path / "three.csv"
     header = "time [s],a [g],b [g],c [g]"
     rows = np.column_stack((np.arange(64) / 64, np.random.default_rng(0).normal(size=(64, 3))))
@@ -190,7 +190,7 @@ def test_columns_that_leave_it_open_are_asked_for(tmp_path):
         read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
 
 
-def test_without_a_mass_the_mode_is_found_all_the_same():
+def test_modes_of_a_shaker_test_need_no_mass():
     """Frequency and damping do not depend on the mass, and where nothing rings it is no use."""
     test = shaken(400.0, noise=(3e-3, 3e-3))
     (bare, reason), (weighed, _) = modes_of_hits(test), modes_of_hits(test, mass=BROAD_MASS)

@@ -54,7 +54,7 @@ def test_the_equations_as_printed():
     assert poles == pytest.approx(expected, abs=2e-8)
 
 
-def test_one_arm_does_not_follow_and_two_are_table_1():
+def test_paper_table_1_needs_two_arms():
     ideal = paper.ideal_test()
     one, two = paper.fit_hold_phase(ideal, 1), paper.fit_hold_phase(ideal, 2)
     assert (one.solid.k_inf, *one.solid.k) == pytest.approx((200.42346, 34.60362), 1e-5)
@@ -92,7 +92,7 @@ def test_the_command_makes_every_figure_and_a_page(made):
     assert told["mode"] == pytest.approx((12.709749, 0.00443503), 1e-6)
 
 
-def test_every_statement_stands_beside_what_is_found(made):
+def test_paper_reproduction_lists_every_statement_with_its_value(made):
     folder, told = made
     rows = told["rows"]
     assert {row["name"] for row in rows if row["part"] == "equation"} == {
@@ -110,7 +110,7 @@ def test_every_statement_stands_beside_what_is_found(made):
     assert "SIMULATED" in page
 
 
-def test_a_statement_that_does_not_come_out_is_told():
+def test_paper_statement_reports_a_deviation():
     row = paper.Statement("figure", "Fig. 6", "12.71 Hz", "13 Hz", off=0.29, tolerance=5e-3)
     assert row.holds is False
     just = paper.Statement("figure", "Fig. 6", "12.71 Hz", "12.715 Hz", off=5e-3, tolerance=5e-3)

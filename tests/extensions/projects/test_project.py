@@ -1,4 +1,4 @@
-"""A project recomputes itself, notices every change, and survives being killed."""
+"""Projects: recomputation, detection of every change, and recovery after a kill."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def made(raw, tmp_path_factory):
 
 
 @pytest.fixture
-def kept(made, tmp_path):
+def project_copy(made, tmp_path):
     """A copy of that project to damage."""
     return folder.open_project(shutil.copytree(made.folder, tmp_path / "door"))
 
@@ -94,59 +94,59 @@ def failures(project, expect=None):
     return [check.name for check in verified(project, expect) if check.failed]
 
 
-def test_a_project_recomputes_itself(kept, raw, work_done_again):
-    checks = verified(kept)
+def test_a_project_recomputes_itself(project_copy, raw, work_done_again):
+    checks = verified(project_copy)
     assert all(check.passed for check in checks), checks
     assert sum(check.name == "result_recomputed" for check in checks) == 2
-    assert (kept.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
-    lines = [json.loads(line) for line in kept.history_file.read_text().splitlines()]
+    assert (project_copy.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
+    lines = [json.loads(line) for line in project_copy.history_file.read_text().splitlines()]
     assert lines[1]["previous"] == lines[0]["hash"]
     assert {"numpy", "scipy", "dashpot", "python"} <= set(lines[0]["software"])
 
 
-def test_what_was_said_of_reading_is_kept_as_a_profile(kept, raw):
+def test_project_saves_reading_options_as_a_profile(project_copy, raw):
     reading = ReadOptions(force="force", decimal="point")
-    folder.record(kept, Job(str(raw), arms=1, reading=reading), page=page)
-    (profile,) = (kept.folder / "profiles").iterdir()
+    folder.record(project_copy, Job(str(raw), arms=1, reading=reading), page=page)
+    (profile,) = (project_copy.folder / "profiles").iterdir()
     assert load_profile(profile) == reading
-    assert not failures(kept)
+    assert not failures(project_copy)
 
 
-def test_the_fit_in_a_project_goes_into_a_deck(kept):
-    place = next((kept.folder / "records").glob("*.fit.json"))
+def test_the_fit_in_a_project_goes_into_a_deck(project_copy):
+    place = next((project_copy.folder / "records").glob("*.fit.json"))
     result = ran("export", place, "--to", "csv", "--unit-system", "SI", "--allow", "all")
     assert result.exit_code == 0, result.output
     identity = json.loads(place.read_text())["id"]
     assert f"fit: {identity}" in result.stdout
 
 
-def test_a_changed_raw_file_is_noticed(kept):
-    place = kept.folder / "raw" / "seal.csv"
+def test_a_changed_raw_file_is_noticed(project_copy):
+    place = project_copy.folder / "raw" / "seal.csv"
     place.write_bytes(place.read_bytes().replace(b"time [s]", b"time [S]"))
-    assert "file_unchanged" in failures(kept)
+    assert "file_unchanged" in failures(project_copy)
 
 
-def test_a_changed_result_is_noticed(kept):
-    place = next((kept.folder / "records").glob("*.fit.json"))
+def test_a_changed_result_is_noticed(project_copy):
+    place = next((project_copy.folder / "records").glob("*.fit.json"))
     place.write_text(place.read_text().replace('"k_inf"', '"k_inf" '))
-    assert "file_unchanged" in failures(kept)
+    assert "file_unchanged" in failures(project_copy)
 
 
-def test_a_missing_file_is_noticed(kept):
-    next((kept.folder / "reports").iterdir()).unlink()
-    assert "file_present" in failures(kept)
+def test_a_missing_file_is_noticed(project_copy):
+    next((project_copy.folder / "reports").iterdir()).unlink()
+    assert "file_present" in failures(project_copy)
 
 
 @pytest.mark.parametrize("change", ["edit", "drop", "swap"])
-def test_a_changed_history_is_noticed(kept, change):
-    first, second = kept.history_file.read_text().splitlines()
+def test_a_changed_history_is_noticed(project_copy, change):
+    first, second = project_copy.history_file.read_text().splitlines()
     changed = {
         "edit": [first.replace('"seals": 2', '"seals": 3'), second],
         "drop": [second],
         "swap": [second, first],
     }[change]
-    kept.history_file.write_text("\n".join(changed) + "\n")
-    assert "history_unchanged" in failures(kept)
+    project_copy.history_file.write_text("\n".join(changed) + "\n")
+    assert "history_unchanged" in failures(project_copy)
 
 
 def rewritten(project, entries):
@@ -164,66 +164,66 @@ def entries(project):
     return [json.loads(line) for line in project.history_file.read_text().splitlines()]
 
 
-def test_the_last_line_survives_the_loss_of_its_line_end(kept, raw):
-    whole = kept.history_file.read_bytes()
-    kept.history_file.write_bytes(whole[:-1])
-    assert not failures(kept)
-    folder.record(kept, Job(str(raw), arms=1), page=page)
-    assert kept.history_file.read_bytes().startswith(whole)
-    assert len(entries(kept)) == 3
-    assert not failures(kept)
+def test_the_last_line_survives_the_loss_of_its_line_end(project_copy, raw):
+    whole = project_copy.history_file.read_bytes()
+    project_copy.history_file.write_bytes(whole[:-1])
+    assert not failures(project_copy)
+    folder.record(project_copy, Job(str(raw), arms=1), page=page)
+    assert project_copy.history_file.read_bytes().startswith(whole)
+    assert len(entries(project_copy)) == 3
+    assert not failures(project_copy)
 
 
 @pytest.mark.parametrize("kept_of_it", [1, 40, -40])
-def test_a_half_written_line_never_happened(kept, raw, kept_of_it):
+def test_a_half_written_line_never_happened(project_copy, raw, kept_of_it):
     """Killed in the middle of the one write: the head still speaks of the line before."""
-    whole = kept.history_file.read_bytes()
+    whole = project_copy.history_file.read_bytes()
     first, second, _ = whole.split(b"\n")
-    kept.history_file.write_bytes(first + b"\n" + second[:kept_of_it])
-    (kept.folder / "history.head").write_text(f"1 {json.loads(first)['hash']}\n")
-    assert failures(kept) == ["history_complete", "files_listed"]
-    folder.record(kept, Job(str(raw), arms=1), page=page)
-    assert kept.history_file.read_bytes().startswith(first + b"\n{")
-    assert len(entries(kept)) == 2
-    assert not failures(kept)
+    project_copy.history_file.write_bytes(first + b"\n" + second[:kept_of_it])
+    (project_copy.folder / "history.head").write_text(f"1 {json.loads(first)['hash']}\n")
+    assert failures(project_copy) == ["history_complete", "files_listed"]
+    folder.record(project_copy, Job(str(raw), arms=1), page=page)
+    assert project_copy.history_file.read_bytes().startswith(first + b"\n{")
+    assert len(entries(project_copy)) == 2
+    assert not failures(project_copy)
 
 
 @pytest.mark.parametrize("loss", ["last", "half", "all", "file", "first"])
-def test_what_is_cut_off_the_history_is_missed(kept, raw, loss):
-    first, second = kept.history_file.read_bytes().splitlines(keepends=True)
+def test_what_is_cut_off_the_history_is_missed(project_copy, raw, loss):
+    first, second = project_copy.history_file.read_bytes().splitlines(keepends=True)
     left = {"last": first, "half": first + second[:99], "all": b"", "first": second}.get(loss)
     if left is None:
-        kept.history_file.unlink()
+        project_copy.history_file.unlink()
     else:
-        kept.history_file.write_bytes(left)
-    missed = failures(kept)
+        project_copy.history_file.write_bytes(left)
+    missed = failures(project_copy)
     assert ("history_unchanged" if loss == "first" else "history_whole") in missed
     assert ("history_present" in missed) == (loss in {"all", "file"})
     if loss != "first":
         with pytest.raises(DataError, match="lines where 2 were written; put the file back"):
-            folder.record(kept, Job(str(raw), arms=1), page=page)
-        assert (kept.history_file.read_bytes() if left is not None else None) == left
+            folder.record(project_copy, Job(str(raw), arms=1), page=page)
+        assert (project_copy.history_file.read_bytes() if left is not None else None) == left
 
 
 @pytest.mark.parametrize("head", [None, "1 {first}", "2 {foreign}", "1 {first}\n2 {foreign}"])
-def test_a_head_that_is_lost_older_or_foreign_is_missed(kept, raw, head):
+def test_a_head_that_is_lost_older_or_foreign_is_missed(project_copy, raw, head):
     """Without it nobody knows whether lines were cut off; the next line brings it again."""
-    place, first = kept.folder / "history.head", entries(kept)[0]["hash"]
+    place, first = project_copy.folder / "history.head", entries(project_copy)[0]["hash"]
     if head is None:
         place.unlink()
     else:
         place.write_text(head.format(first=first, foreign="f" * 64) + "\n")
-    assert failures(kept) == ["history_whole"]
+    assert failures(project_copy) == ["history_whole"]
     if head is None or head.endswith("first}"):
-        folder.record(kept, Job(str(raw), arms=1), page=page)
-        assert not failures(kept)
+        folder.record(project_copy, Job(str(raw), arms=1), page=page)
+        assert not failures(project_copy)
 
 
-def test_a_line_that_its_head_announced_is_whole(kept):
+def test_a_line_that_its_head_announced_is_whole(project_copy):
     """Killed after the line was written, before the head was."""
-    first, second = (one["hash"] for one in entries(kept))
-    (kept.folder / "history.head").write_text(f"1 {first}\n2 {second}\n")
-    assert not failures(kept)
+    first, second = (one["hash"] for one in entries(project_copy))
+    (project_copy.folder / "history.head").write_text(f"1 {first}\n2 {second}\n")
+    assert not failures(project_copy)
 
 
 TAMPERED = {
@@ -243,19 +243,19 @@ TAMPERED = {
 
 
 @pytest.mark.parametrize("how", TAMPERED)
-def test_the_bytes_of_a_line_are_hashed(kept, how):
-    first, second = kept.history_file.read_text().splitlines()
+def test_the_bytes_of_a_line_are_hashed(project_copy, how):
+    first, second = project_copy.history_file.read_text().splitlines()
     changed = TAMPERED[how](second)
     assert changed != second
-    kept.history_file.write_bytes(f"{first}\n{changed}\n".encode())
+    project_copy.history_file.write_bytes(f"{first}\n{changed}\n".encode())
     try:
-        assert "history_unchanged" in failures(kept)
+        assert "history_unchanged" in failures(project_copy)
     except ReadError as error:
         assert "it was changed" in str(error)  # noqa: PT017 -- either way it is reported
 
 
-def test_head_is_bytes_too(kept):
-    place = kept.folder / "history.head"
+def test_head_is_bytes_too(project_copy):
+    place = project_copy.folder / "history.head"
     whole = place.read_bytes()
     for changed in (
         whole.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + whole, b"0" + whole, b"+" + whole,
@@ -263,9 +263,9 @@ def test_head_is_bytes_too(kept):
     ):  # fmt: skip
         place.write_bytes(changed)
         with pytest.raises(ReadError, match=r"history\.head is not as dashpot writes it"):
-            verified(kept)
+            verified(project_copy)
     place.write_bytes(whole)
-    assert not failures(kept)
+    assert not failures(project_copy)
 
 
 HISTORIES = {
@@ -281,25 +281,25 @@ HISTORIES = {
 
 
 @pytest.mark.parametrize("how", HISTORIES)
-def test_no_byte_of_the_history_is_changed_in_passing(kept, how):
+def test_no_byte_of_the_history_is_changed_in_passing(project_copy, how):
     """As editors, version control, mail and disks do."""
-    lines = kept.history_file.read_bytes().splitlines(keepends=True)
-    kept.history_file.write_bytes(HISTORIES[how](*lines))
+    lines = project_copy.history_file.read_bytes().splitlines(keepends=True)
+    project_copy.history_file.write_bytes(HISTORIES[how](*lines))
     try:
-        missed = failures(kept)
+        missed = failures(project_copy)
     except ReadError as error:
         assert "it was changed" in str(error)  # noqa: PT017 -- either way it is reported
     else:
         assert {"history_unchanged", "history_complete"} & {*missed}
 
 
-def test_the_history_of_another_project_is_missed(kept, raw, tmp_path):
+def test_the_history_of_another_project_is_missed(project_copy, raw, tmp_path):
     other = folder.create(tmp_path / "other")
     for seals in (1, 3):
         folder.record(other, Job(str(raw), seals=seals, arms=1), page=page)
     for one in ("history.jsonl", "history.head"):
-        shutil.copy(other.folder / one, kept.folder / one)
-        assert failures(kept)
+        shutil.copy(other.folder / one, project_copy.folder / one)
+        assert failures(project_copy)
 
 
 FILES = {
@@ -315,91 +315,91 @@ FILES = {
 
 
 @pytest.mark.parametrize("how", FILES)
-def test_a_raw_file_that_a_synchronisation_changed_is_missed(kept, how):
-    FILES[how](kept.folder / "raw" / "seal.csv")
-    assert {"file_present", "file_unchanged"} & {*failures(kept)}
+def test_a_raw_file_that_a_synchronisation_changed_is_missed(project_copy, how):
+    FILES[how](project_copy.folder / "raw" / "seal.csv")
+    assert {"file_present", "file_unchanged"} & {*failures(project_copy)}
 
 
 @pytest.mark.parametrize("own", ["history.jsonl", "history.head", "dashpot.toml", "raw/seal.csv"])
-def test_nothing_outside_is_read_through_a_link(kept, tmp_path, own):
-    place = kept.folder / own
+def test_nothing_outside_is_read_through_a_link(project_copy, tmp_path, own):
+    place = project_copy.folder / own
     place.rename(tmp_path / "elsewhere")
     place.symlink_to(tmp_path / "elsewhere")
     with pytest.raises(ReadError, match=f"{own} leads out of the project"):
-        verified(kept)
+        verified(project_copy)
 
 
-def test_what_only_looks_half_written_is_named(kept):
+def test_what_only_looks_half_written_is_named(project_copy):
     for name in (".evil.part", "fit.json.part", "." + "0" * 16 + ".part"):
-        (kept.folder / "records" / name).write_text("{}")
-    (check,) = [one for one in verified(kept) if one.name == "files_listed"]
+        (project_copy.folder / "records" / name).write_text("{}")
+    (check,) = [one for one in verified(project_copy) if one.name == "files_listed"]
     assert check.says == "The history does not list records/.evil.part, records/fit.json.part."
 
 
-def test_pictures_of_two_reports_are_not_swapped_unseen(kept):
+def test_verify_detects_swapped_figures(project_copy):
     """Each page is drawn again, of its own result."""
 
     def drawn(study):
         return f"<svg><text>{study.mass}</text></svg>"
 
-    lines = entries(kept)
+    lines = entries(project_copy)
     pages = [line["outputs"] for line in lines]
     for outputs, mass in zip(pages, ("0.104", "None"), strict=True):
         (listed,) = [one for one in outputs if one["file"].endswith(".html")]
-        place = kept.folder / listed["file"]
+        place = project_copy.folder / listed["file"]
         place.write_text(f"<svg><text>{mass}</text></svg>")
         listed["sha256"] = history.sha256(place.read_bytes())
-    rewritten(kept, lines)
-    assert not [one.name for one in verify(kept, page=drawn) if one.failed]
-    first, second = (kept.folder / one["file"] for o in pages for one in o if "html" in one["file"])
+    rewritten(project_copy, lines)
+    assert not [one.name for one in verify(project_copy, page=drawn) if one.failed]
+    first, second = (project_copy.folder / one["file"] for o in pages for one in o if "html" in one["file"])
     one, other = first.read_bytes(), second.read_bytes()
     first.write_bytes(other)
     second.write_bytes(one)
-    assert [one.name for one in verify(kept, page=drawn) if one.failed].count("file_unchanged") == 2
+    assert [one.name for one in verify(project_copy, page=drawn) if one.failed].count("file_unchanged") == 2
     for outputs, content in zip(pages, (other, one), strict=True):
         (listed,) = [one for one in outputs if one["file"].endswith(".html")]
         listed["sha256"] = history.sha256(content)
-    rewritten(kept, lines)
-    assert [one.name for one in verify(kept, page=drawn) if one.failed] == ["page_redrawn"] * 2
+    rewritten(project_copy, lines)
+    assert [one.name for one in verify(project_copy, page=drawn) if one.failed] == ["page_redrawn"] * 2
 
 
-def test_what_a_forger_may_say_unproven(kept):
+def test_what_a_forger_may_say_unproven(project_copy):
     """SECURITY.md names it: when, who, what it was called, in which order, by which versions."""
-    lines, noted = entries(kept), kept.head
+    lines, noted = entries(project_copy), project_copy.head
     lines[0] |= {"time": "1999-01-01T00:00:00+00:00", "user": "boss", "operation": "approved"}
     lines[0]["software"]["numpy"] = "0.0.1"
-    rewritten(kept, lines[::-1])
-    (kept.folder / "dashpot.toml").write_text('schema = "dashpot/project@1"\nname = "other"\n')
-    assert not failures(kept)
-    assert failures(kept, expect=noted) == ["history_expected"]
+    rewritten(project_copy, lines[::-1])
+    (project_copy.folder / "dashpot.toml").write_text('schema = "dashpot/project@1"\nname = "other"\n')
+    assert not failures(project_copy)
+    assert failures(project_copy, expect=noted) == ["history_expected"]
 
 
-def test_a_line_of_the_second_edition_is_still_held_to_its_hash(kept):
+def test_a_line_of_the_second_edition_is_still_held_to_its_hash(project_copy):
     """Its hash was of its content, sorted, and its bytes were those of plain JSON."""
     before, lines = history.GENESIS, []
-    for entry in entries(kept):
+    for entry in entries(project_copy):
         entry["previous"] = before
         del entry["hash"]
         ordered = json.dumps(entry, sort_keys=True, ensure_ascii=False).encode()
         entry["hash"] = before = history.sha256(ordered)
         lines.append(json.dumps(entry))
-    kept.history_file.write_text("\n".join(lines) + "\n")
-    (kept.folder / "history.head").write_text(f"2 {before}\n")
-    assert not failures(kept)
-    kept.history_file.write_text("\n".join(lines).replace('": ', '":  ', 1) + "\n")
-    assert failures(kept) == ["history_unchanged"]
+    project_copy.history_file.write_text("\n".join(lines) + "\n")
+    (project_copy.folder / "history.head").write_text(f"2 {before}\n")
+    assert not failures(project_copy)
+    project_copy.history_file.write_text("\n".join(lines).replace('": ', '":  ', 1) + "\n")
+    assert failures(project_copy) == ["history_unchanged"]
 
 
-def test_who_notes_the_head_misses_even_a_forged_end(kept, raw):
-    noted = kept.head
-    assert not failures(kept, expect=noted)
-    folder.record(kept, Job(str(raw), arms=1, seals=2), page=page)
-    (check,) = [one for one in verified(kept, noted) if one.name == "history_expected"]
+def test_who_notes_the_head_misses_even_a_forged_end(project_copy, raw):
+    noted = project_copy.head
+    assert not failures(project_copy, expect=noted)
+    folder.record(project_copy, Job(str(raw), arms=1, seals=2), page=page)
+    (check,) = [one for one in verified(project_copy, noted) if one.name == "history_expected"]
     assert check.passed
     assert "1 lines were added since" in check.says
-    rewritten(kept, entries(kept)[:1])
-    assert failures(kept) == ["files_listed"]  # nothing inside tells
-    assert "history_expected" in failures(kept, expect=noted)
+    rewritten(project_copy, entries(project_copy)[:1])
+    assert failures(project_copy) == ["files_listed"]  # nothing inside tells
+    assert "history_expected" in failures(project_copy, expect=noted)
 
 
 def test_a_project_without_history_proves_nothing(tmp_path):
@@ -407,12 +407,12 @@ def test_a_project_without_history_proves_nothing(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["fit.json", "a key twice", "json", "html"])
-def test_a_result_that_was_changed_and_hashed_again_is_found(kept, kind):
+def test_verify_detects_a_changed_and_rehashed_result(project_copy, kind):
     """From the fit's file decks are made; the page is what people read."""
     twice, kind = kind == "a key twice", kind.replace("a key twice", "fit.json")
-    lines = entries(kept)
+    lines = entries(project_copy)
     listed = next(one for one in lines[0]["outputs"] if one["file"].split(".", 1)[1] == kind)
-    place = kept.folder / listed["file"]
+    place = project_copy.folder / listed["file"]
     if kind == "html":
         place.write_text(place.read_text().replace("</title>", "!</title>"))
     elif twice:  # what reads the first of them reads another solid
@@ -423,24 +423,24 @@ def test_a_result_that_was_changed_and_hashed_again_is_found(kept, kind):
         solid["k_inf"] *= 1.001
         place.write_text(json.dumps(found))
     listed["sha256"] = history.sha256(place.read_bytes())
-    rewritten(kept, lines)
-    assert failures(kept) == ["page_redrawn" if kind == "html" else "result_recomputed"]
+    rewritten(project_copy, lines)
+    assert failures(project_copy) == ["page_redrawn" if kind == "html" else "result_recomputed"]
 
 
 @pytest.mark.parametrize(
     "word", ["NaN", "Infinity", "-1e999", "1" + "0" * 400, "true", "null", '"0.09"']
 )
-def test_what_is_no_finite_number_is_no_rounding_of_one(kept, word):
-    lines = entries(kept)
+def test_verify_detects_non_finite_numbers(project_copy, word):
+    lines = entries(project_copy)
     listed = next(one for one in lines[0]["outputs"] if one["file"].endswith(".fit.json"))
-    place = kept.folder / listed["file"]
+    place = project_copy.folder / listed["file"]
     place.write_text(re.sub(r'("k_inf": )[-0-9.e]+', rf"\g<1>{word}", place.read_text(), count=1))
     listed["sha256"] = history.sha256(place.read_bytes())
-    rewritten(kept, lines)
-    assert failures(kept) == ["result_recomputed"]
+    rewritten(project_copy, lines)
+    assert failures(project_copy) == ["result_recomputed"]
 
 
-def test_true_is_not_one(kept):
+def test_find_largest_difference_distinguishes_true_from_one(project_copy):
     assert find_largest_difference({"a": 1}, {"a": True})[0] == np.inf
     assert find_largest_difference({"a": 1, "b": 0.0}, {"a": 1.0, "b": -0.0})[0] == 0.0
     assert find_largest_difference({"a": np.nan}, {"a": np.nan})[0] == 0.0
@@ -487,43 +487,43 @@ LISTS = {
 
 
 @pytest.mark.parametrize("how", LISTS)
-def test_a_line_lists_what_its_job_reads_and_makes_and_no_more(kept, how):
-    lines = entries(kept)
-    (kept.folder / "raw" / "more.csv").write_bytes(b"1")
-    LISTS[how](kept, lines)
-    rewritten(kept, lines)
-    assert "result_recomputed" in failures(kept)
+def test_a_line_lists_what_its_job_reads_and_makes_and_no_more(project_copy, how):
+    lines = entries(project_copy)
+    (project_copy.folder / "raw" / "more.csv").write_bytes(b"1")
+    LISTS[how](project_copy, lines)
+    rewritten(project_copy, lines)
+    assert "result_recomputed" in failures(project_copy)
 
 
-def test_files_of_another_version_have_one_name_too(kept):
-    lines = entries(kept)
+def test_verify_detects_renamed_files_of_another_version(project_copy):
+    lines = entries(project_copy)
     for line in lines:
         line["software"]["numpy"] = "0.0.1"
-    rewritten(kept, lines)
-    assert not failures(kept)
-    _renamed(kept, lines[0], ".fit.json")
-    rewritten(kept, lines)
-    assert failures(kept) == ["result_recomputed"]
+    rewritten(project_copy, lines)
+    assert not failures(project_copy)
+    _renamed(project_copy, lines[0], ".fit.json")
+    rewritten(project_copy, lines)
+    assert failures(project_copy) == ["result_recomputed"]
 
 
-def test_a_line_is_numbered_by_its_place(kept):
+def test_a_line_is_numbered_by_its_place(project_copy):
     before, texts = history.GENESIS, []
-    for entry in entries(kept):
+    for entry in entries(project_copy):
         text, before = history.format_hashed_line(
             entry | {"previous": before, "line": entry["line"] + 1}
         )
         texts.append(text.decode() + "\n")
-    kept.history_file.write_text("".join(texts))
-    (kept.folder / "history.head").write_text(f"{len(texts)} {before}\n")
-    assert failures(kept) == ["history_unchanged"] * 2
+    project_copy.history_file.write_text("".join(texts))
+    (project_copy.folder / "history.head").write_text(f"{len(texts)} {before}\n")
+    assert failures(project_copy) == ["history_unchanged"] * 2
 
 
-def test_another_version_may_draw_another_page(kept):
-    lines = entries(kept)
+def test_another_version_may_draw_another_page(project_copy):
+    lines = entries(project_copy)
     for line in lines:
         line["software"]["numpy"] = "0.0.1"
-    rewritten(kept, lines)
-    checks = verify(kept, page=lambda study: page(study).replace("title", "b"))
+    rewritten(project_copy, lines)
+    checks = verify(project_copy, page=lambda study: page(study).replace("title", "b"))
     judged = [one for one in checks if one.name == "page_redrawn"]
     assert [one.passed for one in judged] == [None, None]
 
@@ -559,32 +559,32 @@ def test_pages_are_the_same_but_for_a_last_digit(kept_text, again, same):
     assert same_page(kept_text.encode(), again.encode()) == same
 
 
-def test_files_that_no_line_lists_are_named(kept):
-    (kept.folder / "records" / "planted.fit.json").write_text("{}")
-    (kept.folder / "records" / ".0123456789abcdef.part").write_text("half")
-    (check,) = [one for one in verified(kept) if one.name == "files_listed"]
+def test_files_that_no_line_lists_are_named(project_copy):
+    (project_copy.folder / "records" / "planted.fit.json").write_text("{}")
+    (project_copy.folder / "records" / ".0123456789abcdef.part").write_text("half")
+    (check,) = [one for one in verified(project_copy) if one.name == "files_listed"]
     assert check.failed
     assert check.says == "The history does not list records/planted.fit.json."
 
 
 @pytest.mark.parametrize("at", range(WRITES + 1))
-def test_killed_at_any_write_nothing_is_lost(kept, raw, at):
+def test_killed_at_any_write_nothing_is_lost(project_copy, raw, at):
     """The process ends, without a word to anyone, at the n-th time that it writes or moves."""
-    before = kept.history_file.read_bytes()
+    before = project_copy.history_file.read_bytes()
     child = os.fork()
     if not child:
         killed_at(at)
-        folder.record(kept, Job(str(raw), arms=1, seals=3), page=page)
+        folder.record(project_copy, Job(str(raw), arms=1, seals=3), page=page)
         os._exit(0)
     _, status = os.waitpid(child, 0)
     assert os.waitstatus_to_exitcode(status) == (9 if at < WRITES else 0)
-    assert kept.history_file.read_bytes().startswith(before)
-    assert set(failures(kept)) <= {"files_listed"}
-    lines = len(entries(kept))
-    folder.record(kept, Job(str(raw), arms=1, seals=3), page=page)
-    assert len(entries(kept)) == lines + 1
-    assert not failures(kept)
-    assert not list(kept.folder.rglob("*.part"))
+    assert project_copy.history_file.read_bytes().startswith(before)
+    assert set(failures(project_copy)) <= {"files_listed"}
+    lines = len(entries(project_copy))
+    folder.record(project_copy, Job(str(raw), arms=1, seals=3), page=page)
+    assert len(entries(project_copy)) == lines + 1
+    assert not failures(project_copy)
+    assert not list(project_copy.folder.rglob("*.part"))
 
 
 def killed_at(number):
@@ -604,12 +604,12 @@ def killed_at(number):
     Path.replace = counted(Path.replace)
 
 
-def test_the_lock_is_of_the_process_and_not_of_the_file(kept, raw):
+def test_the_lock_is_of_the_process_and_not_of_the_file(project_copy, raw):
     """A file that a dead dashpot left, whatever stands in it, locks nothing."""
-    lock = kept.folder / ".lock"
+    lock = project_copy.folder / ".lock"
     for text in ("", str(os.getpid()), "999999999"):
         lock.write_text(text)
-        folder.record(kept, Job(str(raw), arms=1), page=page)
+        folder.record(project_copy, Job(str(raw), arms=1), page=page)
     code = (
         "import sys; from pathlib import Path\n"
         "from dashpot.base.file_writing import open_exclusive_lock\n"
@@ -621,25 +621,25 @@ def test_the_lock_is_of_the_process_and_not_of_the_file(kept, raw):
     )
     assert other.stdout.readline().strip() == b"held"
     with pytest.raises(DataError, match="in use by another dashpot; try again"):
-        folder.record(kept, Job(str(raw)), page=page)
+        folder.record(project_copy, Job(str(raw)), page=page)
     other.kill()
     other.communicate()
-    folder.record(kept, Job(str(raw), arms=1), page=page)
+    folder.record(project_copy, Job(str(raw), arms=1), page=page)
 
 
-def test_a_copy_that_was_damaged_is_not_analysed_instead(kept, raw, tmp_path):
+def test_a_copy_that_was_damaged_is_not_analysed_instead(project_copy, raw, tmp_path):
     other = tmp_path / "seal.csv"
     other.write_bytes(raw.read_bytes() + b"\n")
-    folder.record(kept, Job(str(other), arms=1), page=page)
-    (copy,) = [one for one in (kept.folder / "raw").iterdir() if one.name != "seal.csv"]
+    folder.record(project_copy, Job(str(other), arms=1), page=page)
+    (copy,) = [one for one in (project_copy.folder / "raw").iterdir() if one.name != "seal.csv"]
     whole = copy.read_bytes()
     copy.write_bytes(whole.replace(b"0.0", b"0.1", 1))
     with pytest.raises(DataError, match="is no longer the copy of"):
-        folder.record(kept, Job(str(other), arms=1), page=page)
+        folder.record(project_copy, Job(str(other), arms=1), page=page)
     copy.write_bytes(whole)
-    damaged = kept.folder / "raw" / "seal.csv"
+    damaged = project_copy.folder / "raw" / "seal.csv"
     damaged.write_bytes(b"time [s],displacement [mm],force [N]\n")
-    study, _ = folder.record(kept, Job(str(raw), arms=1), page=page)
+    study, _ = folder.record(project_copy, Job(str(raw), arms=1), page=page)
     assert study.test.source.sha256 == history.sha256(raw.read_bytes())
 
 
@@ -668,37 +668,37 @@ def test_a_calibration_is_an_input_like_any_other(tmp_path):
 
 
 @pytest.mark.parametrize("path", ["/etc/passwd", "../secret.cal", "raw/link.cal"])
-def test_a_foreign_project_opens_no_file_outside_as_calibration(kept, tmp_path, path):
+def test_a_foreign_project_opens_no_file_outside_as_calibration(project_copy, tmp_path, path):
     (tmp_path / "secret.cal").write_text("top secret")
-    (kept.folder / "raw" / "link.cal").symlink_to(tmp_path / "secret.cal")
-    lines = entries(kept)
+    (project_copy.folder / "raw" / "link.cal").symlink_to(tmp_path / "secret.cal")
+    lines = entries(project_copy)
     lines[0]["job"]["reading"]["calibration"] = path
     lines[0]["inputs"].append({"file": "raw/seal.csv", "sha256": "0"})
-    rewritten(kept, lines[:1])
-    assert "file_unchanged" in failures(kept)
+    rewritten(project_copy, lines[:1])
+    assert "file_unchanged" in failures(project_copy)
     lines[0]["inputs"][-1:] = [{"file": path, "sha256": history.sha256(b"top secret")}]
-    rewritten(kept, lines[:1])
+    rewritten(project_copy, lines[:1])
     with pytest.raises(ReadError, match="leads out of the project"):
-        verified(kept)
+        verified(project_copy)
 
 
-def test_leftovers_are_cleaned(kept, raw):
-    left = kept.folder / "records" / ".0123456789abcdef.part"
+def test_leftovers_are_cleaned(project_copy, raw):
+    left = project_copy.folder / "records" / ".0123456789abcdef.part"
     left.write_text("half")
-    folder.record(kept, Job(str(raw), arms=1), page=page)
+    folder.record(project_copy, Job(str(raw), arms=1), page=page)
     assert not left.exists()
 
 
-def test_what_killed_runs_left_is_listed_and_cleared(kept, tmp_path):
+def test_verify_lists_and_clears_files_of_killed_runs(project_copy, tmp_path):
     (tmp_path / "lot").mkdir()
-    places = kept.folder / "records", tmp_path / "lot"
+    places = project_copy.folder / "records", tmp_path / "lot"
     left = [one / ".0123456789abcdef.part" for one in places]
     for one in left:
         one.write_text("half")
-    assert failures(kept) == []  # it may still be written to
+    assert failures(project_copy) == []  # it may still be written to
     for one in left:
         os.utime(one, (1, 1))
-    assert failures(kept) == ["nothing_half_written"]
+    assert failures(project_copy) == ["nothing_half_written"]
     (tmp_path / "lot" / ".hidden.part").write_text("a user's own")
     told = ran("verify", tmp_path / "lot")
     assert (told.exit_code, left[1].exists()) == (0, True)
@@ -717,35 +717,35 @@ def test_a_folder_that_was_killed_while_it_was_made_is_no_obstacle(tmp_path):
 @pytest.mark.parametrize(
     "text", [b"[]", b"{}", b"5", b"\xff", b'{"line": 1}', b"[" * 5000, b'{"hash": {"a": 1}}', None]
 )
-def test_a_line_of_another_kind_is_refused(kept, text):
+def test_a_line_of_another_kind_is_refused(project_copy, text):
     if text is None:  # one thing more than a line holds
-        text = json.dumps(entries(kept)[0] | {"more": 1}).encode()
-    kept.history_file.write_bytes(text + b"\n")
+        text = json.dumps(entries(project_copy)[0] | {"more": 1}).encode()
+    project_copy.history_file.write_bytes(text + b"\n")
     with pytest.raises(ReadError, match=r"line 1 of history.jsonl is none that dashpot writes"):
-        verified(kept)
+        verified(project_copy)
 
 
-def test_a_job_that_reads_what_is_not_listed_is_found(kept):
-    lines = entries(kept)
+def test_verify_detects_unlisted_inputs(project_copy):
+    lines = entries(project_copy)
     lines[0]["inputs"] = []
-    rewritten(kept, lines)
-    assert failures(kept) == ["inputs_listed"]
+    rewritten(project_copy, lines)
+    assert failures(project_copy) == ["inputs_listed"]
 
 
-def test_a_file_of_the_same_name_does_not_replace_the_first(kept, raw, tmp_path):
+def test_a_file_of_the_same_name_does_not_replace_the_first(project_copy, raw, tmp_path):
     other = tmp_path / "seal.csv"
     other.write_bytes(raw.read_bytes() + b"\n")
-    folder.record(kept, Job(str(other), arms=1), page=page)
-    assert (kept.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
-    assert len(list((kept.folder / "raw").iterdir())) == 2
+    folder.record(project_copy, Job(str(other), arms=1), page=page)
+    assert (project_copy.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
+    assert len(list((project_copy.folder / "raw").iterdir())) == 2
 
 
-def test_paths_that_lead_out_of_the_project_are_refused(kept):
-    lines = entries(kept)
+def test_paths_that_lead_out_of_the_project_are_refused(project_copy):
+    lines = entries(project_copy)
     lines[0]["inputs"][0]["file"] = "../../secret"
-    rewritten(kept, lines)
+    rewritten(project_copy, lines)
     with pytest.raises(ReadError, match="leads out of the project"):
-        verified(kept)
+        verified(project_copy)
 
 
 def test_a_full_folder_is_not_taken_over(tmp_path):

@@ -82,7 +82,7 @@ def test_pressed_far_it_pushes_as_the_model_does(target, units, paper_seal, tmp_
     assert error.max() < 1e-5
 
 
-def test_the_network_alone_carries_its_static_stiffness(paper_seal, tmp_path):
+def test_ccx_network_has_its_static_stiffness(paper_seal, tmp_path):
     """The fragment under a steady pull: only k_inf answers."""
     fragment = TARGETS["calculix"](paper_seal, units="mm-t-s")
     deck = fragment + "\n".join(

@@ -167,7 +167,7 @@ def test_free_modes_under_a_seal_and_under_stiff_hinges():
             assert basis_error(of(few, hinge), 250.0) == pytest.approx(error, rel=0.5)
 
 
-def test_modes_are_judged_up_to_half_of_the_highest_that_is_kept(monkeypatch):
+def test_door_modes_are_checked_to_half_the_highest_plate_mode(monkeypatch):
     places = ROUND.stations(0.3).place
     modes = free_plate(
         np.concatenate((places, [(0.0, 0.3, 0.0), (0.0, 0.9, 0.0), (WIDTH, 0.6, 0.0)])),

@@ -1,4 +1,4 @@
-"""A door that closes on its seal: closed answers, an independent integration, laws."""
+"""Closing of a door on its seal: closed forms, independent integration, laws."""
 
 from __future__ import annotations
 
@@ -353,13 +353,13 @@ def test_a_hump_on_the_way_counts():
     assert least_speed(door)[0] == pytest.approx(need, rel=1e-2)
 
 
-def test_a_door_that_closes_by_itself_and_one_that_never_does():
+def test_close_door_has_zero_and_infinite_minimum_speed():
     door = a_door(start=0.3)
     assert close_door(replace(door, weight=(-20.0, 0.0)), speed=0.5).minimum == 0
     assert close_door(replace(door, weight=(2e5, 0.0)), speed=0.5).minimum == np.inf
 
 
-def test_the_scatter_of_a_spring_is_the_closed_one():
+def test_scatter_of_a_spring_equals_the_closed_form():
     door = a_door()
     none = simulate_scatter(door, Tolerances(count=5), 0.33)
     assert none.speed == pytest.approx(np.full(5, 0.33), rel=1e-3)
@@ -401,7 +401,7 @@ def ramp_and_hold(fast, *, lag=0.0, seed=0):
     return dp.RelaxationTest(t + 0.5, 8e-3 * np.clip(t, 0, 1), force, units="SI")
 
 
-def felt(fast, lag, **known):
+def compute_closing_speeds(fast, lag, **known):
     """The least speed of a door on a fitted seal between its limits, and on the seal itself."""
     test = replace(prepare(ramp_and_hold(fast, lag=lag)), machine=Machine(**known))
     fit = fit_tests(test, arms=2)
@@ -416,13 +416,13 @@ def felt(fast, lag, **known):
 @pytest.mark.parametrize("lag", [-2e-3, 0.0, 2e-3])
 @pytest.mark.parametrize("fast", [(1e-3, 1e-3), (300.0, 1e-3), (150.0, 5e-3), (80.0, 12e-3)])
 def test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks(fast, lag):
-    low, true, high = felt(fast, lag, sync=2e-3)
+    low, true, high = compute_closing_speeds(fast, lag, sync=2e-3)
     assert low * (1 - 1e-4) <= true <= high < 1.4 * low
 
 
-def test_clocks_of_which_nothing_is_known_may_hide_more():
+def test_closing_interval_widens_for_unknown_clocks():
     """Two converters may be 5 ms apart, whatever the samples' distance; and machines give."""
-    low, true, high = felt((80.0, 12e-3), -2e-3)
+    low, true, high = compute_closing_speeds((80.0, 12e-3), -2e-3)
     assert low < true < 1.4 * low < high < 1.7 * low
 
 

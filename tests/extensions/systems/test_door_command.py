@@ -65,7 +65,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def found(folder: Path, old: str = "", new: str = "", *words: str) -> dict:
+def predict_door(folder: Path, old: str = "", new: str = "", *words: str) -> dict:
     text = PLATE.replace(old, new, 1)
     assert not old or text != PLATE
     (folder / "door.toml").write_text(text)
@@ -78,7 +78,7 @@ def of(document: dict, name: str) -> dict:
 
 def test_the_rigid_door_of_the_reference(folder):
     """58.26584, 91.13105 and 205.63511 Hz, computed apart: there the integral is exact."""
-    document = found(folder, '"20mm"', '"10mm"', "--band", "1:250Hz")
+    document = predict_door(folder, '"20mm"', '"10mm"', "--band", "1:250Hz")
     modes = document["modes"]
     exact = [(58.26584, 0.0024313), (91.13105, 0.0012544), (205.63511, 0.000119)]
     for mode, (frequency, ratio) in zip(modes, exact, strict=True):
@@ -118,7 +118,7 @@ def test_the_same_door_in_the_cold_and_in_the_heat(folder, celsius, frequencies,
     fit = a_fit(10 * BROAD, specimen=specimen, temperatures=moved)
     (folder / "fit.json").write_text(to_json(fit))
     words = ("--band", "1:250Hz", "--temperature", f"{celsius}degC")
-    modes = found(folder, '"20mm"', '"10mm"', *words)["modes"]
+    modes = predict_door(folder, '"20mm"', '"10mm"', *words)["modes"]
     assert [one["frequency_hz"] for one in modes] == pytest.approx(frequencies, rel=5e-6)
     damped = [one["damping_ratio"] for one in modes[: len(ratios)]]
     assert damped == pytest.approx(ratios, rel=1e-3, abs=6e-8)
@@ -158,12 +158,12 @@ def test_the_example_end_to_end(tmp_path):
     )
 
 
-def test_a_seal_that_does_not_reach_is_told_and_carries_nothing(folder):
+def test_door_reports_a_seal_that_does_not_touch(folder):
     gaps = 'height = "20mm"\ngap = "14, 14, 26, 26 mm"\npitch'
-    document = found(folder, "pitch", gaps)
+    document = predict_door(folder, "pitch", gaps)
     assert not of(document, "seal_touches")["passed"]
     assert "do not touch" in of(document, "seal_touches")["message"]
-    whole = found(folder)
+    whole = predict_door(folder)
     assert document["seal"]["touching"] == pytest.approx(0.5, abs=0.01)
     assert document["seal"]["stiffness"] == pytest.approx(
         document["seal"]["touching"] * whole["seal"]["stiffness"]
@@ -171,15 +171,15 @@ def test_a_seal_that_does_not_reach_is_told_and_carries_nothing(folder):
     assert document["modes"][0]["frequency_hz"] < whole["modes"][0]["frequency_hz"]
 
 
-def test_a_stiffening_seal_is_felt_by_its_tangent(folder):
+def test_door_uses_the_tangent_of_a_stiffening_seal(folder):
     """Twice the secant at 8 mm: as stiff as two linear seals there, and loaded by its law."""
     law = ElasticLaw((0.0, 0.008), (0.0, 2.0), 10 * BROAD.k_inf)
     fit = a_fit(10 * BROAD, specimen=Specimen(length=0.05), band=(1e-3, 1e3), elastic_law=law)
     (folder / "fit.json").write_text(to_json(fit))
-    document = found(folder, "pitch", 'compression = "8mm"\npitch')
+    document = predict_door(folder, "pitch", 'compression = "8mm"\npitch')
     assert document["seal"]["stiffness"] == pytest.approx(2 * 4.6 * 200 * BROAD.k_inf)
     assert document["seal"]["force"] == pytest.approx(4.6 * 200 * BROAD.k_inf * 0.008)
-    deeper = found(folder, "pitch", 'compression = "9mm"\npitch')
+    deeper = predict_door(folder, "pitch", 'compression = "9mm"\npitch')
     assert not of(deeper, "compression_tested")["passed"]
     (folder / "door.toml").write_text(PLATE)
     assert "how far it is pressed along the line is not stated" in ran(
@@ -203,12 +203,12 @@ def test_a_stiffening_seal_is_felt_by_its_tangent(folder):
          None),
     ],
 )  # fmt: skip
-def test_what_is_asked_of_a_door(folder, old, new, name):
-    failed = {c["name"] for c in found(folder, old, new)["checks"] if c["passed"] is False}
+def test_door_checks_detect_invalid_doors(folder, old, new, name):
+    failed = {c["name"] for c in predict_door(folder, old, new)["checks"] if c["passed"] is False}
     assert failed - {"bound_known"} == set((name or "").split())
 
 
-def test_a_motion_that_nothing_holds_is_told(folder):
+def test_door_reports_an_unsupported_motion(folder):
     hinged = PLATE.replace('motions = ["z", "rx", "ry"]\n', "")
     for _ in range(2):
         hinged = hinged.replace(
@@ -256,7 +256,7 @@ def test_what_a_door_cannot_be(folder, old, new, sentence):
         (("mode,frequency", "mode,frequency"), 'most = "0.5Hz"', "too few to judge"),
     ],
 )
-def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):
+def test_door_reports_contradicting_plate_modes(tmp_path, change, word, sentence):
     """A slip of unit or axes is caught, or stated in the first lines."""
     for name in ("door.toml", "door_line.csv", "door_modes.csv"):
         text = EXAMPLES[name]().replace("[modes]", "[modes]\n" + word)
@@ -269,7 +269,7 @@ def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):
     assert sentence in told.output.replace("\n  ", " ")
 
 
-def test_the_line_of_a_door_is_a_deck_of_its_own_stiffness(folder):
+def test_export_of_a_door_line_has_its_stiffness(folder):
     gaps = 'height = "20mm"\ngap = "14, 14, 26, 26 mm"\npitch'
     (folder / "door.toml").write_text(PLATE.replace("pitch", gaps))
     words = ["export", folder / "fit.json", "--to", "nastran", "--unit-system", "mm-t-s", "--line",
@@ -283,16 +283,16 @@ def test_the_line_of_a_door_is_a_deck_of_its_own_stiffness(folder):
     assert told.exit_code == 2
 
 
-def test_a_bumper_of_a_fit_stands_beside_the_latch(folder):
+def test_door_lists_a_fitted_bumper_next_to_the_latch(folder):
     bumper = '[[bumper]]\nat = "1.1, 0.6, 0 m"\nalong = [0, 0, 1]\nfit = "fit.json"\n[seal]'
-    document = found(folder, "[seal]", bumper)
+    document = predict_door(folder, "[seal]", bumper)
     names = [share["name"] for share in document["modes"][0]["shares"]]
     assert names == ["hinge 1", "hinge 2", "latch", "bumper", "seal"]
 
 
-def test_a_seal_of_whose_test_nothing_informs_a_mode_is_said_in_json_too(folder):
+def test_door_reports_modes_outside_the_valid_band_in_json(folder):
     fit = from_json((folder / "fit.json").read_text())
     evidence = replace(fit.evidence, band=(0.0, 0.0))
     (folder / "fit.json").write_text(to_json(replace(fit, evidence=evidence)))
-    check = of(found(folder), "door_modes_in_valid_band")
+    check = of(predict_door(folder), "door_modes_in_valid_band")
     assert (check["passed"], check["value"]) == (False, "Infinity")

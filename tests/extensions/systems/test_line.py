@@ -23,7 +23,7 @@ from kit.doors import (
     MASS,
     NORMAL_ONLY,
     SHEARED,
-    apart,
+    compute_largest_difference,
     closed,
     leaning,
     six_by_six,
@@ -83,8 +83,8 @@ def stiffness(seal: SealLine, pitch: float) -> np.ndarray:
 @pytest.mark.parametrize(("shear", "words"), [(SHEAR, SHEARED), (Shear(), NORMAL_ONLY)])
 def test_the_line_is_its_integral_at_any_pitch(pitch, shear, words):
     K = stiffness(line(shear), pitch)
-    assert apart(K, stated(words)) < 2e-10  # the digits that are stated
-    assert apart(K, stiffness(line(shear), 0.01)) < 1e-12
+    assert compute_largest_difference(K, stated(words)) < 2e-10  # the digits that are stated
+    assert compute_largest_difference(K, stiffness(line(shear), 0.01)) < 1e-12
 
 
 @pytest.mark.parametrize("pitch", [0.01, 0.023, 0.11, 0.5])
@@ -115,7 +115,7 @@ def test_the_modes_of_the_door(door, shear, hertz):
     assert found == pytest.approx(hertz, rel=2e-8)
 
 
-def test_what_nothing_holds_sideways_is_told():
+def test_line_check_reports_unsupported_lateral_motion():
     """Of a line tilted by 15 degrees: .354, .456 and .808 Hz, which no door has."""
     count, slowest = count_lateral_free_motions(Assembly(ON_ITS_SEAL))
     assert count == 3
@@ -305,11 +305,11 @@ def test_a_tilt_leans_outwards_whichever_way_the_line_runs(folder, backwards):
         text = f'{head}points = ["{chr(34).join(points.split(chr(34))[::-1])}"]{tail}'
     (folder / "door.toml").write_text(text)
     seal = replace(read_door(folder / "door.toml").line, section=line(SHEAR).section)
-    assert apart(stiffness(seal, 0.05), stated(SHEARED)) < 2e-10
+    assert compute_largest_difference(stiffness(seal, 0.05), stated(SHEARED)) < 2e-10
 
 
 @pytest.mark.parametrize(("high", "informed"), [(1e3, True), (6.0, False)])
-def test_a_fit_sideways_informs_only_its_own_band(folder, high, informed):
+def test_lateral_fit_is_valid_only_in_its_band(folder, high, informed):
     """What the test across does not inform is not known, however wide the other test is."""
     spring = GeneralizedMaxwell(0.35 * 0.05 * KAPPA)
     specimen = Specimen(length=0.05, temperature=296.15)
@@ -337,7 +337,7 @@ def test_the_file_of_a_door_says_its_shear(folder, across):
     assert "lateral_restraint_present" not in {check["name"] for check in document["checks"]}
 
 
-def test_a_door_whose_seal_says_no_shear_is_told(folder):
+def test_door_reports_a_seal_without_shear(folder):
     (folder / "door.toml").write_text(FILE.partition("[seal.shear]")[0])
     told = shell.ran("predict", folder / "door.toml")
     assert told.exit_code == 0, told.output

@@ -1,11 +1,11 @@
-"""A base that shakes at random: what it does to a mass on seals, and between which limits."""
+"""Random base excitation of a mass on seals, and its limits."""
 
 import json
 import re
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DashpotError, DataError
@@ -148,7 +148,7 @@ class TestRandomBase:
         fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": model}))
         psd.write_text(f"frequency [Hz],PSD [{unit}]\n5,0.01\n20,0.04\n200,0.001\n")
         words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
-        said = told(*words, "--base-psd", psd)["random"]
+        said = run_json(*words, "--base-psd", psd)["random"]
         table = scale * np.array([0.01, 0.04, 0.001])
         known = random_base(2 * PAPER, mass=PAPER_MASS, psd=table, frequency=[5.0, 20.0, 200.0])
         assert said["acceleration"] == pytest.approx(known.acceleration, rel=1e-9)
@@ -172,8 +172,8 @@ class TestRandomBase:
         on = ["predict", fit, "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
         psd.write_text("f [Hz],S [m^2/s^3]\n" + "".join(f"{f},1\n" for f in ends))
         words = [*on, "--base-psd", psd]
-        alone = told(*words)["random"]
-        said = told(*words, "--record", record, *machine)["random"]
+        alone = run_json(*words)["random"]
+        said = run_json(*words, "--record", record, *machine)["random"]
         limits = said.pop("limits")
         assert said == alone
         assert limits.pop("band_hz") == list(ends)
@@ -185,7 +185,7 @@ class TestRandomBase:
         assert (said["acceleration"] > truth.acceleration) == (ends[0] < 12)
         assert abs(said["acceleration"] / truth.acceleration - 1) > 0.1
 
-    def test_limits_of_white_noise_say_which_part_they_count(self, bench):
+    def test_predict_states_which_part_of_white_noise_has_limits(self, bench):
         seal, fit = bench
         words = ["predict", str(fit), "--mass", "114.8g", "--seals", "2", "--record", seal]
         heard = ran(*words, "--base-psd", "1m^2/s^3").output
@@ -198,27 +198,27 @@ class TestRandomBase:
         table = {"psd": [1.0, 0.2], "frequency": [5.0, 60.0]}
         on = {"mass": BROAD_MASS, "coupled": coupled}
 
-        def known(f, kind):
+        def compute_limits(f, kind):
             w = 2 * np.pi * f
             K = 2 * BROAD.complex_stiffness(omega=w)
             top = K + coupled * w**2 if kind == "transmissibility" else w**2
             return np.abs(np.array([top, top]) / (K - BROAD_MASS * w**2))
 
         value = random_base(2 * BROAD, **on, **table)
-        limits = random_limits(2 * BROAD, known, **on, **table)
+        limits = random_limits(2 * BROAD, compute_limits, **on, **table)
         for name in ("acceleration", "stretch"):
             low, high = getattr(limits, name)
             assert low <= getattr(value, name) <= high
             assert high == pytest.approx(low, rel=1e-3)
 
     def test_a_line_that_nothing_limits_leaves_no_limit_where_the_base_shakes(self):
-        def known(f, kind):
+        def compute_limits(f, kind):
             return np.array([0 * f, np.where(f > 20, np.inf, 1e3)])
 
         on = {"mass": BROAD_MASS, "frequency": [5.0, 10.0, 10.001, 60.0]}
-        still = random_limits(2 * BROAD, known, psd=[1.0, 1.0, 0.0, 0.0], **on)
+        still = random_limits(2 * BROAD, compute_limits, psd=[1.0, 1.0, 0.0, 0.0], **on)
         assert still.acceleration[1] == pytest.approx(1e3 * np.sqrt(5), rel=1e-2)
-        shaken = random_limits(2 * BROAD, known, psd=[1.0] * 4, **on)
+        shaken = random_limits(2 * BROAD, compute_limits, psd=[1.0] * 4, **on)
         assert shaken.acceleration == (0.0, np.inf)
         assert shaken.stretch == (0.0, np.inf)
 

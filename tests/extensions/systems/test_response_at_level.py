@@ -138,7 +138,7 @@ class TestPublished:
             (STIFF, SLIDER + Cubic(2e6), 15.0, 0.5, 1.146960e-3, 1.146987e-3),
         ],
     )
-    def test_one_harmonic_and_three(self, case):
+    def test_response_at_level_agrees_for_one_and_three_harmonics(self, case):
         solid, friction, hz, level, one, three = case
         system = one_mass(solid, friction)
         assert at(system, hz, level) == pytest.approx(one, rel=3e-6)
@@ -179,7 +179,7 @@ class TestInTime:
             (STIFF, [(100.0, 0.05)], 2e6, 14.0, 0.5),
         ],
     )
-    def test_one_mass(self, solid, sliders, k3, hz, level):
+    def test_response_at_level_of_one_mass_agrees_with_time_integration(self, solid, sliders, k3, hz, level):
         friction = InParallel(tuple(Jenkins(*one) for one in sliders))
         friction = friction + Cubic(k3) if k3 else friction
         system = one_mass(solid, friction)
@@ -251,7 +251,7 @@ class TestLimits:
         closed = np.sqrt(1 - (0.8 / np.pi) ** 2) / abs(393.0 - 0.104 * w**2)
         assert abs(X / closed - 1) < 1e-9
 
-    def test_a_sweep_up_and_a_sweep_down_part_where_it_folds(self):
+    def test_response_at_level_differs_between_sweeps_where_it_folds(self):
         system = one_mass(HARD, InParallel((Cubic(6e7),)))
         f = np.linspace(8, 24, 161)
         up, down = (
@@ -339,7 +339,7 @@ class TestFold:
         X = np.geomspace(low, high, 100)
         assert can_fold(HARD + Cubic(6e7), omega=2 * np.pi * 16.0, amplitude=X).any()
 
-    def test_jenkins_elements_beside_arms_have_one_answer(self):
+    def test_jenkins_elements_parallel_to_arms_have_one_response(self):
         rng = np.random.default_rng(7)
         for _ in range(20):
             parts = [

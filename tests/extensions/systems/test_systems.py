@@ -103,7 +103,7 @@ def test_every_pole_decays(system):
 
 
 @given(st.lists(solids, min_size=1, max_size=3), st.integers(2, 4), number)
-def test_equal_mounts_side_by_side_are_one(parts, count, mass):
+def test_equal_parallel_mounts_equal_one_mount(parts, count, mass):
     """Mounts that share relaxation times add no poles that the system has not."""
     parts = [  # relaxation times alike or clearly apart
         GeneralizedMaxwell(s.k_inf, s.k, tuple(float(f"{tau:.2g}") for tau in s.tau), s.b)
@@ -149,7 +149,7 @@ def test_response_does_not_depend_on_where_a_straight_line_is_sampled(system, se
 # -- cited numbers ---------------------------------------------------------------------------------
 
 
-def test_one_mass_is_the_papers_equation_7(paper_seal):
+def test_system_of_one_mass_is_equation_7_of_the_paper(paper_seal):
     """|-w^2 H| with the transfer function typed as printed, block on two seals."""
     system = System(
         (point_mass("block", 0.104),),
@@ -183,7 +183,7 @@ def test_papers_block_has_the_poles_of_its_seal(paper_seal):
     assert modes[0].damping_ratio == pytest.approx(0.00443503, rel=1e-5)
 
 
-def test_one_mass_has_the_modes_of_the_polynomial(paper_seal):
+def test_complex_modes_of_one_mass_equal_the_polynomial_roots(paper_seal):
     """The same poles as the roots found for one mass on one solid, residue included."""
     mode = complex_modes(chain([0.104], [2 * paper_seal]))[0]
     alone = model_modes(2 * paper_seal, 0.104)[0]

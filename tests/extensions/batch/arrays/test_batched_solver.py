@@ -1,4 +1,4 @@
-"""Side by side or one by one: the same optimum for every record, and a status for each."""
+"""Batched solver: the optimum of each single fit, and a status for each record."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def records(
 
 @pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize("arms", [1, 2, 3])
-def test_each_record_has_the_optimum_of_its_own_fit(name: str, arms: int) -> None:
+def test_batched_solver_has_the_optimum_of_each_single_fit(name: str, arms: int) -> None:
     family = FAMILIES[name]()
     data = records(family, arms, 12, seed=arms)
     many = solve_many(family, data, arms)
@@ -62,7 +62,7 @@ def test_each_record_has_the_optimum_of_its_own_fit(name: str, arms: int) -> Non
 
 @pytest.mark.parametrize("name", ["step", "ramp and hold", "recorded"])
 @pytest.mark.parametrize(("seen", "arms", "noise"), [(2, 2, 0.1), (1, 2, 0.01), (3, 3, 0.03)])
-def test_doubtful_records_have_the_optimum_of_their_own_fit(
+def test_batched_solver_has_the_optimum_of_doubtful_single_fits(
     name: str, seen: int, arms: int, noise: float
 ) -> None:
     family = FAMILIES[name]()
@@ -106,7 +106,7 @@ def test_quiet_and_noisy_records_have_the_sse_of_every_sample(name: str, relativ
         assert many.sse[row] == pytest.approx(rest @ rest, rel=1e-9)
 
 
-def test_one_bad_record_spoils_no_other() -> None:
+def test_batched_solver_isolates_a_bad_record() -> None:
     family = hold_family(TIME, depth=1.0, ramp_time=0.0)
     data = records(family, 2, 6, seed=3)
     good = solve_many(family, data, 2)
@@ -148,7 +148,7 @@ def test_more_records_than_a_chunk_and_more_arms_than_the_first_look() -> None:
     assert (five.order >= 1).all()
 
 
-def test_records_that_share_nothing_go_one_by_one() -> None:
+def test_batched_solver_accepts_records_without_shared_terms() -> None:
     time = np.sort(np.random.default_rng(1).uniform(0, 20, 400))
     x = np.minimum(time, 1.0)
     force = np.vstack([recorded_block(time, x, 0 * x).exact.evaluate(np.log([2.0]), False).arms.T])

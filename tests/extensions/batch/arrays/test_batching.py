@@ -76,7 +76,7 @@ def test_each_failure_has_its_status() -> None:
 
 
 @pytest.mark.parametrize(("arms", "status"), [(1, Status.TAU_AT_BOUND), (2, Status.FEWER_ARMS)])
-def test_a_record_in_a_stack_ends_as_it_does_alone(arms: int, status: Status) -> None:
+def test_batched_fit_status_equals_single_fit_status(arms: int, status: Status) -> None:
     """A steady fall is one arm at the end of what the record can show, and no more."""
     record = 100.0 * X - 1e-4 * np.maximum(TIME - 1.0, 0.0)
     held = RampHold(TIME, X, record, 0.0, 1.0, TIME[-1], X[-1])

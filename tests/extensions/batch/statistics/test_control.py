@@ -66,7 +66,7 @@ def test_factors_are_those_of_the_tables():
         assert deviation.upper[0] == pytest.approx(b4 * s, rel=6e-4)
 
 
-def test_limits_of_groups_of_different_sizes_are_of_one_scatter():
+def test_control_limits_of_unequal_groups_share_one_scatter():
     rng = np.random.default_rng(3)
     sizes = rng.integers(1, 8, 4000)
     mean, deviation = means_and_deviations([rng.normal(5, 2, n) for n in sizes])
@@ -99,7 +99,7 @@ def test_each_rule_speaks_at_the_last_point_of_its_run(rule, breaks, keeps):
     assert rule not in [one.rule for one in run_signals(np.array(keeps))]
 
 
-def test_values_that_are_all_one_signal_nothing():
+def test_control_chart_of_equal_values_signals_nothing():
     for chart in (*individuals(np.full(12, 0.1)), *means_and_deviations([np.full(3, 0.1)] * 9)):
         assert not chart.signals
 

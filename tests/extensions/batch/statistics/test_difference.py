@@ -66,7 +66,7 @@ def test_lots_without_scatter_and_lots_too_small():
         difference(np.arange(5.0), np.ones(1))
 
 
-def test_questions_asked_at_once_are_held_to_more():
+def test_holm_adjusts_for_simultaneous_tests():
     # Holm (1979): the smallest times their number, and so on, never falling
     assert holm([0.01, 0.04, 0.03]) == pytest.approx((0.03, 0.06, 0.06))
     assert holm([0.9, 0.8]) == (1, 1)

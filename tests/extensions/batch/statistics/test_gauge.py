@@ -44,7 +44,7 @@ def test_the_study_of_the_manual():
     assert found["operator"].interval[1] > 5 * found["operator"].deviation
 
 
-def test_an_interaction_that_is_there_is_kept():
+def test_gauge_retains_a_real_interaction():
     rng = np.random.default_rng(2)
     crossed = rng.normal(0, 1.0, 30)[np.repeat(np.arange(30), 3)]
     part, who = np.repeat(np.arange(10), 9).astype(str), np.tile(np.repeat(list("abc"), 3), 10)
@@ -106,7 +106,7 @@ def test_a_design_with_holes_is_cut_to_what_is_whole():
     assert (found.parts, found.tests, found.left_out) == (9, 9 * 3 * 2, 86 - 54)
 
 
-def test_what_cannot_be_told_is_refused():
+def test_gauge_refuses_designs_without_repeats():
     for values, part, who, words in (
         ([1.0, 2.0], "aa", None, "1 parts with at most 2"),
         ([1.0, 2.0], "ab", None, "2 parts with"),

@@ -144,7 +144,7 @@ def test_the_errors_of_the_fits_come_off_the_repeats():
     assert (none.variance, none.interval[0]) == (0, 0)
 
 
-def test_what_cannot_be_told_is_refused():
+def test_variance_components_refuse_levels_without_repeats():
     with pytest.raises(DataError, match="scatter of each repeat"):
         components(np.arange(4.0), [("seal", list("abcd"))])
     with pytest.raises(DataError, match="scatter of each lot"):
@@ -177,7 +177,7 @@ def test_the_limit_is_3_5_in_a_large_lot_and_wider_in_a_small_one(size, below, a
 
 
 @pytest.mark.parametrize("size", [5, 8, 20, 100])
-def test_good_tests_are_accused_no_more_often_than_one_in_a_thousand(size):
+def test_outlier_rule_has_a_false_alarm_rate_of_one_in_a_thousand(size):
     rng = np.random.default_rng(size)
     lots = rng.normal(size=(40_000 // size, size))
     assert sum(np.count_nonzero(stands_out(one)) for one in lots) <= 55  # 40 and 2.4 sd of it

@@ -107,7 +107,7 @@ def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSp
         assert known[:, i] == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
 
 
-def test_a_part_that_flows_is_said_to_flow() -> None:
+def test_creep_fit_reports_flow() -> None:
     fluid = CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)
     found = fit(record(fluid, noise=1e-6))
     assert found.evidence.creep is not None
@@ -140,7 +140,7 @@ def test_a_step_at_the_first_sample_needs_no_baseline() -> None:
     assert checks["load_begins_at_rest"].failed
 
 
-def test_a_recovery_is_part_of_the_history() -> None:
+def test_creep_fit_includes_recovery() -> None:
     time = np.arange(-1.5, 60.0, 0.01)
     load = np.interp(time, [0, 1, 30, 31], [0, 1, 1, 0])
     x = ramped(time) - ramped(time - 30)
@@ -161,7 +161,7 @@ def test_signs_and_zeros_do_not_matter(sign: int, shift: float) -> None:
     assert load_hold(turned).preload == pytest.approx(0.3 * sign)
 
 
-def test_proportion_is_judged_between_levels_of_load() -> None:
+def test_creep_proportionality_is_checked_between_load_levels() -> None:
     time = np.arange(-1.5, 90.0, 0.01)
     load = np.interp(time, [0, 1, 30, 31, 60, 61], [0, 0.5, 0.5, 1, 1, 1.5])
     straight = 0.5 * (ramped(time) + ramped(time - 30) + ramped(time - 60))
@@ -215,7 +215,7 @@ def test_what_makes_no_sense_is_refused() -> None:
         fit(CreepTest(np.arange(500.0), 1e-3 * noise[0], noise[1], units="SI"))
 
 
-def test_a_fit_is_kept_whole() -> None:
+def test_creep_fit_round_trips_through_json() -> None:
     found = fit(record(noise=1e-6))
     again = from_json(to_json(found))
     assert again == found
@@ -265,7 +265,7 @@ def test_a_straight_load_has_the_corners_of_its_ramp() -> None:
     assert np.std(freed.load - CASES["hunts"](CLOCK)) < 3e-3
 
 
-def test_the_load_is_felt_as_it_is_answered() -> None:
+def test_load_sensitivity_is_the_transpose_of_the_response() -> None:
     """The transpose of the response, against the response itself."""
     random = np.random.default_rng(0)
     time = np.cumsum(random.uniform(0.5, 1.5, 40))
@@ -293,7 +293,7 @@ def test_intervals_cover_the_truth() -> None:
 
 
 @pytest.mark.parametrize(("moved", "fails"), [(0.0097, False), (0.0103, True)])
-def test_a_part_that_moves_before_the_load_has_no_zero(moved: float, fails: bool) -> None:
+def test_creep_check_detects_motion_before_the_load(moved: float, fails: bool) -> None:
     x = ramped(CLOCK)
     # the medians of the first and the last third lie 1 s apart
     rate = moved * float(x.max()) / (1 - 1.5 * moved)
@@ -340,7 +340,7 @@ def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
 
 
 @pytest.mark.once
-def test_creep_tests_at_several_temperatures_are_one_seal(tmp_path: Path) -> None:
+def test_creep_tests_at_several_temperatures_share_one_model(tmp_path: Path) -> None:
     files, temperatures = [], (23.0, 10.0, 0.0)
     for celsius in temperatures:
         test = at_temperature(celsius)

@@ -77,7 +77,7 @@ def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
     assert {"time", "stress", "strain"} <= roles
 
 
-def test_of_several_steps_one_must_be_chosen(tmp_path: Path) -> None:
+def test_read_creep_asks_which_of_several_segments(tmp_path: Path) -> None:
     path = written(tmp_path / "gel.txt", rheometer("Creep - 1", "Creep recovery - 2"))
     with pytest.raises(ReadError, match=r"2 segments .*--file-part segment=1"):
         read_creep(path)
@@ -95,7 +95,7 @@ def test_json_steps_are_read_too(tmp_path: Path) -> None:
     assert found.compliance == pytest.approx(1e-6 * COMPLIANCE)
 
 
-def test_a_part_has_a_compliance_in_its_own_unit(tmp_path: Path) -> None:
+def test_creep_compliance_of_a_specimen_has_its_unit(tmp_path: Path) -> None:
     path = written(tmp_path / "seal.csv", csv("time [s],compliance [mm/N]", TIME, COMPLIANCE))
     found = read_creep(path)
     assert (found.unit, found.stiffness_unit) == ("m/N", "N/m")
@@ -133,7 +133,7 @@ def test_a_unit_that_is_no_compliance_is_named(tmp_path: Path) -> None:
         read_creep(path, options=options)
 
 
-def test_a_column_of_temperature_tells_the_curves_of_one_file_apart(tmp_path: Path) -> None:
+def test_read_creep_separates_curves_by_a_temperature_column(tmp_path: Path) -> None:
     each = len(TIME)
     head = "temperature [degC],time [s],creep compliance [1/MPa]"
     warm = np.repeat([23.0, 0.0], each)

@@ -19,7 +19,7 @@ from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.bench_tests import read_test
 
 
-def test_the_seal_answers_the_force_it_felt() -> None:
+def test_simulated_creep_responds_to_the_applied_force() -> None:
     truth = simulate_creep(PAPER, hold_time=10, rig=Rig(rate=200)).truth
     time = np.arange(len(truth.force)) / 200
     assert truth.displacement == pytest.approx(PAPER.displacement(time, truth.force), abs=1e-15)

@@ -84,7 +84,7 @@ def test_the_paper_seal_comes_back_exactly(paper_seal: GeneralizedMaxwell) -> No
     same(found.model, paper_seal, 1e-9)
 
 
-def test_a_liquid_has_no_plateau_and_is_told_so() -> None:
+def test_fit_dynamic_reports_a_missing_plateau_of_a_liquid() -> None:
     liquid = GeneralizedMaxwell(0.0, (1e6, 2e5), (0.01, 1.0))
     found = fit_dynamic(sweep(liquid, np.geomspace(0.01, 1000, 60), unit="Pa"))
     same(found.model, liquid, 1e-9)
@@ -98,7 +98,7 @@ def test_a_spring_has_no_arm() -> None:
     assert found.model.k_inf == pytest.approx(1000.0)
 
 
-def test_a_parallel_dashpot_is_found_when_it_is_asked_for() -> None:
+def test_fit_dynamic_recovers_a_parallel_dashpot_on_request() -> None:
     voigt = replace(ZENER, b=0.1)
     found = fit_dynamic(sweep(voigt), dashpot=True)
     same(found.model, voigt, 1e-8)
@@ -113,7 +113,7 @@ def test_a_parallel_dashpot_is_found_when_it_is_asked_for() -> None:
     st.sampled_from(["relative", "modulus"]),
 )
 @settings(max_examples=15, deadline=None)
-def test_arms_a_decade_apart_are_recovered_in_any_unit(
+def test_fit_dynamic_recovers_arms_spaced_by_a_decade_in_any_unit(
     k: list[float], k_inf: float, unit: float, weights: str
 ) -> None:
     solid = GeneralizedMaxwell(k_inf, tuple(k), tuple(10.0 ** (i - 2) for i in range(len(k))))
@@ -207,7 +207,7 @@ def test_noise_brings_no_further_arm() -> None:
 # -- with relaxation ------------------------------------------------------------------------------
 
 
-def test_together_they_see_what_neither_sees_alone() -> None:
+def test_joint_fit_of_sweep_and_hold_recovers_arms_of_both_bands() -> None:
     """Three fast arms show only in the sweep, the slow one only in the hold."""
     data = sweep(BROAD, np.geomspace(1.0, 50.0, 30), noise=0.005, seed=1)
     held = ramp_hold(BROAD, noise=0.002, seed=2)
@@ -240,7 +240,7 @@ def test_a_raw_record_of_the_rig_and_a_sweep_are_fitted_together() -> None:
     assert all(low < tau < high for (low, high), tau in zip(said, BROAD.tau, strict=True))
 
 
-def test_tare_and_drift_of_each_relaxation_test_are_told() -> None:
+def test_fit_dynamic_reports_offset_and_drift_of_each_test() -> None:
     held = ramp_hold(ZENER, noise=1e-3)
     other = ramp_hold(ZENER, noise=1e-3, seed=7)
     shifted = replace(other, force=other.force + 0.5)
@@ -251,7 +251,7 @@ def test_tare_and_drift_of_each_relaxation_test_are_told() -> None:
     assert told["offset of test 1"].value == pytest.approx(0.0, abs=2e-3)
 
 
-def test_two_pieces_that_differ_are_told() -> None:
+def test_fit_dynamic_reports_two_different_specimens() -> None:
     found = fit_dynamic(
         sweep(1.3 * ZENER, noise=0.005), tests=ramp_hold(ZENER, noise=1e-3), max_arms=3
     )
@@ -270,7 +270,7 @@ def test_a_fit_that_spends_freedom_on_few_lines_leaves_no_more_than_their_scatte
             assert ("data_agree" not in failed(found)) == agrees
 
 
-def test_a_gap_between_the_tests_is_told() -> None:
+def test_fit_dynamic_reports_a_gap_between_bands() -> None:
     data = sweep(ZENER, np.geomspace(100.0, 1000.0, 20), noise=0.01)
     found = fit_dynamic(data, tests=ramp_hold(ZENER, noise=1e-3), arms=1)
     assert "bands_overlap" in failed(found)
@@ -291,7 +291,7 @@ def test_kramers_and_kronig_pass_what_is_passive_and_noisy(noise: float) -> None
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_a_loss_that_storage_does_not_allow_is_found(factor: float) -> None:
+def test_kramers_kronig_check_detects_an_inconsistent_loss(factor: float) -> None:
     data = sweep(ZENER)
     found = fit_dynamic(replace(data, loss=factor * data.loss), arms=1)
     check = next(check for check in found.checks if check.name == "kramers_kronig")
@@ -301,7 +301,7 @@ def test_a_loss_that_storage_does_not_allow_is_found(factor: float) -> None:
     assert "Storage and loss contradict each other (Kramers-Kronig)" in check.says
 
 
-def test_mass_that_moves_along_is_found() -> None:
+def test_storage_check_detects_moving_mass() -> None:
     data = sweep(ZENER)
     found = fit_dynamic(replace(data, storage=data.storage - 1e-5 * data.omega**2), arms=1)
     check = next(check for check in found.checks if check.name == "storage_rises")
@@ -309,7 +309,7 @@ def test_mass_that_moves_along_is_found() -> None:
     assert "% at 1000 Hz. No relaxing part does that: mass moved along" in check.says
 
 
-def test_amplitudes_that_no_solid_explains_are_fitted_and_told() -> None:
+def test_fit_dynamic_reports_amplitude_dependence() -> None:
     # three frequencies tell so little of a third arm that nothing but rounding is left of it
     frequency = np.repeat([1.0, 5.0, 20.0], 12)
     moved, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
@@ -320,7 +320,7 @@ def test_amplitudes_that_no_solid_explains_are_fitted_and_told() -> None:
     assert found.verdict.because[0].name == "kramers_kronig"
 
 
-def test_the_wrong_sign_of_the_loss_is_found() -> None:
+def test_loss_check_detects_the_wrong_sign() -> None:
     data = sweep(ZENER)
     found = fit_dynamic(replace(data, loss=-data.loss))
     says = next(check.says for check in found.checks if check.name == "loss_positive")
@@ -331,7 +331,7 @@ def test_the_wrong_sign_of_the_loss_is_found() -> None:
     assert check.grade == "limit"
 
 
-def test_an_arm_beyond_the_sweep_is_an_extrapolation() -> None:
+def test_fit_dynamic_reports_an_arm_outside_the_sweep() -> None:
     slow = GeneralizedMaxwell(1000.0, (500.0,), (3.0,))
     found = fit_dynamic(sweep(slow, np.geomspace(1.0, 50.0, 30)), arms=1)
     assert found.status is Status.TAU_AT_BOUND
@@ -342,7 +342,7 @@ def test_an_arm_beyond_the_sweep_is_an_extrapolation() -> None:
 # -- what is refused ------------------------------------------------------------------------------
 
 
-def test_of_several_temperatures_one_can_be_chosen() -> None:
+def test_fit_dynamic_asks_which_of_several_temperatures() -> None:
     data = sweep(ZENER)
     hot = replace(data, temperature=np.where(data.frequency > 10, 350.0, 300.0))
     with pytest.raises(
@@ -379,7 +379,7 @@ def test_what_makes_no_sense_is_refused() -> None:
 # -- real data ------------------------------------------------------------------------------------
 
 
-def test_one_isotherm_of_a_real_machine(real_data: Path) -> None:
+def test_fit_dynamic_fits_one_isotherm_of_a_real_machine(real_data: Path) -> None:
     data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_raw.csv")
     found = fit_dynamic(data, temperature=343.0)
     value = found.model.complex_stiffness(omega=2 * np.pi * data.frequency)
@@ -391,12 +391,12 @@ def test_one_isotherm_of_a_real_machine(real_data: Path) -> None:
     assert found.model.k_0 > 1e8
 
 
-def test_a_master_curve_that_contradicts_itself_is_told(real_data: Path) -> None:
+def test_kramers_kronig_check_detects_an_inconsistent_master_curve(real_data: Path) -> None:
     data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_master.csv")
     assert "kramers_kronig" in failed(fit_dynamic(data, arms=3))
 
 
-def test_a_spectrum_too_broad_for_a_few_arms_is_told_as_a_dense_one() -> None:
+def test_fit_dynamic_uses_a_dense_spectrum_for_a_broad_material() -> None:
     """Twenty decades of equal arms: six cannot follow, so a table is given and called one."""
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     frequency = np.geomspace(1e-11, 1e10, 150)

@@ -39,7 +39,7 @@ def test_a_curve_is_read_in_si_units(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.modulus, SOLID.relaxation(TIME), rtol=1e-8)
 
 
-def test_what_a_curve_leaves_open_is_asked(tmp_path: Path) -> None:
+def test_read_modulus_asks_about_ambiguous_columns_and_units(tmp_path: Path) -> None:
     two = tmp_path / "two.csv"
     two.write_text("time [s],E(t) [MPa],G(t) [MPa]\n1,3,1\n2,2,0.7\n3,1.5,0.5\n")
     with pytest.raises(ReadError, match=r"could each be the modulus; say which.*--column modulus="):
@@ -112,7 +112,7 @@ def test_a_profile_may_name_the_column(tmp_path: Path) -> None:
     assert "2 Maxwell arms, method modulus" in shell("fit", file, "--profile", profile)
 
 
-def test_a_curve_too_broad_for_a_few_arms_is_told_as_a_dense_spectrum() -> None:
+def test_fit_modulus_uses_a_dense_spectrum_for_a_broad_curve() -> None:
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     time = np.concatenate(([0.0], np.geomspace(1e-11, 1e10, 200)))
     found = fit_modulus(time, many.relaxation(time))

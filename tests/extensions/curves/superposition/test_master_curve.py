@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 from kit.sweeps import REFERENCE, TEMPERATURES, moduli, modulus, sweeps, wlf
 
 import dashpot as dp
@@ -132,7 +132,7 @@ def test_the_shell_takes_moduli_files_and_tables_of_shifts(tmp_path):
     table = tmp_path / "shifts.csv"
     lines = [f"{t - 273.15:g},{wlf(t) * np.log(10)}" for t in TEMPERATURES]
     table.write_text("\n".join(["T [degC],ln aT", *lines]))
-    said = told("fit", *files, "--column", "modulus=E(t)", "--shifts", table)
+    said = run_json("fit", *files, "--column", "modulus=E(t)", "--shifts", table)
     found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
     np.testing.assert_allclose(found, wlf(TEMPERATURES[2:]), atol=1e-6)
 
@@ -162,7 +162,7 @@ def test_blocks_that_say_their_temperature_are_as_a_column_of_it(tmp_path, said)
     np.testing.assert_allclose(found.temperature, curves.temperature)
 
 
-def test_a_block_that_says_none_is_as_warm_as_the_one_before(tmp_path):
+def test_read_dynamic_carries_a_block_temperature_forward(tmp_path):
     file = tmp_path / "a.txt"
     head, rows = "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", "1\t10\t2\n2\t11\t2\n"
     texts = (f"Temperature: {t} degC\n{head}\n{rows}\n{head}\n{rows}\n" for t in (0, 20))
@@ -194,13 +194,13 @@ def test_tables_of_shifts_speak_of_a_t_in_many_ways(tmp_path, head, of):
 
 def test_a_table_of_shifts_comes_back(tmp_path):
     file, table = written(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
-    said = told("fit", file, "--save-shifts", table)
+    said = run_json("fit", file, "--save-shifts", table)
     found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
     back = dp.files.read_shifts(table)
     assert [one.log10_a_t for one in back] == found
     assert back[0].se == pytest.approx(0.055, abs=0.02)
     assert back[0].b_t == pytest.approx(253.15 / 293.15)
-    again = told("fit", file, "--shifts", table)["temperature"]
+    again = run_json("fit", file, "--shifts", table)["temperature"]
     assert [one["b_t"] for one in again["shifts"]] == pytest.approx([one.b_t for one in back])
     assert "leave out --save-shifts" in shell(
         "fit", file, "--at-temperature", "20degC", "--arms", "1", "--save-shifts", table, code=2
@@ -220,6 +220,6 @@ def test_a_table_that_is_none_is_refused(tmp_path):
         dp.files.read_shifts(table)
 
 
-def test_a_column_of_one_temperature_is_no_reason_to_shift(tmp_path):
+def test_fit_does_not_shift_a_column_of_one_temperature(tmp_path):
     file = written(tmp_path / "one.csv", moduli(temperatures=[REFERENCE]))
     assert "reference" not in shell("fit", file, "--column", "modulus=E(t)", "--arms", "1")

@@ -65,7 +65,7 @@ def test_the_slopes_of_shifted_isotherms_are_those_of_their_rows(data):
     hold_slopes(search.problem, shifts[free], spectrum)
 
 
-def test_compliances_of_one_file_are_those_of_one_file_each():
+def test_superpose_of_one_file_equals_separate_files():
     parts = compliances()
     columns = [
         np.concatenate([getattr(one, name) for one in parts]) for name in ("time", "compliance")
@@ -107,7 +107,7 @@ def test_the_order_of_samples_and_the_unit_change_nothing():
     np.testing.assert_array_equal(mixed.curve.frequency, expected.curve.frequency)
 
 
-def test_the_shifts_of_another_reference_differ_by_one_number():
+def test_superpose_at_another_reference_shifts_by_a_constant():
     warm, cold = (
         dp.solids.superpose(sweeps(), reference=f"{t}degC", vertical="1") for t in (40, 0)
     )
@@ -116,7 +116,7 @@ def test_the_shifts_of_another_reference_differ_by_one_number():
     assert shifts(warm)[6] == shifts(cold)[2] == 0.0
 
 
-def test_one_test_for_each_temperature_is_one_test_of_all():
+def test_superpose_of_separate_tests_equals_one_test():
     whole = sweeps()
     parts = []
     for kelvin in TEMPERATURES[::-1]:
@@ -143,7 +143,7 @@ def test_the_curve_holds_every_sample_where_it_lies_at_the_reference():
     assert shift.b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
 
 
-def test_given_shifts_are_taken_as_they_are():
+def test_superpose_uses_given_shifts_unchanged():
     table = [Shift(t + 0.5, s + 2.0, 0.1) for t, s in zip(TEMPERATURES, TRUE, strict=True)]
     found = dp.solids.superpose(sweeps(rubbery=False), shifts=table)
     np.testing.assert_allclose(shifts(found), TRUE, atol=1e-12)
@@ -164,7 +164,7 @@ def test_given_shifts_are_taken_as_they_are():
         pytest.param(lambda: sweeps(noise=0.2), "vertical_shift_determined", id="noise"),
     ],
 )  # fmt: skip
-def test_what_is_no_master_curve_is_said(change, check):
+def test_superpose_checks_detect_invalid_master_curves(change, check):
     assert check in failed(dp.solids.superpose(change()))
 
 
@@ -189,12 +189,12 @@ def test_a_wrong_temperature_leaves_the_law_and_is_named():
     assert failed(dp.solids.superpose(data)) <= {"isotherms_overlap"}
 
 
-def test_a_sound_set_is_judged_sound():
+def test_superpose_passes_all_checks_for_valid_sweeps():
     found = dp.solids.superpose(sweeps(temperatures=TEMPERATURES[1:]))
     assert [check.passed for check in found.checks] == [True] * 9
 
 
-def test_a_rule_of_stiffness_that_is_neither_is_said():
+def test_superpose_reports_a_violated_vertical_rule():
     data = sweeps(rubbery=False)
     softer = np.exp(-0.004 * (data.temperature - REFERENCE))
     other = replace(data, storage=data.storage * softer, loss=data.loss * softer)
@@ -202,7 +202,7 @@ def test_a_rule_of_stiffness_that_is_neither_is_said():
     assert "vertical_rule_holds" not in failed(dp.solids.superpose(data))
 
 
-def test_a_row_that_stands_twice_counts_once():
+def test_superpose_counts_a_duplicate_sample_once():
     data = sweeps()
     twice = data.only(np.tile(np.arange(len(data.frequency)), 2))
     once, again = dp.solids.superpose(data).temperatures, dp.solids.superpose(twice).temperatures
@@ -253,7 +253,7 @@ def test_a_published_master_curve_is_followed_by_three_times_per_decade(real_dat
     assert spectrum_at(curve, at, at, grid_of(curve, at, per_decade=3)).rms <= 0.024
 
 
-def test_one_temperature_of_more_gain_is_named():
+def test_superpose_names_a_temperature_with_another_gain():
     data, at = sweeps(3), TEMPERATURES[7]
     gain = np.where(data.temperature == at, 1.05, 1.0)
     more = replace(data, storage=gain * data.storage, loss=gain * data.loss)

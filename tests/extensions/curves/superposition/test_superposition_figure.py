@@ -52,7 +52,7 @@ def test_a_notebook_shows_it_and_a_table_holds_it(data):
     assert {len(column) for column in made.columns.values()} == {len(found.temperature)}
 
 
-def test_few_temperatures_are_as_far_apart_in_colour_as_many():
+def test_master_curve_figure_spreads_colours_of_few_temperatures():
     found = dp.solids.superpose(sweeps(temperatures=np.array([283.15, 293.15])))
     dots = [mark for mark in found.plot().panels[0].marks if isinstance(mark, Dots)]
     assert [(mark.colour, mark.label) for mark in dots] == [
@@ -84,6 +84,6 @@ def light(colour: str) -> float:
 
 @pytest.mark.parametrize("page", [0, 1], ids=["light", "dark"])
 @pytest.mark.parametrize("name", SEQUENTIAL)
-def test_a_temperature_can_be_read_in_its_own_colour(name, page):
+def test_temperature_colours_have_readable_contrast(name, page):
     low, high = sorted(light(COLOURS[one][page]) for one in (name, "panel"))
     assert (high + 0.05) / (low + 0.05) >= 4.5

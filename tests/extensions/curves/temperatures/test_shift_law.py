@@ -40,7 +40,7 @@ def test_exact_shifts_give_their_law_back(law):
 
 
 @pytest.mark.parametrize(("law", "least"), [(WLF, 40), (ARRHENIUS, 36)], ids=["wlf", "arrhenius"])
-def test_bic_tells_the_laws_apart_and_the_intervals_hold_the_constants(law, least):
+def test_fit_shift_law_selects_by_bic_with_valid_intervals(law, least):
     right, inside = 0, []
     for seed in range(40):
         found = fit_shift_law(
@@ -106,7 +106,7 @@ def test_shifts_that_rise_with_temperature_have_no_law():
 
 
 @pytest.mark.parametrize("i", [0, 2, 5, 8])
-def test_the_one_temperature_off_the_law_of_all_others_is_named(i):
+def test_fit_shift_law_names_the_outlying_temperature(i):
     shifts, sd = drawn(WLF, 0.005, i), chained(0.005)
     assert fit_shift_law(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
     shifts[i] -= 0.15
@@ -115,6 +115,6 @@ def test_the_one_temperature_off_the_law_of_all_others_is_named(i):
     assert odd.missed == pytest.approx(-0.15, abs=0.06)
 
 
-def test_shifts_that_bend_everywhere_name_no_one():
+def test_fit_shift_law_names_no_outlier_of_a_general_misfit():
     bent = WLF.log10_a_t(TEMPERATURES) + 0.2 * np.cos(np.arange(9) * np.pi) * AWAY
     assert fit_shift_law(TEMPERATURES, bent, chained(0.005), reference=REFERENCE).odd is None

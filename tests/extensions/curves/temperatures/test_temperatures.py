@@ -58,12 +58,12 @@ def pair() -> dp.Fit:
 
 
 @pytest.fixture(scope="module")
-def known_pair() -> dp.Fit:
+def stated_pair() -> dp.Fit:
     """Of the same tests on a machine that is known: no limit doubts it."""
-    return fit_tests(by_known(cold.records("hidden", PAIR, 0)))
+    return fit_tests(prepare_on_stated_machine(cold.records("hidden", PAIR, 0)))
 
 
-def by_known(records: list[dp.RelaxationTest]) -> list[dp.RampHold]:
+def prepare_on_stated_machine(records: list[dp.RelaxationTest]) -> list[dp.RampHold]:
     return [prepare(record, machine=KNOWN) for record in records]
 
 
@@ -72,7 +72,7 @@ def triple() -> dp.Fit:
     return fitted("broad", TRIPLE)
 
 
-def test_a_cold_test_sees_the_arm_that_a_warm_one_cannot(pair):
+def test_fit_with_a_cold_test_recovers_an_arm_hidden_at_room_temperature(pair):
     alone = fit_tests(cold.records("hidden", [ROOM], 0)[0])
     assert alone.model.arms == 2
     assert off(alone, "hidden") < -0.5
@@ -97,7 +97,7 @@ def test_shift_and_stiffness_are_those_of_the_seal(pair):
     )
 
 
-def test_the_cold_solid_is_known_by_the_cold_test(pair):
+def test_model_at_the_cold_temperature_has_the_error_of_the_cold_test(pair):
     """Relaxation time, shift and slope err together: their product is what the test measured."""
     chilled, quiet = pair.at_temperature("0degC"), of_noise(pair)
     arm = chilled.estimate.parameters.index("ln_tau_1")
@@ -111,7 +111,7 @@ def test_the_cold_solid_is_known_by_the_cold_test(pair):
     assert abs(found - true) < 3 * error < 0.05
 
 
-def test_the_point_alone_is_that_of_the_whole_fit(pair):
+def test_fit_without_intervals_equals_the_full_fit(pair):
     records = cold.records("hidden", PAIR, 0)
     point = fit_tests(records, arms=3, intervals=False)
     assert np.allclose(point.model.k, pair.model.k, rtol=1e-9)
@@ -127,7 +127,7 @@ def test_the_point_alone_is_that_of_the_whole_fit(pair):
     assert from_json(to_json(point)) == point
 
 
-def test_two_temperatures_are_told_that_three_see_more(pair, triple):
+def test_fit_of_two_temperatures_recommends_a_third(pair, triple):
     told = {check.name: check for check in pair.checks}["shifts_distinguished"]
     assert told.failed
     assert "three are needed" in told.says
@@ -188,7 +188,7 @@ def held(seal: str, bounds: StiffnessBounds) -> np.ndarray:
     )
 
 
-def test_a_cold_test_narrows_what_unseen_arms_may_do(pair, known_pair):
+def test_cold_test_narrows_the_unresolved_arm_band(pair, stated_pair):
     records = cold.records("hidden", PAIR, 0)
     both = unseen_arm_band(pair, records, LINES)
     alone = unseen_arm_band(fit_tests(records[0]), records[0], LINES)
@@ -197,7 +197,7 @@ def test_a_cold_test_narrows_what_unseen_arms_may_do(pair, known_pair):
     low, high = both.loss[:, at] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.4
     assert high > 1.2  # a machine of which nothing is known may hide as much
-    known = unseen_arm_band(known_pair, by_known(records), [cold.RESONANCE])
+    known = unseen_arm_band(stated_pair, prepare_on_stated_machine(records), [cold.RESONANCE])
     low, high = known.loss[:, 0] / cold.complex_stiffness("hidden").imag
     assert 0.9 < low < 1 < high < 1.2
     assert np.ptp(alone.loss[:, at]) > 10 * np.ptp(both.loss[:, at])
@@ -222,10 +222,10 @@ def test_records_that_were_not_fitted_bound_nothing(pair):
         unseen_arm_band(pair, cold.a_test("hidden", 10.0, 0), LINES)
 
 
-def test_the_end_of_the_hold_is_left_open_as_far_as_it_is(pair, known_pair):
+def test_limits_at_the_end_of_the_hold_have_the_expected_width(pair, stated_pair):
     k_inf, k, tau = cold.HIDDEN
     end = k_inf + np.sum(np.array(k) * np.exp(-40 / np.array(tau)))
-    for found, least, most in ((pair, 1.03, 1.06), (known_pair, 1.005, 1.02)):
+    for found, least, most in ((pair, 1.03, 1.06), (stated_pair, 1.005, 1.02)):
         low, high = found.stiffness_limits["k_end"]
         assert low < end < high
         assert least * low < high < most * low
@@ -250,14 +250,14 @@ def test_the_order_of_the_files_does_not_matter(pair):
     ],
     ids=["b is 1", "b 3 % off", "arms in groups", "a hidden arm apart"],
 )
-def test_what_is_no_one_solid_is_not_passed_as_one(seal, celsius, vertical, changes):
+def test_fit_reports_tests_that_share_no_model(seal, celsius, vertical, changes):
     found = fitted(seal, celsius, vertical=vertical, **changes)
     assert "thermorheologically_simple" in failed(found)
     assert found.verdict.use != "use"
     assert found.status is Status.TESTS_DISAGREE
 
 
-def test_arms_that_shift_a_little_apart_are_said_and_cost_nothing():
+def test_fit_reports_a_small_shift_slope_without_penalty():
     found = fitted("hidden", TRIPLE, apart=cold.further_when_slow(0.03))
     slope = next(one for one in found.nuisance if one.name == "shift slope")
     assert abs(slope.value - 0.03) < 3 * slope.standard_error < 0.03
@@ -265,7 +265,7 @@ def test_arms_that_shift_a_little_apart_are_said_and_cost_nothing():
     assert all(inside(found, "hidden"))
 
 
-def test_a_seal_that_warms_is_told_from_one_that_shifts_otherwise():
+def test_fit_distinguishes_warming_from_another_shift():
     found = fitted("hidden", warms=0.5)
     warming = [one for one in found.nuisance if one.name.startswith("warming")]
     chilled = next(one for one in warming if one.name.endswith("2"))
@@ -275,11 +275,11 @@ def test_a_seal_that_warms_is_told_from_one_that_shifts_otherwise():
     assert "temperature_steady" in failed(fitted("hidden", warms=2.0))
 
 
-def test_temperatures_too_far_apart_are_said():
+def test_fit_reports_temperatures_without_overlap():
     assert "isotherms_overlap" in failed(fitted("hidden", (ROOM, -20.0)))
 
 
-def test_tests_of_one_temperature_are_fitted_as_ever():
+def test_fit_of_tests_at_one_temperature_has_no_shifts():
     warm, again = (cold.a_test("hidden", ROOM, seed) for seed in (0, 1))
     other = replace(again, specimen=dp.Specimen(temperature=296.15 + 0.4))
     found = fit_tests([warm, other])
@@ -287,7 +287,7 @@ def test_tests_of_one_temperature_are_fitted_as_ever():
     assert found.model == fit_tests([warm, again]).model
 
 
-def test_two_tests_of_one_temperature_share_its_shift():
+def test_fit_shares_the_shift_of_tests_at_one_temperature():
     tests = [*cold.records("hidden", PAIR, 0), cold.a_test("hidden", FRIDGE, 5)]
     found = fit_tests(tests)
     assert len(found.shifts) == 2
@@ -295,7 +295,7 @@ def test_two_tests_of_one_temperature_share_its_shift():
     assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
 
 
-def test_a_test_without_its_temperature_is_asked_for_it():
+def test_fit_asks_for_a_missing_temperature():
     warm, chilled = cold.records("hidden", PAIR, 0)
     nameless = replace(cold.a_test("hidden", 10.0, 0), specimen=dp.Specimen())
     with pytest.raises(dp.FitError, match="test 2 of 3 has no temperature"):
@@ -311,7 +311,7 @@ def test_a_test_without_its_temperature_is_asked_for_it():
         ({"shift_law": "wlf", "vertical": "1"}, "--shift and --vertical"),
     ],
 )
-def test_what_one_temperature_has_no_use_for_is_refused(options, named: str):
+def test_fit_of_one_temperature_refuses_shift_options(options, named: str):
     warm = cold.a_test("hidden", ROOM, 0)
     for test in (warm, replace(warm, specimen=dp.Specimen())):
         with pytest.raises(dp.FitError, match=f"leave out {named}"):

@@ -43,13 +43,13 @@ def bench(tmp_path_factory) -> tuple[Path, Path]:
 
 
 @pytest.fixture(scope="module")
-def found(bench) -> dp.Fit:
+def pair_fit(bench) -> dp.Fit:
     return fit_files(bench, temperatures=(296.15, 273.15))[0]
 
 
-def test_temperatures_stand_in_the_order_of_the_files(bench, found):
-    assert [round(shift.temperature, 2) for shift in found.temperatures.shifts] == [273.15, 296.15]
-    assert found.temperatures.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+def test_temperatures_stand_in_the_order_of_the_files(bench, pair_fit):
+    assert [round(shift.temperature, 2) for shift in pair_fit.temperatures.shifts] == [273.15, 296.15]
+    assert pair_fit.temperatures.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
     swapped, _ = fit_files(bench, temperatures=(273.15, 296.15))
     assert swapped.verdict.use == "do not use"
     # the closest solid explains neither by a shift alone
@@ -57,8 +57,8 @@ def test_temperatures_stand_in_the_order_of_the_files(bench, found):
     assert {"thermorheologically_simple", "stiffness_of_one_seal"} <= failed
 
 
-def test_another_seal_is_no_cold_one(bench, found, tmp_path):
-    assert found.verdict.use == "use"
+def test_fit_files_detects_another_seal_among_cold_tests(bench, pair_fit, tmp_path):
+    assert pair_fit.verdict.use == "use"
     cool = read_relaxation(bench[1])
     other = tmp_path / "other.csv"
     other.write_text(write_relaxation(replace(cool, force=0.75 * cool.force)))
@@ -66,14 +66,14 @@ def test_another_seal_is_no_cold_one(bench, found, tmp_path):
     assert "stiffness_of_one_seal" in {check.name for check in mixed.verdict.because}
 
 
-def test_one_temperature_is_for_all_files(bench):
+def test_fit_files_applies_one_temperature_to_all_files(bench):
     with pytest.raises(dp.DataError, match=r"given 3 times for 2 files"):
         fit_files(bench, temperatures=(1.0, 2.0, 3.0))
     one, _ = fit_files(bench[:1], temperatures=(296.15,))
     assert one.specimen.temperature == 296.15
 
 
-def test_the_solid_is_that_of_the_reference_asked_for(bench):
+def test_fit_files_uses_the_requested_reference_temperature(bench):
     found, _ = fit_files(
         bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=273.15)
     )
@@ -86,9 +86,9 @@ def test_the_solid_is_that_of_the_reference_asked_for(bench):
 
 
 @pytest.mark.parametrize("celsius", [23.0, 0.0, 10.0])
-def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, found, celsius):
+def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, pair_fit, celsius):
     kelvin = celsius + 273.15
-    made = predict_files(found, bench, block=BlockOnSeals(MASS, 2), band=BAND, temperature=kelvin)
+    made = predict_files(pair_fit, bench, block=BlockOnSeals(MASS, 2), band=BAND, temperature=kelvin)
     assert made.document["temperature"] == pytest.approx(kelvin)
     f = made.limits.frequency
     stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
@@ -96,14 +96,14 @@ def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, found, celsiu
     true = omega**2 / np.abs(2 * stiffness - MASS * omega**2)
     low, high = made.limits.unseen
     assert np.mean((low <= true) & (true <= high)) > 0.95
-    own = dp.systems.predict_frf(found, mass=MASS, seals=2, frequency=f, temperature=kelvin)
+    own = dp.systems.predict_frf(pair_fit, mass=MASS, seals=2, frequency=f, temperature=kelvin)
     assert (low <= 1.0001 * np.abs(own.value)).all()
     assert (np.abs(own.value) <= 1.0001 * high).all()
     assert "temperature_tested" not in {check.name for check in made.checks if check.failed}
 
 
-def test_records_that_do_not_say_their_temperature_are_known_by_the_fit(bench, found):
-    again = from_json(to_json(found))
+def test_predict_files_takes_record_temperatures_from_the_fit(bench, pair_fit):
+    again = from_json(to_json(pair_fit))
     one = predict_files(again, bench, block=BlockOnSeals(MASS, 2), band=BAND)
     low, high = one.limits.peak_frequency
     fine = np.linspace(*BAND, 4001)
@@ -114,18 +114,18 @@ def test_records_that_do_not_say_their_temperature_are_known_by_the_fit(bench, f
     assert high - low < 0.5
 
 
-def test_beyond_the_tested_temperatures_a_pair_predicts_nothing(bench, found):
+def test_predict_files_refuses_extrapolation_from_two_temperatures(bench, pair_fit):
     with pytest.raises(dp.DataError, match="third temperature"):
-        predict_files(found, block=BlockOnSeals(MASS), band=BAND, temperature=263.15)
+        predict_files(pair_fit, block=BlockOnSeals(MASS), band=BAND, temperature=263.15)
 
 
-def test_a_solid_alone_has_no_temperature(found):
+def test_predict_frf_refuses_a_temperature_for_a_bare_model(pair_fit):
     with pytest.raises(dp.DataError, match="a solid has no temperature"):
-        dp.systems.predict_frf(found.model, mass=MASS, temperature=273.15)
+        dp.systems.predict_frf(pair_fit.model, mass=MASS, temperature=273.15)
 
 
-def test_the_document_of_a_fit_says_its_temperatures(found):
-    told = json.loads(to_json(found))["temperature"]
+def test_the_document_of_a_fit_says_its_temperatures(pair_fit):
+    told = json.loads(to_json(pair_fit))["temperature"]
     assert told["reference"] == 296.15
     assert told["law"]["kind"] == "free"
     assert {"temperature", "log10_a_t", "se", "b_t"} <= set(told["shifts"][0])
@@ -163,7 +163,7 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
 
 
-def test_a_hammer_of_another_temperature_has_its_own_shift():
+def test_characterise_shifts_a_hammer_test_at_another_temperature():
     tests = cold.records("hidden", (23.0, 0.0), 0)
     model = dp.GeneralizedMaxwell(*cold.HIDDEN)
     there = model.shifted(10 ** cold.log10_a(283.15), 283.15 / cold.REFERENCE)
@@ -184,9 +184,9 @@ def test_a_hammer_of_another_temperature_has_its_own_shift():
     assert room.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
 
 
-def test_every_test_is_drawn_with_the_one_solid(bench, found):
+def test_temperature_figure_draws_every_test_with_one_model(bench, pair_fit):
     records = [prepare(one) for one in cold.records("hidden", (23.0, 0.0), 0)]
-    picture = dp.plot.temperatures(found, records)
+    picture = dp.plot.temperatures(pair_fit, records)
     forces, shifts = (strip[0] for strip in picture.strips)
     labels = {mark.label for mark in forces.marks}
     assert {"0 °C", "23 °C", "one solid"} <= labels
@@ -195,7 +195,7 @@ def test_every_test_is_drawn_with_the_one_solid(bench, found):
         dp.plot.temperatures(fit(records[0], arms=1), records)
 
 
-def test_sweeps_of_one_temperature_each_are_one_master_curve(tmp_path: Path) -> None:
+def test_sweeps_at_one_temperature_each_form_one_master_curve(tmp_path: Path) -> None:
     head, *rows = EXAMPLES["sweeps.csv"]().splitlines()[2:]
     warm: dict[int, list[str]] = {}
     for row in rows:

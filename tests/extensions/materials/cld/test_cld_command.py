@@ -35,12 +35,12 @@ def ran(folder, *words, code=0):
     return shell.did("fit", *words, code=code)
 
 
-def told(folder, *words):
+def read_result(folder, *words):
     return json.loads(ran(folder, *words, "--json").stdout)
 
 
-def test_one_piece_in_full(folder):
-    found = told(folder, "p1.csv", *WORDS)
+def test_fit_writes_every_figure_of_one_piece(folder):
+    found = read_result(folder, "p1.csv", *WORDS)
     assert found["schema"] == "dashpot/cld@2"
     assert found["unit"] == "N per 100 mm"
     (piece,) = found["specimens"]
@@ -58,7 +58,7 @@ def test_one_piece_in_full(folder):
 
 def test_pieces_scatter_as_they_were_made(folder):
     files = [f"p{number}.csv" for number in range(1, 5)]
-    found = told(folder, *files, *WORDS, "--force-limits", "4:6.5N")
+    found = read_result(folder, *files, *WORDS, "--force-limits", "4:6.5N")
     force = next(one for one in found["scatter"] if one["name"] == "force at nominal")
     spread = np.std(SCALES, ddof=1) / np.mean(SCALES)
     assert force["deviation"] / force["mean"] == pytest.approx(spread, rel=0.05)
@@ -71,16 +71,16 @@ def test_pieces_scatter_as_they_were_made(folder):
     assert "Cpk" in said
 
 
-def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
+def test_fit_reports_forces_per_piece_without_a_length(folder):
     said = ran(folder, "unclocked.csv", "--compression", "6mm", "-v").stdout
     assert "loading, N " in said
     assert "length_given" in said
     assert "N per 100 mm" not in said.split("checks")[0]
-    assert told(folder, "unclocked.csv")["specimens"][0]["cycles"][0]["speed"] is None
+    assert read_result(folder, "unclocked.csv")["specimens"][0]["cycles"][0]["speed"] is None
 
 
-def test_pieces_pressed_otherwise_are_told_apart(folder):
-    found = told(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
+def test_fit_reports_pieces_tested_at_other_speeds(folder):
+    found = read_result(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
     assert "speed" in next(
         c["message"] for c in found["checks"] if c["name"] == "pieces_tested_alike"
     )
@@ -125,7 +125,7 @@ def test_what_does_not_go_is_refused(folder, words, says):
         ("time [s],displacement [mm],force", "unit"),
     ],
 )
-def test_a_wrong_unit_is_asked_about(tmp_path, head, says):
+def test_fit_asks_about_a_wrong_unit(tmp_path, head, says):
     path = pressed(bulb).write(tmp_path / "a.csv", head=head)
     assert says in ran(tmp_path, path.name, code=2).stderr
 
@@ -136,28 +136,28 @@ def test_inspect_names_the_kind(folder):
     assert "recognised p1.csv: " in ran(folder, "p1.csv").stderr
 
 
-def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
+def test_fit_with_relaxation_writes_the_elastic_law(folder, tmp_path):
     fit = fit_of(bulb)
     (folder / "fit.json").write_text(to_json(fit))
     words = ("p1.csv", "--compression", "6mm", "--relaxation", str(folder / "fit.json"))
     law = tmp_path / "law.json"
-    found = told(folder, *words, "-o", str(law))
+    found = read_result(folder, *words, "-o", str(law))
     assert found["relaxed"]["residual_hysteresis"] == pytest.approx(0, abs=0.01)
     written = from_json(law.read_text())
     assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout
-    twice = told(folder, *words, "--relaxation", str(folder / "fit.json"))
+    twice = read_result(folder, *words, "--relaxation", str(folder / "fit.json"))
     names = [check["name"] for check in twice["checks"]]
     assert names.count("relaxed_agrees") == 2
     assert "relaxation_tests_agree" in names
     alone = tmp_path / "alone.json"
-    assert told(folder, "p1.csv", "-o", str(alone)) == json.loads(alone.read_text())
+    assert read_result(folder, "p1.csv", "-o", str(alone)) == json.loads(alone.read_text())
 
 
-def test_records_at_several_speeds_are_one_seal(folder, tmp_path):
+def test_fit_of_several_speeds_is_one_model(folder, tmp_path):
     law = tmp_path / "law.json"
     words = ("p1.csv", "slow.csv", "--compression", "6mm")
-    found = told(folder, *words, "-o", str(law))
+    found = read_result(folder, *words, "-o", str(law))
     assert found["fit"] == json.loads(law.read_text())
     assert found["scatter"] == []
     assert found["fit"]["method"] == "cld"

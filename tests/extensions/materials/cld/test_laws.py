@@ -20,7 +20,7 @@ from dashpot.workflow.json_archive import from_json, to_json
 AT = np.array([1e-3, 2e-3, 4e-3, 6e-3, 7.5e-3])
 
 
-def found(truth, **how):
+def evaluate_record(truth, **how):
     return cld(dp.CLDTest(truth.displacement, truth.force, truth.time, units="SI"), **how)
 
 
@@ -31,7 +31,7 @@ EXACT = {"noise": 0.0, "count": 0.0, "bias": 0.0}
 @pytest.mark.parametrize("law", [stiffening, bulb])
 @pytest.mark.parametrize("speed", [0.5e-3, 5e-3])
 def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed):
-    one = found(pressed(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
+    one = evaluate_record(pressed(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
     relaxed = relaxed_law(one, fit_of(law))
     slope = (law(AT + 1e-6) - law(AT - 1e-6)) / 2e-6
     # first contact is known to some 10 um where a force begins to rise between two samples
@@ -48,22 +48,22 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_counts_and_drift_leave_the_law_near(seed):
-    one = found(pressed(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
+    one = evaluate_record(pressed(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
     relaxed = relaxed_law(one, fit_of(stiffening))
     assert relaxed.law.force(AT[2:]) == pytest.approx(stiffening(AT[2:]), rel=0.015)
     z = (relaxed.law.tangent(AT) - 150 - 3 * 7.2656e5 * AT**2) / relaxed.law.stiffness
     assert np.abs(z / relaxed.law.factor_se(AT)).max() < 5
 
 
-def test_softening_without_the_memory_is_mullins_alone():
-    one = found(pressed(softening=0.12, **EXACT))
+def test_relaxed_law_separates_softening_from_relaxation():
+    one = evaluate_record(pressed(softening=0.12, **EXACT))
     relaxed = relaxed_law(one, fit_of(stiffening))
     assert relaxed.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-3)
     assert one.softening > relaxed.softening + 0.015
 
 
 def test_another_memory_leaves_hysteresis_and_another_seal_another_force():
-    one = found(pressed(softening=0.0))
+    one = evaluate_record(pressed(softening=0.0))
     half = tuple((g / 2, tau) for g, tau in ARMS)
     wrong = relaxed_law(one, fit_of(stiffening, arms=half))
     assert "relaxation_explains_hysteresis" in {
@@ -81,7 +81,7 @@ def test_another_memory_leaves_hysteresis_and_another_seal_another_force():
 
 
 def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
-    relaxed = relaxed_law(found(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
+    relaxed = relaxed_law(evaluate_record(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
     for held in (5e-3, 8e-3):
         fit = apply_elastic_law(fit_of(stiffening, depth=held), relaxed.law, checks=relaxed.checks)
         for x in (2.6e-3, 5e-3):
@@ -101,7 +101,7 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
     bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
         relaxed_law(bare, fit)
-    one = found(truth)
+    one = evaluate_record(truth)
     loose = replace(fit, solid=dp.GeneralizedMaxwell(0.0, (1.0,), (1.0,)))
     with pytest.raises(FitError, match="no stiffness at rest"):
         relaxed_law(one, loose)
@@ -115,7 +115,7 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
 def at_speeds(speeds, law=bulb, **how):
     """Records of one seal, their sampling and rests as long as their strokes ask."""
     return [
-        found(pressed(law, speed=v, rate=max(5e3 * v, 2.0), rest=5.0, cycles=2, seed=i, **how))
+        evaluate_record(pressed(law, speed=v, rate=max(5e3 * v, 2.0), rest=5.0, cycles=2, seed=i, **how))
         for i, v in enumerate(speeds)
     ]
 
@@ -135,7 +135,7 @@ def test_several_speeds_tell_law_and_memory():
     assert from_json(to_json(fit)).solid == fit.solid
 
 
-def test_one_arm_at_two_speeds_and_what_they_do_not_tell():
+def test_fit_speeds_recovers_one_arm_and_reports_close_speeds():
     (fit, near) = (
         fit_speeds(at_speeds(speeds, softening=0.0, arms=((0.3, 2.0),)), arms=1)
         for speeds in ((0.5e-3, 8e-3), (2e-3, 4e-3))
@@ -153,9 +153,9 @@ def test_pieces_that_differ_are_no_memory():
     assert "speeds_residual_small" in {check.name for check in fit.checks if check.failed}
 
 
-def test_one_speed_is_refused():
+def test_fit_speeds_refuses_one_speed():
     truth = pressed()
-    one = found(truth)
+    one = evaluate_record(truth)
     with pytest.raises(FitError, match="one speed alone"):
         fit_speeds([one, one])
     bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
@@ -163,7 +163,7 @@ def test_one_speed_is_refused():
         fit_speeds([one, bare])
 
 
-def known(fit, part=0.05):
+def with_relative_error(fit, part=0.05):
     """A fit whose stiffnesses and times are known to a part."""
     own = fit.model
     names = ("k_inf", "k_1", "k_2", "ln_tau_1", "ln_tau_2")
@@ -174,13 +174,13 @@ def known(fit, part=0.05):
     return replace(fit, estimate=estimate)
 
 
-def test_what_is_not_known_of_the_memory_is_not_known_of_the_law():
-    one, sure = found(pressed(softening=0.0), at=6e-3), fit_of(stiffening)
-    fit, at = known(sure), 6e-3
+def test_relaxed_law_propagates_the_error_of_the_relaxation():
+    one, sure = evaluate_record(pressed(softening=0.0), at=6e-3), fit_of(stiffening)
+    fit, at = with_relative_error(sure), 6e-3
     relaxed = relaxed_law(one, fit)
     assert len(relaxed.others) == 8  # six axes of the memory or zeros, and the clock
     in_step = replace(one, delay_sd=0.0)
-    exact = relaxed_law(in_step, known(sure, 1e-9))
+    exact = relaxed_law(in_step, with_relative_error(sure, 1e-9))
     assert len(exact.others) == 7
     # the zeros alone
     zeros = exact.law.tangent(at) * one.contact_se, one.zero_se
@@ -205,7 +205,7 @@ def between(back, speed, arms=((0.3, 2.0),)):
 
 
 @pytest.mark.parametrize("back", [0.4, 0.0])
-def test_a_cycle_between_two_compressions_tells_the_law_as_one_from_contact_does(back):
+def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
     """Where it comes back to no less than `back` of its depth: below that its secant alone."""
     records = [between(back, speed) for speed in (0.5e-3, 8e-3)]
     memory = fit_of(stiffening, arms=((0.3, 2.0),))
@@ -221,7 +221,7 @@ def test_a_cycle_between_two_compressions_tells_the_law_as_one_from_contact_does
 
 
 def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
-    one = found(pressed(softening=0.0), at=4e-3)
+    one = evaluate_record(pressed(softening=0.0), at=4e-3)
     shallow, deep = fit_of(stiffening, depth=4e-3), fit_of(stiffening, depth=8e-3)
     both = relaxed_law(one, [deep, shallow])
     agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
@@ -238,7 +238,7 @@ def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
 def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
     arms = ((40.0, 0.1), (25.0, 1.5))
     tests = [
-        found(dashpot_and_arms(v, c=lambda x: 2 + 400 * x, arms=arms, seed=i))
+        evaluate_record(dashpot_and_arms(v, c=lambda x: 2 + 400 * x, arms=arms, seed=i))
         for i, v in enumerate((1e-4, 1e-3, 1e-2, 1e-1))
     ]
     fit = fit_speeds(tests, arms=1)
@@ -258,7 +258,7 @@ def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
     }
 
 
-def test_one_memory_is_not_taken_for_a_dashpot():
+def test_fit_rate_distinguishes_relaxation_from_a_dashpot():
     tests = at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.0)
     rate = fit_rate(tests, fit_speeds(tests))
     assert rate.bic > 10

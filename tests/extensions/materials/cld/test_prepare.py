@@ -18,7 +18,7 @@ SPECIMEN = dp.Specimen(length=LENGTH)
 ELASTIC = {"arms": (), "softening": 0.0}
 
 
-def found(truth, **how):
+def evaluate_record(truth, **how):
     test = dp.CLDTest(truth.displacement, truth.force, truth.time, SPECIMEN, units="SI")
     return cld(test, **how)
 
@@ -31,7 +31,7 @@ def true_force(truth, at, *, cycle, inward=True):
     return np.interp(at, *np.sort(np.array([x[i : i + 2], truth.clean[i : i + 2]]), axis=1))
 
 
-def test_a_spring_stores_what_it_is_given():
+def test_cld_stores_the_work_of_a_spring():
     """5 N of 100 mm at 6 mm: 15 mJ, none lost; whatever the length of the piece."""
     spring = pressed(lambda x: 5 / 6e-3 * x, depth=6e-3, noise=0.0, bias=0.0, count=0.0, **ELASTIC)
     for length in (0.1, 0.05):
@@ -57,7 +57,7 @@ def test_a_spring_stores_what_it_is_given():
 def test_figures_are_those_of_the_truth_whatever_the_signs(law, turn):
     truth = pressed(law, drift=2e-4)
     turned = replace(truth, displacement=turn[0] * truth.displacement, force=turn[1] * truth.force)
-    one = found(turned, at=6e-3, between=(4e-3, 7.5e-3))
+    one = evaluate_record(turned, at=6e-3, between=(4e-3, 7.5e-3))
     assert len(one.cycles) == 4
     assert one.cycle.number == 4
     assert one.cycle.speed == pytest.approx(5e-3, rel=1e-3)
@@ -82,17 +82,17 @@ def test_the_errors_of_force_and_contact_hold():
     z = []
     for seed in range(30):
         truth = pressed(seed=seed, count=2e-5, cycles=2)
-        one = found(truth, at=6e-3)
+        one = evaluate_record(truth, at=6e-3)
         z.append((one.nominal.loading - true_force(truth, 6e-3, cycle=2)) / one.nominal.loading_se)
     assert np.mean(np.abs(z) < 2) >= 0.85
     assert np.abs(z).max() < 4
 
 
 def test_softening_is_that_of_the_cycles_and_set_that_of_the_contact():
-    soft = found(pressed(arms=(), softening=0.12), at=6e-3)
+    soft = evaluate_record(pressed(arms=(), softening=0.12), at=6e-3)
     share = 0.12 * (1 - np.exp(-3 / 1.5))
     assert soft.softening == pytest.approx(share, abs=0.01)
-    gone = found(pressed(set_=0.4e-3, **ELASTIC), at=6e-3)
+    gone = evaluate_record(pressed(set_=0.4e-3, **ELASTIC), at=6e-3)
     assert gone.set == pytest.approx(0.4e-3 * (1 - np.exp(-3)), abs=0.05e-3)
     assert gone.cycles[0].contact == 0
 
@@ -111,13 +111,13 @@ def test_softening_is_that_of_the_cycles_and_set_that_of_the_contact():
         ({"cycles": 1, "unload": False}, {"specimen_conditioned", "unloading_recorded"}),
     ],
 )
-def test_what_is_wrong_with_a_record_is_said_and_no_more(how, names):
-    assert failed(found(pressed(**{"softening": 0.05} | how), at=6e-3)) == names
+def test_cld_reports_exactly_the_faults_of_a_record(how, names):
+    assert failed(evaluate_record(pressed(**{"softening": 0.05} | how), at=6e-3)) == names
 
 
-def test_a_preload_is_left_and_said():
+def test_cld_retains_and_reports_a_preload():
     truth = pressed(gap=-1e-3, bias=0.0)
-    one = found(truth, at=5e-3)
+    one = evaluate_record(truth, at=5e-3)
     assert one.preload == pytest.approx(float(np.median(truth.clean[:100])), abs=4e-3)
     assert "begins in contact, under 11 %" in one.verdict.says
     assert one.cycle.depth == pytest.approx(7e-3, abs=1e-5)
@@ -134,12 +134,12 @@ def test_a_stop_in_the_stroke_is_no_turning_point_but_no_even_speed():
     assert "plate_speed_constant" in failed(one)
 
 
-def test_the_cycle_asked_for_and_the_one_that_reaches():
+def test_cld_selects_the_requested_or_last_reaching_cycle():
     truth = pressed(depth=(8e-3, 8e-3, 5e-3))
-    assert found(truth, at=4e-3).cycle.number == 3
-    assert found(truth, at=6e-3).cycle.number == 2
-    assert found(truth, at=6e-3, cycle=1).cycle.number == 1
-    beyond = found(truth, at=6e-3, between=(4e-3, 9e-3))
+    assert evaluate_record(truth, at=4e-3).cycle.number == 3
+    assert evaluate_record(truth, at=6e-3).cycle.number == 2
+    assert evaluate_record(truth, at=6e-3, cycle=1).cycle.number == 1
+    beyond = evaluate_record(truth, at=6e-3, between=(4e-3, 9e-3))
     assert beyond.most is None
     assert "compressions_reached" in failed(beyond)
     for how, says in (
@@ -148,12 +148,12 @@ def test_the_cycle_asked_for_and_the_one_that_reaches():
         ({"cycle": 4}, "holds 3 cycles"),
     ):
         with pytest.raises(DataError, match=says):
-            found(truth, **how)
+            evaluate_record(truth, **how)
 
 
-def test_without_a_clock_the_curve_is_the_same_and_no_speed_is_said():
+def test_cld_without_a_clock_has_the_same_curve_and_no_speed():
     truth = pressed()
-    timed = found(truth, at=6e-3)
+    timed = evaluate_record(truth, at=6e-3)
     one = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
     assert one.cycle.speed is None
@@ -187,7 +187,7 @@ def test_noise_and_counts_make_no_strokes():
 def test_memory_is_what_makes_a_release_fall_behind():
     """An elastic seal has no hysteresis; one with arms has, and shows less when slow."""
     lost = [
-        found(pressed(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3).cycle.hysteresis
+        evaluate_record(pressed(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3).cycle.hysteresis
         for v, arms in ((5e-3, ()), (5e-3, ARMS), (0.2e-3, ARMS))
     ]
     assert abs(lost[0]) < 0.005
@@ -218,7 +218,7 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
 @pytest.mark.once
 def test_its_numbers_are_a_table_and_its_picture_is_there():
     pytest.importorskip("pandas")
-    one = found(pressed(cycles=1), at=6e-3)
+    one = evaluate_record(pressed(cycles=1), at=6e-3)
     table = one.to_pandas()
     assert list(table.columns) == ["force", "time"]
     assert table.attrs["units"]["force"] == "N"
@@ -227,8 +227,8 @@ def test_its_numbers_are_a_table_and_its_picture_is_there():
 
 
 @pytest.mark.parametrize(("pull", "holds"), [(0.0, True), (0.015, True), (0.05, False)])
-def test_a_seal_that_sticks_is_told_from_noise(pull, holds):
+def test_cld_distinguishes_adhesion_from_noise(pull, holds):
     truth = pressed(softening=0.0)
     back = (np.gradient(truth.compression) < 0) & (np.abs(truth.compression - 2e-4) < 4e-4)
-    one = found(replace(truth, force=truth.force - pull * back))
+    one = evaluate_record(replace(truth, force=truth.force - pull * back))
     assert {check.name: check.passed for check in one.checks}["no_adhesion_on_release"] is holds

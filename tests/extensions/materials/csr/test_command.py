@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.extensions.materials.csr.examples import EXAMPLES
@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 
 
 def test_inspect_says_what_it_is(folder):
-    (found,) = told("inspect", folder / "ovens.csv")["files"]
+    (found,) = run_json("inspect", folder / "ovens.csv")["files"]
     assert found["kind"] == "csr"
     # rows that are read by hand have no rate that could be wrong
     assert not found["warnings"]
@@ -38,7 +38,7 @@ def test_a_document_is_predicted_from(folder):
     document = json.loads((folder / "csr.json").read_text())
     assert document["schema"] == "dashpot/csr@2"
     assert document["oven_sd"] == 1.0
-    found = told("predict", folder / "csr.json", "--temperature", "70degC", "--end", "50%",
+    found = run_json("predict", folder / "csr.json", "--temperature", "70degC", "--end", "50%",
                  "--end", "1000h", "--plot", folder / "aged.svg")  # fmt: skip
     life, cold, left = found["values"]
     assert life["low"] < 3600 * 101430 < life["high"]
@@ -56,8 +56,8 @@ def test_a_seal_is_aged_for_a_mass_a_door_and_a_deck(folder):
     new = dp.simulate("relaxation", hold="5s", noise_free=True)
     dp.save(dp.fit(new, arms=2), folder / "fit.json")
     aged = "predict", folder / "csr.json", "--temperature", "70degC", "--end"
-    told(*aged, "1000h", "--unaged-fit", folder / "fit.json", "-o", folder / "old.json")
-    left = told(*aged, "1000h")["values"][0]
+    run_json(*aged, "1000h", "--unaged-fit", folder / "fit.json", "-o", folder / "old.json")
+    left = run_json(*aged, "1000h")["values"][0]
     before, after = dp.read(folder / "fit.json"), dp.read(folder / "old.json")
     assert after.model.k_inf == pytest.approx(left["value"] * before.model.k_inf)
     assert after.model.tau == pytest.approx(before.model.tau)
@@ -118,7 +118,7 @@ def test_a_page_holds_what_the_command_prints(
 ) -> None:
     verb, file, *rest = asked
     page = tmp_path / "page.html"
-    printed = told(verb, folder / file, *rest, "-o", page)
+    printed = run_json(verb, folder / file, *rest, "-o", page)
     text = page.read_text(encoding="utf-8")
     (link,) = re.findall(
         rf'download="{name}.json" href="data:application/json;base64,([^"]+)"', text

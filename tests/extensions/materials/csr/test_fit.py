@@ -84,7 +84,7 @@ def test_what_a_force_is_measured_in_changes_nothing():
     assert ratio.covariance == pytest.approx(given.covariance, rel=1e-4, abs=1e-12)
 
 
-def test_pieces_of_several_records_are_those_of_one():
+def test_fit_of_several_csr_records_equals_one_record():
     one = lot(TRUE, 1)
     apart = [
         CSRTest(one.hours[own], one.force[own], one.celsius[own], one.piece[own] % 3,
@@ -95,7 +95,7 @@ def test_pieces_of_several_records_are_those_of_one():
     assert law.activation == pytest.approx(together.activation, rel=1e-6)
 
 
-def test_a_chemistry_that_is_no_exponential_is_found_by_bic():
+def test_csr_fit_selects_a_stretched_exponential_by_bic():
     found = fitted(Rubber(exponent=0.7), off=0.0)
     assert min(found.orders, key=lambda one: one[1])[0] == "stretched"
     exponent = found["exponent"]
@@ -201,7 +201,7 @@ def test_two_ovens_know_the_activation_energy_as_well_as_themselves():
     assert predict_aging(said, temperature="70degC").answers[0].has_interval
 
 
-def test_one_oven_answers_for_itself():
+def test_aging_of_one_oven_predicts_only_its_temperature():
     found = fitted(ovens=(125.0,), off=0.0)
     life = predict_aging(found, temperature="125degC").answers[0]
     assert life.low / HOUR < 1458.964 < life.high / HOUR
@@ -209,7 +209,7 @@ def test_one_oven_answers_for_itself():
         predict_aging(found, temperature="70degC")
 
 
-def test_a_life_is_told_for_an_activation_energy_that_falls_in_the_cold():
+def test_predicted_life_includes_a_lower_activation_energy_when_cold():
     found = exact()
     cold = predict_aging(found, temperature="70degC").answers[1]
     assert cold.value / HOUR == pytest.approx(51162, rel=1e-4)
@@ -224,12 +224,12 @@ def test_what_is_far_below_the_ovens_is_marked(celsius, marked):
 
 
 @pytest.mark.parametrize(("end", "marked"), [("99999h", False), ("100001h", True)])
-def test_what_is_far_beyond_the_readings_is_marked(end, marked):
+def test_aging_check_marks_times_far_after_the_readings(end, marked):
     found = predict_aging(usual(), temperature="100degC", until=end)
     assert ("time_near_readings" in failed(found)) is marked
 
 
-def test_a_life_that_ends_far_beyond_the_readings_is_marked():
+def test_aging_check_marks_a_life_far_after_the_readings():
     found = exact()
     assert "time_near_readings" in failed(predict_aging(found, temperature="70degC"))
     assert "time_near_readings" not in failed(predict_aging(found, temperature="71degC"))
@@ -251,7 +251,7 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     assert "one_activation_energy_explains_ovens" in failed(fit_aging([found]))
 
 
-def test_a_drift_of_the_cell_is_held_beside_the_coldest_oven():
+def test_aging_check_compares_cell_drift_with_the_coldest_oven():
     one = [recorded(lot(TRUE))]
     # 3 % of 34 N in 1000 h is 1 mN/h
     assert "aging_exceeds_cell_drift" not in failed(fit_aging(one))
@@ -264,7 +264,7 @@ def test_a_drift_of_the_cell_is_held_beside_the_coldest_oven():
 
 
 @pytest.mark.parametrize("drift", [-0.03, 0.03])
-def test_a_drift_that_nobody_said_is_found_and_covered(drift):
+def test_aging_fit_detects_and_covers_an_unstated_drift(drift):
     """3 % of F0 in 1000 h, added in every oven: a life was 2.4 times too long without."""
     shown = []
     for seed in (12, 14, 16):
@@ -285,7 +285,7 @@ def test_two_hundred_lots_with_a_drift_are_covered(drift):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("drift", [-0.03, 0.03])
-def test_a_limit_holds_beside_a_drift(drift):
+def test_life_limits_hold_with_a_drift(drift):
     assert lower_limits(range(100), drift=None, zero=drift) >= 0.95
 
 
@@ -293,7 +293,7 @@ def test_a_limit_holds_beside_a_drift(drift):
     ("machine", "says"),
     [({"sync": 1e-3}, "sync= does not suit"), ({"force_filter": 1.0}, "force-filter= does not")],
 )
-def test_what_is_said_of_another_machine_is_refused(machine, says):
+def test_fit_aging_refuses_statements_about_another_machine(machine, says):
     with pytest.raises(DataError, match=says):
         fit_aging([recorded(lot(TRUE))], machine=Machine(**machine))
 
@@ -305,7 +305,7 @@ def test_what_is_said_of_another_machine_is_refused(machine, says):
         ("100%", "1 to 99 %"), ("20min", "more than 30 min"), ("1000N", "50%, or a time"),
     ],
 )  # fmt: skip
-def test_an_end_that_is_none_is_asked_for(end, says):
+def test_predict_aging_asks_for_a_valid_end(end, says):
     with pytest.raises(DataError, match=f"--end {end}: expected .*{says}"):
         predict_aging(usual(), temperature="70degC", until=end)
 
@@ -391,7 +391,7 @@ def test_a_fit_is_not_scaled_by_a_limit():
         limit.age_fit(a_fit(PAPER), temperature="70degC", time="1000h")
 
 
-def test_the_law_of_a_limit_loses_more_and_each_constant_moves_its_own_way():
+def test_lower_limit_law_loses_more_and_shifts_each_constant():
     law = replace(LAW, exponent=0.5, covariance=np.diag([4e-6, 0.0, 0.0, 0.0]))
     limit = law.lower_limit()
     assert limit.physical == pytest.approx(law.physical + BOUND * 2e-3)

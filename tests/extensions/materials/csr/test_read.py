@@ -1,4 +1,4 @@
-"""Files of compression stress relaxation: what they are called in, and what is wrong with them."""
+"""Files of compression stress relaxation: headings and faults."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ SHORT = {"hours": ["0.5", "24", "500"], "force": ["40", "38", "31"]}
         ("elapsed [d],retained force [1]", 86400.0),
     ],
 )
-def test_clock_and_force_are_found_by_what_they_are_called(tmp_path, head, of):
+def test_read_csr_recognises_clock_and_force_headings(tmp_path, head, of):
     text = "# temperature: 125 degC\n" + rows(head, SHORT["hours"], SHORT["force"])
     path = written(tmp_path, text)
     assert recognise(path).kind == "csr"
@@ -66,7 +66,7 @@ def test_clock_and_force_are_found_by_what_they_are_called(tmp_path, head, of):
         ("time [h],temperature [degC]\n0,20\n1,21\n2,22\n", "unclear"),
     ],
 )
-def test_what_is_none_is_not_taken_for_one(tmp_path, text, kind):
+def test_recognise_rejects_tables_that_are_no_csr(tmp_path, text, kind):
     assert recognise(written(tmp_path, text)).kind == kind
 
 
@@ -111,7 +111,7 @@ def test_a_file_for_each_oven(tmp_path):
 
 
 @pytest.mark.parametrize("kelvin", [398.15, 398.6])
-def test_the_temperature_of_the_file_may_be_said_again(tmp_path, kelvin):
+def test_read_csr_accepts_the_temperature_of_the_file_repeated(tmp_path, kelvin):
     text = rows("time [h],force [N],temperature [degC]", *SHORT.values(), [125] * 3)
     found = read_csr(written(tmp_path, text), specimen=Specimen(temperature=kelvin))
     assert found.temperature == pytest.approx([398.15] * 3)
@@ -131,7 +131,7 @@ def test_another_temperature_than_that_of_the_file_is_refused(tmp_path, text):
 
 
 @pytest.mark.parametrize(("largest", "fine"), [("1.51", True), ("1.5", False)])
-def test_per_cent_that_are_fractions_are_asked_about(tmp_path, largest, fine):
+def test_read_csr_asks_about_fractions_labelled_per_cent(tmp_path, largest, fine):
     text = "# 125 degC\n" + rows("time [h],F/F0 [%],temperature [degC]", SHORT["hours"],
                                  [largest, "0.9", "0.7"], [125] * 3)  # fmt: skip
     path = written(tmp_path, text)
@@ -165,7 +165,7 @@ def test_per_cent_that_are_fractions_are_asked_about(tmp_path, largest, fine):
         ),
     ],
 )  # fmt: skip
-def test_one_sentence_says_what_is_wrong(tmp_path, text, says):
+def test_read_csr_states_a_fault_in_one_sentence(tmp_path, text, says):
     with pytest.raises(ReadError, match=says) as caught:
         csr_files([written(tmp_path, text)])
     assert "\n" not in str(caught.value)

@@ -34,7 +34,7 @@ def check(fit, name):
 
 @pytest.mark.parametrize("law", [Hyperelastic("neo-hooke", (0.2e6,)), RUBBER, YEOH, OGDEN],
                          ids=lambda law: law.kind)  # fmt: skip
-def test_a_law_is_found_again_and_chosen_from_three_modes(law):
+def test_fit_hyperelastic_recovers_a_law_from_three_modes(law):
     fit = fit_hyperelastic([loaded(law, mode, (1, 3)) for mode in SHEARING])
     assert fit.law.kind == law.kind
     np.testing.assert_allclose(fit.law.constants, law.constants, rtol=1e-7)
@@ -48,7 +48,7 @@ def test_a_law_is_found_again_and_chosen_from_three_modes(law):
      (CLOSED, ["uniaxial", "volumetric"], {"law": "hyperfoam"})],
     ids=["open", "closed", "with its volume"],
 )  # fmt: skip
-def test_a_foam_is_found_again_with_its_poissons_ratio(law, modes, words):
+def test_fit_hyperelastic_recovers_a_foam_with_its_poisson_ratio(law, modes, words):
     fit = fit_hyperelastic([loaded(law, mode, (0.4, 1)) for mode in modes], **words)
     assert fit.law.kind == "hyperfoam"
     assert fit.law.poisson == pytest.approx(law.poisson, abs=1e-6)
@@ -72,7 +72,7 @@ def test_a_strain_sideways_says_whether_it_is_a_foam(told, kind):
     assert not check(fit, "lateral_swelling_agrees").failed
 
 
-def test_what_is_asked_against_a_strain_sideways_is_told():
+def test_fit_hyperelastic_reports_a_contradicting_lateral_strain():
     foam = Hyperelastic("hyperfoam", (0.2e6,), (2.0,), 0.15)
     test = replace(loaded(foam, "uniaxial", (0.5, 1)), poisson=0.15, units="SI")
     rubber = check(fit_hyperelastic([test], law="yeoh"), "lateral_swelling_agrees")
@@ -91,7 +91,7 @@ def test_a_strain_sideways_is_of_a_uniaxial_test():
         replace(loaded(RUBBER, "planar"), poisson=0.4, units="SI")
 
 
-def test_a_sponge_that_is_fitted_as_a_rubber_is_told_and_the_remedy_leads_on():
+def test_fit_hyperelastic_reports_a_sponge_fitted_as_rubber_with_a_remedy():
     sponge = loaded(FOAM, "uniaxial", (0.5, 1), noise=0.003)
     fit = fit_hyperelastic([sponge])
     told = check(fit, "law_residual_small")
@@ -189,7 +189,7 @@ def test_biaxial_viscoelastic_data_taken_as_elastic_and_without_their_memory(rat
     np.testing.assert_allclose(fit.law.constants, RUBBER.constants, rtol=1e-3)
 
 
-def test_three_rates_are_one_law_without_their_memory():
+def test_fit_hyperelastic_of_three_rates_removes_relaxation():
     tests = [at_rate(RUBBER, "equibiaxial", rate, noise=2e-3, seed=3) for rate in (0.01, 0.1, 1.0)]
     fit = fit_hyperelastic(tests, law="mooney-rivlin", memory=MEMORY)
     np.testing.assert_allclose(fit.law.constants, RUBBER.constants, rtol=5e-3)
@@ -207,7 +207,7 @@ def test_a_memory_needs_a_clock():
 # -- what is wrong with confidence ---------------------------------------------------------------
 
 
-def test_tension_alone_does_not_tell_the_second_constant():
+def test_fit_hyperelastic_of_tension_leaves_the_second_constant_undetermined():
     """The trap of C01: uniaxial tension follows to 1 %, equibiaxial tension is not determined."""
     alone = loaded(RUBBER, "uniaxial", noise=0.01)
     fit = fit_hyperelastic([alone])
@@ -218,7 +218,7 @@ def test_tension_alone_does_not_tell_the_second_constant():
     assert both["C01"].high - both["C01"].low < 0.3 * (fit["C01"].high - fit["C01"].low)
 
 
-def test_a_law_that_is_not_stable_in_use_is_told_and_not_chosen():
+def test_fit_hyperelastic_reports_and_avoids_an_unstable_law():
     wrong = Hyperelastic("mooney-rivlin", (0.3e6, -0.12e6))
     tests = [loaded(wrong, "uniaxial", (1, 1.8))]
     named = fit_hyperelastic(tests, law="mooney-rivlin")
@@ -228,7 +228,7 @@ def test_a_law_that_is_not_stable_in_use_is_told_and_not_chosen():
     assert check(fit_hyperelastic(tests), "stable_in_use").passed
 
 
-def test_use_beyond_what_was_measured_is_told():
+def test_fit_hyperelastic_reports_use_outside_the_measured_range():
     tests = [loaded(RUBBER, mode) for mode in SHEARING]
     assert not failed(fit_hyperelastic(tests, stretches=(0.8, 1.9)))
     assert failed(fit_hyperelastic(tests, stretches=(1.0, 2.5))) == {"use_range_measured"}
@@ -247,7 +247,7 @@ def cycled(law, *, lost=0.0, softens=0.0):
 @pytest.mark.parametrize(("lost", "softens", "name"),
                          [(0.2, 0.0, "loading_reversible"), (0.0, 0.1,
                           "specimen_conditioned")])  # fmt: skip
-def test_hysteresis_and_softening_are_told(lost, softens, name):
+def test_fit_hyperelastic_reports_hysteresis_and_softening(lost, softens, name):
     beside = [loaded(RUBBER, mode) for mode in ("equibiaxial", "planar")]
     assert not failed(fit_hyperelastic([cycled(RUBBER), *beside]))
     fit = fit_hyperelastic([cycled(RUBBER, lost=lost, softens=softens)])
@@ -266,14 +266,14 @@ def test_the_last_whole_loading_is_taken_unless_another_is_named():
 
 
 @pytest.mark.parametrize("slack", [0.04, -0.04])
-def test_slack_is_told(slack):
+def test_fit_hyperelastic_reports_slack(slack):
     test = loaded(RUBBER, "uniaxial", noise=1e-3)
     late = replace(test, stretch=test.stretch + slack)
     assert "zero_stress_at_zero_strain" in failed(fit_hyperelastic([late]))
     assert "zero_stress_at_zero_strain" not in failed(fit_hyperelastic([test]))
 
 
-def test_a_mode_under_a_wrong_name_is_told():
+def test_fit_hyperelastic_reports_a_mislabelled_mode():
     """Pure shear given as uniaxial: the name is worth 22 % of the stress."""
     tests = [loaded(RUBBER, mode, noise=1e-3) for mode in ("uniaxial", "equibiaxial")]
     wrong = [replace(tests[0], mode="equibiaxial"), replace(tests[1], mode="uniaxial")]
@@ -282,19 +282,19 @@ def test_a_mode_under_a_wrong_name_is_told():
     assert not {"labels_agree", "law_residual_small"} & failed(fit_hyperelastic(tests))
 
 
-def test_a_reading_is_not_doubted_where_the_labelled_one_follows():
+def test_labels_check_passes_if_the_stated_mode_follows():
     assert checks.labels_agree(4.0, "planar", 0.0199).passed
     assert checks.labels_agree(4.0, "planar", 0.0201).failed
 
 
-def test_measures_that_nobody_stated_are_told():
+def test_fit_hyperelastic_reports_unstated_measures():
     tests = [loaded(RUBBER, mode) for mode in SHEARING]
     assert failed(fit_hyperelastic([replace(tests[0], stated=False), *tests[1:]])) == {
         "measures_stated"
     }
 
 
-def test_too_few_points_are_told():
+def test_fit_hyperelastic_reports_too_few_points():
     tests = [loaded(RUBBER, mode, rows=4) for mode in ("uniaxial",)]
     assert "rows_enough" in failed(fit_hyperelastic(tests, law="mooney-rivlin"))
 
@@ -313,7 +313,7 @@ def test_what_does_not_fit_together_is_refused(words, says):
         fit_hyperelastic([loaded(RUBBER, "uniaxial")], **words)
 
 
-def test_a_volume_alone_is_no_law():
+def test_fit_hyperelastic_refuses_volumetric_data_only():
     with pytest.raises(FitError, match="gives no law of shape"):
         fit_hyperelastic([loaded(replace(RUBBER, bulk=2e9), "volumetric", (0.97, 1))])
 
@@ -330,7 +330,7 @@ def scattered(law, mode, span, seed, factor=1.0):
 
 @pytest.mark.parametrize("law", [RUBBER, OGDEN], ids=lambda law: law.kind)
 @pytest.mark.parametrize(("factor", "use"), [(1.0, "use"), (0.9, "use with care")])
-def test_modes_that_part_by_a_factor_are_told(law, factor, use):
+def test_fit_hyperelastic_reports_modes_that_differ_by_a_factor(law, factor, use):
     """A piece that Mullins softened by a tenth; .5 % of scatter."""
     for seed in range(3):
         tests = [scattered(law, mode, (1, 2), seed) for mode in ("equibiaxial", "planar")]
@@ -341,7 +341,7 @@ def test_modes_that_part_by_a_factor_are_told(law, factor, use):
     assert check(fit, "modes_enough").passed
 
 
-def test_one_mode_of_a_rubber_is_with_care():
+def test_fit_hyperelastic_of_one_rubber_mode_is_use_with_care():
     one = fit_hyperelastic([scattered(RUBBER, "uniaxial", (1, 2), 0)])
     assert check(one, "modes_enough").failed
     assert one.verdict.use == "use with care"

@@ -57,14 +57,14 @@ def test_the_examples_end_to_end(tmp_path):
         ("Dehnung [mm/mm],Nennspannung Spannung [MPa]", lambda x, P: (x - 1, P / 1e6)),
     ],
 )
-def test_stretch_or_strain_nominal_or_true_is_one_law(tmp_path, head, columns):
+def test_fit_accepts_stretch_or_strain_nominal_or_true(tmp_path, head, columns):
     file = saved(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
     found = law_of(file, "--model", "mooney-rivlin")
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=1e-4)
     assert inspect_file(file).kind == "stress-strain"
 
 
-def test_a_pressed_foam_is_one_law_whatever_the_signs(tmp_path):
+def test_fit_of_a_compressed_foam_is_independent_of_signs(tmp_path):
     x = np.linspace(1, 0.4, 50)
     P = FOAM.nominal("uniaxial", x)
     for mode, strain, stress in (
@@ -124,7 +124,7 @@ def test_rates_without_their_memory(tmp_path):
         ),
     ],
 )
-def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):
+def test_fit_reports_unreadable_stress_strain_files(tmp_path, head, scale, says):
     columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
     columns = [np.arange(50.0), *columns] if "time" in head else columns
     file = saved(tmp_path / "a.csv", head, *columns)
@@ -132,7 +132,7 @@ def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):
     assert says in told
 
 
-def test_no_file_is_asked_for():
+def test_fit_asks_for_a_file():
     assert "FILE..." in did("fit", code=2).output
     with pytest.raises(dp.DashpotError, match="no file"):
         hyperelastic_files({})

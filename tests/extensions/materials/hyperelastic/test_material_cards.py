@@ -157,7 +157,7 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
         ({"bulk_modulus": K, "frequency_range": (1.0, 9.0)}, "take no --band"),
     ],
 )
-def test_what_a_card_lacks_is_asked_for(words, says):
+def test_export_asks_for_missing_options_of_a_material_card(words, says):
     from dataclasses import replace
 
     fit = fitted("mooney-rivlin")
@@ -214,7 +214,7 @@ def cube(deck, mode, stretch):
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize(("mode", "stretch"),
                          [("uniaxial", 0.7), ("equibiaxial", 1.4), ("planar", 1.5)])  # fmt: skip
-def test_one_element_of_calculix_has_the_stress_of_the_law(name, mode, stretch, tmp_path):
+def test_ccx_element_has_the_stress_of_the_hyperelastic_law(name, mode, stretch, tmp_path):
     (tmp_path / "deck.inp").write_text(cube(card("calculix", name), mode, stretch))
     run = subprocess.run(
         ["ccx", "-i", "deck"], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False

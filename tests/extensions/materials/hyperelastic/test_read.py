@@ -22,7 +22,7 @@ def pulled(folder: Path, head: str, clock: np.ndarray) -> Path:
     return path
 
 
-def test_a_sound_clock_is_kept(tmp_path: Path) -> None:
+def test_read_stress_strain_keeps_a_valid_clock(tmp_path: Path) -> None:
     found = read_stress_strain(pulled(tmp_path, "time [s]", CLOCK), "uniaxial")
     np.testing.assert_allclose(found.time, CLOCK)
 
@@ -32,7 +32,7 @@ def test_a_sound_clock_is_kept(tmp_path: Path) -> None:
     [("time", CLOCK, "has no unit"), ("time [s]", CLOCK % 5, "time falls from 4.75 s")],
     ids=["no unit", "starts again"],
 )
-def test_a_clock_that_is_none_is_left_out_with_a_note(
+def test_read_stress_strain_omits_an_invalid_clock_with_a_note(
     tmp_path: Path, head: str, clock: np.ndarray, says: str
 ) -> None:
     found = read_stress_strain(pulled(tmp_path, head, clock), "uniaxial")
@@ -42,7 +42,7 @@ def test_a_clock_that_is_none_is_left_out_with_a_note(
     assert says in note
 
 
-def test_where_the_speed_matters_it_is_asked_for(tmp_path: Path) -> None:
+def test_read_cld_asks_for_the_unit_of_the_clock(tmp_path: Path) -> None:
     path = tmp_path / "press.csv"
     path.write_text(csv("time,displacement [mm],force [N]", CLOCK, PULL / 5, PULL / 10))
     with pytest.raises(ReadError, match="has no unit"):
@@ -76,7 +76,7 @@ def test_sizes_of_a_piece_that_was_pressed_show_it_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("ratio", "sign"), [(0.61, 1.0), (0.15, -1.0)])
-def test_a_strain_sideways_that_cannot_be_is_asked_about(
+def test_read_stress_strain_asks_about_an_impossible_lateral_strain(
     tmp_path: Path, ratio: float, sign: float
 ) -> None:
     with pytest.raises(ReadError, match=r"expected 0 to 0\.6\. Check its unit and its sign"):

@@ -73,7 +73,7 @@ class TestLaws:
             numbers(ViscousContact(K)), rel=1e-7
         )
 
-    def test_a_slow_arm_is_a_spring_and_a_fast_one_a_dashpot(self):
+    def test_relaxing_contact_has_spring_and_dashpot_limits(self):
         glassy = numbers(ViscousContact(1.5 * K))
         assert numbers(RelaxingContact(K, 0.5, 1e3)) == pytest.approx(glassy, rel=1e-4)
         # E_inf g tau is the viscosity of the arm

@@ -62,7 +62,7 @@ class TestTruths:
         holds(found, k=K, modulus=MODULUS, restitution=E, impact_velocity=1.0)
         assert found["modulus"].value == pytest.approx(MODULUS, rel=0.02)
 
-    def test_the_law_is_chosen_and_the_sign_is_found(self):
+    def test_fit_indentation_selects_the_law_and_the_sign(self):
         sound = hit()
         found = fit_indentation(replace(sound, signal=-sound.signal))
         assert (found.law, found.verdict.use) == (HKV, "use")
@@ -126,7 +126,7 @@ class TestSpoilt:
         assert check in failed(found)
         assert found.verdict.use != "use"
 
-    def test_a_clipped_peak_is_left_out(self):
+    def test_fit_indentation_excludes_a_clipped_peak(self):
         found = fitted(spoilt=lambda t, y: np.maximum(y, 0.8 * y.min()))
         holds(found, k=K, restitution=E)
 
@@ -158,7 +158,7 @@ class TestSpoilt:
             assert found.verdict.use == use
             assert "flights_recorded" in failed(found)
 
-    def test_a_bounce_is_left_out(self):
+    def test_fit_indentation_excludes_a_bounce(self):
         t = np.arange(0, 0.06, 1e-5)
         T, _, _, F = ball()
         y = np.interp(t - 3e-3, T, F, left=0, right=0)
@@ -179,7 +179,7 @@ class TestSpoilt:
         assert found["k"].high - found["k"].low > 3 * (quiet["k"].high - quiet["k"].low)
         assert found["k"].low < K < found["k"].high
 
-    def test_a_wrong_mass_beside_a_force(self):
+    def test_fit_indentation_reports_a_mass_that_contradicts_the_force(self):
         test = hit(ball_of=replace(BALL, mass=1.15 * MASS))
         _, force = contacts.recorded(ball(), MASS, 1e5, of="force")
         found = fit_indentation(replace(test, force=force), law=HKV)
@@ -214,7 +214,7 @@ class TestRefusals:
             IndentationTest(np.arange(40.0), np.ones(40), "jerk", BALL, units="SI")
 
 
-def test_what_nothing_shows_is_not_given_a_factor():
+def test_parameters_check_gives_no_factor_for_an_undetermined_parameter():
     assert "c is known within a factor of 99" in parameters_determined("c", 99.0).says
     assert parameters_determined("c", 5e21).says.startswith("c is not known, not even in its size")
     assert parameters_determined("k", 1.0, "c is below 2 N s/m").says.endswith(
@@ -296,7 +296,7 @@ def slight(A, seed):
     return fit_indentation(IndentationTest(t, noisy, "acceleration", BALL, units="SI"), law=HKV)
 
 
-def test_a_loss_that_is_not_told_from_none_is_bounded():
+def test_fit_indentation_bounds_an_insignificant_loss():
     found = slight(1e-6, 3)
     bound = found["viscous_time"]
     assert bound.low == 0
@@ -317,7 +317,7 @@ def test_bounds_of_a_slight_loss_hold(A):
 
 
 @pytest.mark.parametrize("blunt", [-0.04, 0.0, 0.04])
-def test_the_error_of_the_radius_is_in_the_modulus_alone(blunt):
+def test_radius_error_affects_only_the_modulus(blunt):
     """A tip that is 4 % blunter than its radius says makes the modulus 2 % too large."""
     said = replace(BALL, radius=RADIUS / (1 + blunt))
     found = fitted(ball_of=said)

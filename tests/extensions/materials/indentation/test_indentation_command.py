@@ -59,7 +59,7 @@ def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
     assert found["modulus"] == pytest.approx(4e6, rel=2e-3)
 
 
-def test_what_is_missing_or_wrong_is_asked_for(tmp_path, hit):
+def test_fit_asks_for_missing_or_wrong_indentation_input(tmp_path, hit):
     t, y = hit["acceleration"]
     path = saved(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
     assert "--mass 5g" in ran(path, "--kind", "indentation", code=2).stderr

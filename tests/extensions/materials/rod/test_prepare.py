@@ -28,7 +28,7 @@ def base(hz=HZ, modulus=E, ratio=5.0):
     return 1 / (np.cos(z) - ratio * z * np.sin(z))
 
 
-def found(value, hz=HZ, kind=Kind.TRANSMISSIBILITY, ratio=5.0, **how):
+def compute_modulus(value, hz=HZ, kind=Kind.TRANSMISSIBILITY, ratio=5.0, **how):
     how = {"bonded": False, "density": RHO, "part": PART, "mass": ratio * OWN} | how
     return rod_modulus(FRF(hz, value, kind, units="SI"), **how)
 
@@ -41,7 +41,7 @@ def test_the_published_transmissibility():
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 5.0, 50.0])
 def test_the_modulus_comes_back_over_two_resonances(ratio):
     hz = np.arange(20.0, 1200.0, 5.0)
-    one = found(base(hz, ratio=ratio), hz, ratio=ratio, errors=CALIBRATED)
+    one = compute_modulus(base(hz, ratio=ratio), hz, ratio=ratio, errors=CALIBRATED)
     assert one.modulus == pytest.approx(E, rel=1e-9)
 
 
@@ -51,7 +51,7 @@ def test_a_force_on_the_mass_tells_the_same():
     omega = 2 * np.pi * hz
     k = omega * np.sqrt(RHO / modulus)  # the wave number
     stiff = modulus * PART.area * k / np.tan(k * PART.height) - 5 * OWN * omega**2
-    back = found(1 / stiff, hz, Kind.RECEPTANCE)
+    back = compute_modulus(1 / stiff, hz, Kind.RECEPTANCE)
     assert back.modulus == pytest.approx(modulus, rel=1e-9)
 
 
@@ -73,11 +73,11 @@ def test_a_spring_without_mass_is_that_far_off(ratio, massless, third):
 
 
 def test_what_a_degree_and_a_per_cent_do():
-    degree = found(base() * np.exp(1j * np.pi / 180))
+    degree = compute_modulus(base() * np.exp(1j * np.pi / 180))
     told = 100 * (degree.storage / 1e6 - 1)
     assert told == pytest.approx([0.987, 0.234, 0.016, -0.065], abs=2e-3)
     assert degree.loss_factor == pytest.approx([0.0354, 0.0967, 0.1086, 0.1134], abs=1e-4)
-    gain = 100 * (found(1.01 * base()).storage / 1e6 - 1)
+    gain = 100 * (compute_modulus(1.01 * base()).storage / 1e6 - 1)
     assert gain == pytest.approx([-3.45, -0.17, 0.49, 0.76], abs=0.01)
 
 
@@ -87,15 +87,15 @@ def test_sensitivities_are_the_slopes(kind, bonded):
     hz = np.array([60.0, 90.0, 140.0, 210.0])
     of = Kind.TRANSMISSIBILITY if kind == "base" else Kind.RECEPTANCE
     value = base(hz) if kind == "base" else base(hz) / 2e3
-    whole, d = found(value, hz, of, bonded=bonded), 1e-6
+    whole, d = compute_modulus(value, hz, of, bonded=bonded), 1e-6
     wide = Disc(0.02 * np.sqrt(1 + d), 0.02)
     moved = {
-        "by_gain": found(value * (1 + d), hz, of, bonded=bonded),
-        "by_phase": found(value * np.exp(1j * d), hz, of, bonded=bonded),
-        "by_mass": found(value, hz, of, bonded=bonded, mass=5 * OWN * (1 + d)),
-        "by_length": found(value, hz, of, bonded=bonded, part=Disc(0.02, 0.02 * (1 + d))),
-        "by_area": found(value, hz, of, bonded=bonded, part=wide),
-        "by_density": found(value, hz, of, bonded=bonded, density=RHO * (1 + d)),
+        "by_gain": compute_modulus(value * (1 + d), hz, of, bonded=bonded),
+        "by_phase": compute_modulus(value * np.exp(1j * d), hz, of, bonded=bonded),
+        "by_mass": compute_modulus(value, hz, of, bonded=bonded, mass=5 * OWN * (1 + d)),
+        "by_length": compute_modulus(value, hz, of, bonded=bonded, part=Disc(0.02, 0.02 * (1 + d))),
+        "by_area": compute_modulus(value, hz, of, bonded=bonded, part=wide),
+        "by_density": compute_modulus(value, hz, of, bonded=bonded, density=RHO * (1 + d)),
     }
     if bonded:
         stiff = replace(PART, poisson=0.4995)
@@ -115,12 +115,12 @@ def test_sensitivities_are_the_slopes(kind, bonded):
 
 def test_a_bonded_cylinder_is_stiffer_than_its_material():
     stiffer = PART.factor() / PART.factor(bonded=False)
-    assert found(base(), bonded=True).modulus == pytest.approx(E / stiffer, rel=1e-9)
+    assert compute_modulus(base(), bonded=True).modulus == pytest.approx(E / stiffer, rel=1e-9)
 
 
-def test_the_band_is_where_both_are_known():
+def test_rod_band_is_where_storage_and_loss_are_determined():
     hz = np.arange(10.0, 300.0, 2.0)
-    one = found(base(hz), hz, errors=RodErrors(0.003, 0.003, 0.0, 0.0, 0.0))
+    one = compute_modulus(base(hz), hz, errors=RodErrors(0.003, 0.003, 0.0, 0.0, 0.0))
     low, high = one.band
     inside = (hz >= low) & (hz <= high)
     good = (one.storage_sd < 0.1 * one.storage) & (one.loss_factor_sd < 0.1 * one.loss_factor)
@@ -128,7 +128,7 @@ def test_the_band_is_where_both_are_known():
     assert low > 10
     assert low < 105 < high
     assert not good[hz < low][-1]
-    bad = found(base(hz), hz, errors=RodErrors(gain=2.0, phase=2.0))
+    bad = compute_modulus(base(hz), hz, errors=RodErrors(gain=2.0, phase=2.0))
     assert np.isnan(bad.band).all()
 
 
@@ -137,7 +137,7 @@ def test_the_scatter_of_lines_that_come_without_it_is_counted():
     draw = np.random.default_rng(3).standard_normal
     noisy = base(hz) * (1 + 0.02 * (draw(len(hz)) + 1j * draw(len(hz))))
     sure = RodErrors(*[0.0] * 8)
-    one, clean = found(noisy, hz, errors=sure), found(base(hz), hz, errors=sure)
+    one, clean = compute_modulus(noisy, hz, errors=sure), compute_modulus(base(hz), hz, errors=sure)
     off = (one.storage - 1e6) / one.storage_sd
     assert 0.9 < np.sqrt(np.mean(off[one.usable] ** 2)) < 1.1
     assert clean.band == (20.0, 299.0)
@@ -148,7 +148,7 @@ def test_the_scatter_of_lines_that_come_without_it_is_counted():
                                                          (1.0, 5, False)])  # fmt: skip
 def test_sensors_are_held_against_each_other_at_rest(gain, degrees, holds):
     hz = np.arange(5.0, 300.0, 1.0)
-    one = found(gain * base(hz) * np.exp(1j * np.radians(degrees)), hz)
+    one = compute_modulus(gain * base(hz) * np.exp(1j * np.radians(degrees)), hz)
     assert {check.name: check.passed for check in one.checks}["sensors_agree"] is holds
 
 
@@ -182,7 +182,7 @@ def use_of(one):
 
 
 @pytest.mark.parametrize("fault", [1.0, 1.02, np.exp(1j * np.radians(1)), np.exp(0.03j)])
-def test_sensors_apart_are_put_right_at_rest(fault):
+def test_rod_modulus_corrects_sensor_gain_and_phase(fault):
     """Loss and storage hold on nine lines of ten, whatever gain and phase the sensors have."""
     for seed in range(5):
         one, storage, loss = noisy_rod(seed, fault)
@@ -209,11 +209,11 @@ def test_a_rocking_mode_is_no_solid(rocking):
     assert 0.7 < check.value < 1.4
 
 
-def test_lines_lost_in_noise_are_left_out():
+def test_rod_modulus_omits_lines_lost_in_noise():
     """Where T is 1 within its noise no modulus is reported; the others stay."""
     value = base(LINES)
     value[:3] = 1 / (1 + 0.9j)
-    one = found(value, LINES, errors=CALIBRATED)
+    one = compute_modulus(value, LINES, errors=CALIBRATED)
     assert len(one.frequency) <= len(LINES)
     assert one.modulus[40:] == pytest.approx(E, rel=0.02)
 
@@ -221,7 +221,7 @@ def test_lines_lost_in_noise_are_left_out():
 def test_refusals():
     for how in ({"mass": 0.0}, {"density": -1.0}):
         with pytest.raises(DataError, match="above 0"):
-            found(base(), **how)
+            compute_modulus(base(), **how)
 
 
 # -- glue ------------------------------------------------------------------------------------------
@@ -242,7 +242,7 @@ def glued(hz, give, ratio=5.0, modulus=E):
 @pytest.mark.parametrize("give", [0.0, 0.06, 0.12])
 def test_intervals_hold_a_rod_on_glue_and_say_so(give):
     hz = np.arange(20.0, 300.0, 1.0)
-    one = found(glued(hz, give), hz)
+    one = compute_modulus(glued(hz, give), hz)
     usable = one.usable
     assert np.count_nonzero(usable) > 50
     off = np.abs(one.storage - 1e6)[usable] / one.storage_sd[usable]
@@ -250,5 +250,5 @@ def test_intervals_hold_a_rod_on_glue_and_say_so(give):
     assert max(off.max(), loss.max()) < 1.96
     if give == 0.12:
         # moulded to its plates, as its user says, it is known better, and this one is not
-        sure = found(glued(hz, give), hz, errors=RodErrors(glue=0.0))
+        sure = compute_modulus(glued(hz, give), hz, errors=RodErrors(glue=0.0))
         assert (np.abs(sure.storage - 1e6) / sure.storage_sd)[usable].max() > 1.96

@@ -52,7 +52,7 @@ def written(path, value, hz=HZ, *, phase=None):
 ran = partial(shell.did, "fit")
 
 
-def told(path, *words):
+def read_result(path, *words):
     return json.loads(ran(path, *(words or WORDS), "--json").stdout)
 
 
@@ -70,7 +70,7 @@ def off(found):
     return np.abs(storage[used]).max(), np.abs(loss[used]).max()
 
 
-def test_from_a_file_to_a_part(tmp_path):
+def test_fit_of_a_rod_file_writes_a_part(tmp_path):
     path = written(tmp_path / "a.csv", shaken())
     solid, picture = str(tmp_path / "fit.json"), tmp_path / "rod.svg"
     found = json.loads(ran(path, *WORDS, "--json", "-o", solid, "--plot", str(picture)).stdout)
@@ -99,7 +99,7 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     rows = np.column_stack([HZ, value.real, value.imag, np.full(len(HZ), 0.9999)])
     head = "frequency [Hz],transmissibility real [g/g],transmissibility imaginary [g/g],coherence"
     np.savetxt(tmp_path / "c.csv", rows, delimiter=",", header=head, comments="")
-    assert max(off(told(str(tmp_path / "c.csv")))) < 3e-3
+    assert max(off(read_result(str(tmp_path / "c.csv")))) < 3e-3
     rate, count = 2048, 1 << 16
     lines = np.fft.rfftfreq(count, 1 / rate)
     draw = np.random.default_rng(1).standard_normal((2, len(lines)))
@@ -111,7 +111,7 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     np.savetxt(tmp_path / "t.csv", table, delimiter=",", comments="",
                header="time [s],base [m/s^2],mass [m/s^2]")  # fmt: skip
     by = ("--column", "base-acceleration=base", "--column", "acceleration=mass")
-    assert off(told(str(tmp_path / "t.csv"), *WORDS, *by))[0] < 0.01
+    assert off(read_result(str(tmp_path / "t.csv"), *WORDS, *by))[0] < 0.01
 
 
 @pytest.mark.parametrize(
@@ -131,17 +131,17 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     ids=["sign", "polarity", "swapped", "relative", "gain", "delay", "rocking"],
 )
 def test_what_is_spoilt_is_named(tmp_path, spoil, names):
-    found = told(written(tmp_path / "a.csv", spoil(shaken())))
+    found = read_result(written(tmp_path / "a.csv", spoil(shaken())))
     assert names <= failed(found)
     assert found["verdict"]["verdict_grade"] != "use"
 
 
-def test_a_phase_that_was_folded_is_named_and_one_unwrapped_is_not(tmp_path):
+def test_fit_reports_a_folded_phase_and_accepts_an_unwrapped_one(tmp_path):
     hz = np.arange(20.0, 2500.0, 4.0)
     value = shaken(hz)
     turned = np.degrees(np.unwrap(np.angle(value)))
-    assert max(off(told(written(tmp_path / "a.csv", value, hz, phase=turned)))) < 3e-3
-    folded = told(written(tmp_path / "b.csv", value, hz, phase=np.abs(np.degrees(np.angle(value)))))
+    assert max(off(read_result(written(tmp_path / "a.csv", value, hz, phase=turned)))) < 3e-3
+    folded = read_result(written(tmp_path / "b.csv", value, hz, phase=np.abs(np.degrees(np.angle(value)))))
     assert {"frf_dissipates", "loss_positive"} <= failed(folded)
 
 
@@ -149,13 +149,13 @@ def test_masses_far_off_are_named(tmp_path):
     path = written(tmp_path / "a.csv", shaken())
     for mass, density in (("3.14g", "1000"), ("31.4g", "10000")):
         words = (*WORDS[:2], "--density", density, "--mass", mass)
-        assert {"waves_plane", "one_solid_explains_lines"} & failed(told(path, *words))
+        assert {"waves_plane", "one_solid_explains_lines"} & failed(read_result(path, *words))
 
 
 def test_what_no_line_shows_is_a_scale(tmp_path):
     """A mass 10 % off is a modulus some 9.9 % off: nothing in one resonance knows the mass."""
     value = shaken(mass=31.4e-3 / 1.1)
-    found = told(written(tmp_path / "a.csv", value))
+    found = read_result(written(tmp_path / "a.csv", value))
     at = found["frequency"].index(HZ[np.abs(value).argmax()])
     there = found["storage"][at] / rubber(found["frequency"][at]).real - 1
     assert there == pytest.approx(0.099, abs=0.01)
@@ -179,7 +179,7 @@ def test_the_example(tmp_path):
         ((*WORDS, "--band", "300:400Hz", "-o", "fit.json"), "-o writes a fit"),
     ],
 )
-def test_what_is_missing_or_wrong_is_asked_for(tmp_path, words, says):
+def test_fit_asks_for_missing_or_wrong_rod_input(tmp_path, words, says):
     path = written(tmp_path / "a.csv", shaken())
     assert says in " ".join(ran(path, *words, code=2).stderr.split())
 

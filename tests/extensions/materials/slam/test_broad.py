@@ -45,7 +45,7 @@ def pressed(g: np.ndarray, tau: np.ndarray, random: np.random.Generator) -> dp.F
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("truth", "use"), [(FEW, "use"), (BROAD, "use with care")])
-def test_one_arm_is_not_trusted_beside_a_broad_spectrum(
+def test_impact_fit_with_one_arm_warns_for_a_broad_spectrum(
     tmp_path: Path, truth: tuple[np.ndarray, np.ndarray], use: str
 ) -> None:
     random = np.random.default_rng(0)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from kit.fits import a_fit
-from kit.shell import ran, told
+from kit.shell import ran, run_json
 
 from dashpot.extensions.materials.slam.examples import EXAMPLES
 from dashpot.solids.demo_seals import PAPER
@@ -23,9 +23,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def test_a_slam_is_predicted_and_kept(folder: Path, tmp_path: Path) -> None:
+def test_predict_writes_an_impact(folder: Path, tmp_path: Path) -> None:
     page, how = tmp_path / "slam.html", ("--drop", "0.3m/s", "--mass", "200g", "--seals", "2")
-    found = told("predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg")
+    found = run_json("predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg")
     assert found["schema"] == "dashpot/slammed@2"
     force = found["values"][0]
     # of the straight law 393 x, as the table has it
@@ -63,7 +63,7 @@ def test_slams_are_recognised_fitted_and_predicted_from(folder: Path, tmp_path: 
     )  # fmt: skip
     assert "recognised slam.csv: a record of slams of a mass on a piece" in done.stderr
     assert "from three slams" in done.stdout
-    found = told("predict", kept, "--mass", "104g")
+    found = run_json("predict", kept, "--mass", "104g")
     assert found["schema"].startswith("dashpot/")
     missing = ran("fit", folder / "slam.csv")
     assert missing.exit_code == 2

@@ -131,7 +131,7 @@ def test_three_speeds_and_the_slow_law_tell_the_loss_factor() -> None:
     assert again.motion.rebound == pytest.approx(found.hits[1].rebound, rel=2e-3)
 
 
-def test_one_slam_on_a_free_law_determines_nothing() -> None:
+def test_fit_of_one_impact_on_a_free_law_is_undetermined() -> None:
     found = fitted(1, (0.6,))
     assert found.verdict.use == "do not use"
     assert "not determined" in found.verdict.says
@@ -179,7 +179,7 @@ def record(*speeds: float, rest: float = 0.5) -> dp.SlamTest:
     return dp.SlamTest(np.arange(len(force)) / RATE, force=force, units="s, N")
 
 
-def test_slams_in_one_record_are_told_apart() -> None:
+def test_slams_of_separates_impacts_of_one_record() -> None:
     found = slams_of(record(*THREE), MASS, "slam.csv")
     assert [one.name for one in found] == [f"slam.csv, impact {i}" for i in (1, 2, 3)]
     begins = 0.0
@@ -200,7 +200,7 @@ def test_slams_in_one_record_are_told_apart() -> None:
         ({"mass": "200g", "slam": "0.3"}, "expected the speed at the touch"),
     ],
 )
-def test_what_is_missing_is_said(how: dict[str, object], says: str) -> None:
+def test_fit_slams_reports_missing_input(how: dict[str, object], says: str) -> None:
     with pytest.raises(DataError, match=re.escape(says)):
         fit_slams([record(0.6)], **how)
 
@@ -214,7 +214,7 @@ def test_noise_is_no_slam() -> None:
         dp.SlamTest(np.arange(4000) / RATE, units="SI")
 
 
-def test_a_load_deflection_law_is_known_to_one_per_cent_at_best() -> None:
+def test_impact_law_from_load_deflection_has_one_per_cent_error() -> None:
     law = cubic(LAW)
     known = SlamLaw.from_fit(replace(a_fit(GeneralizedMaxwell(law.stiffness)), elastic_law=law))
     P = known.precision * LAW
@@ -288,7 +288,7 @@ def pulses(*starts: float) -> dp.SlamTest:
     return dp.SlamTest(time, force=force, units="s, N")
 
 
-def test_no_row_is_of_two_slams_and_none_is_free_of_noise():
+def test_slams_of_shares_no_sample_and_estimates_noise():
     first, second = slams_of(pulses(0.0, 0.017), MASS, "hits")
     assert first.time[-1] <= second.time[0]
     assert [one.noise for one in (first, second)] == pytest.approx([50e-4] * 2, rel=1e-3)

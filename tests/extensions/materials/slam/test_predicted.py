@@ -155,7 +155,7 @@ def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
 
 
 @pytest.mark.usefixtures("coarse")
-def test_what_lies_beyond_the_test_is_marked() -> None:
+def test_predict_slam_marks_conditions_outside_the_test() -> None:
     fit = seal(LAWS["stiff"])
     deep = predict_slam(fit, slam=2.0, mass="200g")
     marked = {one.name for one in deep.checks if one.failed}
@@ -188,7 +188,7 @@ def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
         ({"slam": "18mm", "mass": "200kg"}, "not thrown back"),
     ],
 )
-def test_what_cannot_be_asked_says_so(how: dict[str, str], says: str) -> None:
+def test_predict_slam_refuses_invalid_options(how: dict[str, str], says: str) -> None:
     with pytest.raises(DataError, match=re.escape(says)):
         dp.predict(seal(LAWS["linear"]), **how)
 

@@ -31,7 +31,7 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def former(unpacked: Path, tmp_path: Path) -> Project:
+def version_1(unpacked: Path, tmp_path: Path) -> Project:
     """A copy of the saved project to change."""
     return folder.open_project(shutil.copytree(unpacked, tmp_path / "pj"))
 
@@ -62,7 +62,7 @@ def rewrite_record(project: Project, old: str, new: str) -> None:
     (project.folder / "history.head").write_text(f"1 {mark}\n")
 
 
-def test_a_former_project_verifies(unpacked: Path) -> None:
+def test_verify_accepts_a_version_1_project(unpacked: Path) -> None:
     project = folder.open_project(unpacked)
     checks = verify(project, page=page, expect=HEAD)
     assert project.head == HEAD
@@ -76,15 +76,15 @@ def test_a_former_project_verifies(unpacked: Path) -> None:
     assert same.value < 1e-7
 
 
-def test_a_changed_file_of_a_former_project_is_still_found(former: Project) -> None:
-    raw = former.folder / "raw" / "s.csv"
+def test_verify_finds_a_changed_file_of_a_version_1_project(version_1: Project) -> None:
+    raw = version_1.folder / "raw" / "s.csv"
     raw.write_text(raw.read_text().replace("0.", "1.", 1))
-    assert judge(former)["file_unchanged"].grade == "stop"
+    assert judge(version_1)["file_unchanged"].grade == "stop"
 
 
-def test_another_number_of_the_solid_is_said_and_not_called_tampering(former: Project) -> None:
-    rewrite_record(former, '"tau": 0.5', '"tau": 0.6')
-    failed = judge(former)
+def test_verify_reports_another_stiffness_without_calling_it_tampering(version_1: Project) -> None:
+    rewrite_record(version_1, '"tau": 0.5', '"tau": 0.6')
+    failed = judge(version_1)
     assert set(failed) == {"former_result_recomputed", "uncertainty_unrevised"}
     check = failed["former_result_recomputed"]
     assert check.grade == "limit"
@@ -92,20 +92,20 @@ def test_another_number_of_the_solid_is_said_and_not_called_tampering(former: Pr
     assert "Its files are as they were recorded, so the version changed it" in check.says
 
 
-def test_a_result_that_is_added_to_a_former_project_is_of_the_present_version(
-    former: Project,
+def test_result_added_to_a_version_1_project_is_of_version_2(
+    version_1: Project,
 ) -> None:
-    folder.record(former, Job(str(former.folder / "raw" / "s.csv"), arms=1), page=page)
-    assert folder.SCHEMA in (former.folder / "dashpot.toml").read_text()
-    assert {check.name for check in verify(former, page=page) if check.failed} == {
+    folder.record(version_1, Job(str(version_1.folder / "raw" / "s.csv"), arms=1), page=page)
+    assert folder.SCHEMA in (version_1.folder / "dashpot.toml").read_text()
+    assert {check.name for check in verify(version_1, page=page) if check.failed} == {
         "uncertainty_unrevised"
     }
 
 
-def test_a_project_of_a_newer_version_is_refused(former: Project) -> None:
-    (former.folder / "dashpot.toml").write_text('schema = "dashpot/project@9"\n')
+def test_a_project_of_a_newer_version_is_refused(version_1: Project) -> None:
+    (version_1.folder / "dashpot.toml").write_text('schema = "dashpot/project@9"\n')
     with pytest.raises(dp.ReadError, match=r"has schema 'dashpot/project@9'.*Update dashpot"):
-        folder.open_project(former.folder)
+        folder.open_project(version_1.folder)
 
 
 def test_what_both_documents_hold_is_compared() -> None:

@@ -58,7 +58,7 @@ def without_digest(value: Any) -> Any:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_converted_document_has_no_former_key(name: str) -> None:
+def test_converted_document_has_no_version_1_key(name: str) -> None:
     document = json.loads(read_text(name))
     converted = convert_document(document)
     former = {schema: {*keys, *EVERYWHERE} for schema, keys in RENAMED_KEYS.items()}
@@ -72,7 +72,7 @@ def test_a_converted_document_has_no_former_key(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", RETURNED)
-def test_a_former_document_reads_as_its_value(name: str) -> None:
+def test_version_1_document_reads_as_its_value(name: str) -> None:
     result = from_json(read_text(name))
     converted = without_digest(convert_document(json.loads(read_text(name))))
     written = without_digest(json.loads(to_json(result)))
@@ -89,7 +89,7 @@ def without_texts(value: Any) -> Any:
     return "" if isinstance(value, str) and " " in value else value
 
 
-def test_a_former_fit_equals_the_one_that_is_made_now(tmp_path: Path) -> None:
+def test_version_1_fit_equals_a_new_fit(tmp_path: Path) -> None:
     head, *rows = files()["seal.csv"][0].splitlines()
     (tmp_path / "s.csv").write_text("\n".join([head, *rows[::3]]) + "\n")
     former = to_document(from_json(read_text("fit")))
@@ -117,14 +117,14 @@ def test_the_page_of_documents_is_that_of_the_code() -> None:
     assert written.format_page() == page, "run `python docs/documents.py`"
 
 
-def test_an_edited_former_fit_is_refused() -> None:
+def test_edited_version_1_fit_is_refused() -> None:
     document = json.loads(read_text("levels"))
     document["mass"] *= 2
     with pytest.raises(dp.ReadError, match="changed by hand"):
         from_json(json.dumps(document))
 
 
-def test_a_key_of_the_present_version_is_unknown_to_a_former_one() -> None:
+def test_version_1_document_refuses_a_version_2_key() -> None:
     document = json.loads(read_text("plugin-fit"))
     document["nonsense"] = 1
     with pytest.raises(dp.ReadError, match='"nonsense", which this version'):
@@ -149,7 +149,7 @@ def test_an_unknown_schema_is_refused_with_what_to_do(schema: str | None, says: 
     assert says in str(refusal.value)
 
 
-def test_a_digest_of_a_former_document_is_of_what_it_held() -> None:
+def test_version_1_digest_covers_its_content() -> None:
     document = json.loads(read_text("levels"))
     assert compute_document_digest(document) == document["digest"]
     assert "digest" not in convert_document(document)
