@@ -233,7 +233,7 @@ def _leave_out_digest(entries: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare(before: Path, after: Path, pattern: str, relative: float, worst: int) -> bool:
-    from dashpot.base.document_versions import convert_document
+    from dashpot.extensions.projects.document_versions import convert_document
 
     def read(text: str) -> Any:
         """Answers under the present keys, without what a digest of former ones would be."""

@@ -423,7 +423,7 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
     assert said in shell
     ndc = int(re.search(r"ndc (\d+)", said)[1])
     assert ndc == math.floor(found.main.gauge.categories)
-    for able in found.main.known.values():
+    for able in found.main.capabilities.values():
         cpk, low, high = able.cells
         assert f"Cpk {cpk} ({low} to {high})" in shell
         assert re.search(rf"{cpk}\s+{low}\s+{high}", text)

@@ -79,7 +79,7 @@ def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
     assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
     (check,) = [one for one in lot.checks if one.name == "records_distinct"]
     assert check.failed
-    assert [one.says for one in summary(lot).flags if one.file == "L1/2_2.csv"] == [
+    assert [one.message for one in summary(lot).flags if one.file == "L1/2_2.csv"] == [
         "the same record as L1/1_1.csv: left out of the statistics"
     ]
 

@@ -142,7 +142,7 @@ def test_what_stands_out_is_named_and_what_does_not_is_not():
     rows[21]["k_end_N_per_m"] += 12  # one test of seal 5
     flags = summary(lot_of(rows)).flags
     assert {(one.seal, one.file) for one in flags} == {("3", ""), ("5", ""), ("5", "5_1.csv")}
-    said = {one.seal + one.file: one.says for one in flags}
+    said = {one.seal + one.file: one.message for one in flags}
     assert "above the median seal of its lot" in said["3"]
     assert "its repeats scatter by" in said["5"]
     assert "above the other tests of its seal" in said["55_1.csv"]
@@ -289,8 +289,8 @@ def test_a_copy_is_counted_and_says_nothing():
     twice = summary(lot_of([*rows, {**rows[0], "file": "again.csv", "seal": "13"}]))
     assert [len(one.main.seals) for one in (alone, twice)] == [12, 12]
     assert twice.lot.copies == {"again.csv": rows[0]["file"]} or len(twice.lot.copies) == 1
-    assert "1 copy" in twice.lights[0].says
-    assert "copy" not in alone.lights[0].says
+    assert "1 copy" in twice.lights[0].message
+    assert "copy" not in alone.lights[0].message
     assert twice.main.gauge.categories == alone.main.gauge.categories
 
 

@@ -199,7 +199,7 @@ def outcome(job: BatchJob, found: Summary) -> CommandResult:
     filled = LotOutput(str(job.output), found, quantity)
     lines = [
         *(
-            f"{light.name:<12}{_LIGHTS[light.mark]}{ascii_only(light.says)}"
+            f"{light.name:<12}{_LIGHTS[light.mark]}{ascii_only(light.message)}"
             for light in found.lights
         ),
         *_format_lot_counts(lot),

@@ -95,7 +95,10 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             "base-uri 'none'; form-action 'none'",
             verdict=verdict,
             colour=COLOURS[verdict.use],
-            lights=[light._replace(name=light.name.capitalize()) for light in found.lights],
+            lights=[
+                {"name": light.name.capitalize(), "mark": light.mark, "says": light.message}
+                for light in found.lights
+            ],
             counts=_counts(lot, main),
             simulated=[format_count(lot.simulated_count, "file")] if lot.simulated_count else [],
             quantity=main.quantity,
@@ -441,7 +444,7 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
             "mark": "care" if flag.weighty else "note",
             "name": where or flag.file,
             "filter": flag.file or f"seal {flag.seal}",
-            "says": flag.says,
+            "says": flag.message,
         }
 
 
@@ -480,7 +483,7 @@ def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
         )
     for flag in summary.flags:
         if not flag.file or flag.weighty:
-            why[flag.lot, flag.seal or flag.file].append(flag.says)
+            why[flag.lot, flag.seal or flag.file].append(flag.message)
     return why
 
 

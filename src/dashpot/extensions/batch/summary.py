@@ -64,27 +64,23 @@ class Flag(NamedTuple):
     ----------
     lot, seal, file : str
         Of which; `file` is empty where it is the seal.
-    says : str
+    message : str
     weighty : bool
         Whether the statistics feel it, or would.
     """
 
-    keys = ("*", "message=says")
-
     lot: str
     seal: str
     file: str
-    says: str
+    message: str
     weighty: bool = True
 
 
 class ExcludedFile(NamedTuple):
     """File that was excluded from a lot, with the reason."""
 
-    keys = ("*", "reason=says")
-
     file: str
-    says: str
+    reason: str
 
 
 class LotLight(NamedTuple):
@@ -96,14 +92,12 @@ class LotLight(NamedTuple):
         ``"files"``, ``"measuring"``, ``"control"`` or ``"limits"``.
     mark : str
         ``"good"``, ``"note"``, ``"care"`` or ``"bad"``.
-    says : str
+    message : str
     """
-
-    keys = ("*", "message=says")
 
     name: str
     mark: str
-    says: str
+    message: str
 
 
 class Signals(NamedTuple):
