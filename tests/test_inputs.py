@@ -158,9 +158,7 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
         (BatchOptions, batch), (Job, characterise),
     ],
 )  # fmt: skip
-def test_python_defaults_equal_option_defaults(
-    cls: type, function: Callable[..., Any]
-) -> None:
+def test_python_defaults_equal_option_defaults(cls: type, function: Callable[..., Any]) -> None:
     usually = {
         one.name: one.default for one in iterate_option_fields(cls) if not is_path_field(one)
     }

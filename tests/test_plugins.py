@@ -264,9 +264,7 @@ def test_plugin_kind_fault_is_reported_in_a_sentence(
     assert "odd 0.1.0" in done.stderr
 
 
-def test_plugin_cannot_take_built_in_names(
-    installed: Callable[..., None], tmp_path: Path
-) -> None:
+def test_plugin_cannot_take_built_in_names(installed: Callable[..., None], tmp_path: Path) -> None:
     stolen = "def nastran(solid, *, units, name):\n    raise SystemExit('stolen')\n"
     kind = "def fit(columns, options):\n    raise SystemExit('stolen')\n"
     installed(

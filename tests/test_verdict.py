@@ -251,11 +251,17 @@ def test_disturbed_records_whose_result_is_wrong_are_not_to_be_used() -> None:
     """Also those that are sound but for what the record cannot show, such as a slow arm."""
     kinds = [KINDS[i] for i in (14, 16, 18, 19, 20)]
     groups = {
-        name: [evaluate_record(trial(kind, seed=seed, bench=bench)) for kind in kinds for seed in range(2)]
+        name: [
+            evaluate_record(trial(kind, seed=seed, bench=bench))
+            for kind in kinds
+            for seed in range(2)
+        ]
         for name, bench in DISTURBANCES.items()
     }
     groups |= {
-        law: [evaluate_record(trial(kind, seed=seed, law=law)) for kind in kinds for seed in range(2)]
+        law: [
+            evaluate_record(trial(kind, seed=seed, law=law)) for kind in kinds for seed in range(2)
+        ]
         for law in LAWS
         if law != "linear"
     }

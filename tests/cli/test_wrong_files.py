@@ -285,7 +285,9 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
         ("predict fit.json --mass 104g -o frf.uff", "is written as .csv, .json or .html"),
     ],
 )
-def test_command_answers_a_mistyped_word_with_a_suggestion(lab: Path, words: str, says: str) -> None:
+def test_command_answers_a_mistyped_word_with_a_suggestion(
+    lab: Path, words: str, says: str
+) -> None:
     printed = " ".join(run(*words.split(), code=2).split())
     assert re.search(says, printed), printed
     assert not (lab / "report.html").exists()
@@ -354,7 +356,9 @@ def test_fit_request_refuses_a_repeated_single_value():
     with pytest.raises(click.UsageError, match=r"given 2 times\. Give it once"):
         _ = make_request(mass=(0.1, 0.2)).mass
     for output, suffix in (("fit.csv", ".csv"), ("-", ".json"), ("fit", ".json"), (None, None)):
-        assert make_request(output=output).check_output_suffix(".json", ".csv", what="a fit") == suffix
+        assert (
+            make_request(output=output).check_output_suffix(".json", ".csv", what="a fit") == suffix
+        )
     with pytest.raises(
         click.UsageError, match=r"a fit is written as \.json or \.csv or \.html, not as \.txt"
     ):

@@ -17,7 +17,9 @@ LAW = dp.solids.WLF.universal(glass=218.15, reference=REFERENCE)
 TESTED = (273.15, 283.15, REFERENCE)
 
 
-def make_shifts(law=LAW, vertical="T/T_r", parameters=("c1", "c2"), doubt=((1e-2, 0.1), (0.1, 4.0))):
+def make_shifts(
+    law=LAW, vertical="T/T_r", parameters=("c1", "c2"), doubt=((1e-2, 0.1), (0.1, 4.0))
+):
     shifts = tuple(
         Shift(t, float(LAW.log10_a_t(t)), 0.0 if t == REFERENCE else 1e-3, t / REFERENCE)
         for t in TESTED
@@ -100,7 +102,10 @@ def test_a_law_is_refused_nearer_than_ten_kelvin_to_the_glass_transition():
         FIT.model_at(temperature=228.1)
     # what was tested is known whatever the law says of the glass
     glassy = dp.solids.WLF(LAW.c1, 60.0, REFERENCE)
-    assert replace(FIT, temperatures=make_shifts(glassy)).model_at(temperature=273.15).arms == BROAD.arms
+    assert (
+        replace(FIT, temperatures=make_shifts(glassy)).model_at(temperature=273.15).arms
+        == BROAD.arms
+    )
 
 
 def test_fit_at_two_temperatures_refuses_extrapolation():

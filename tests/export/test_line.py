@@ -274,7 +274,9 @@ def test_a_deck_says_the_stiffness_of_the_line(target, units):
 @pytest.mark.parametrize("target", list(READERS))
 def test_without_shear_a_deck_says_that_nothing_holds_sideways(target):
     text = deck(target, "mm-t-s", None, pitch=0.5)
-    assert compute_largest_difference(summed(target, text, "mm-t-s").real, stated(NORMAL_ONLY)) < 1e-5
+    assert (
+        compute_largest_difference(summed(target, text, "mm-t-s").real, stated(NORMAL_ONLY)) < 1e-5
+    )
     assert "no shear is given: the line holds nothing sideways" in text
     assert "across it: 0.35 of it; along it: 0.15 of it" in deck(target, "SI", pitch=0.5)
 

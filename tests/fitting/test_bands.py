@@ -213,7 +213,9 @@ def test_the_fit_and_the_truth_lie_within_the_lines(broad_fit: Fit, broad_test: 
             assert np.mean((limits[0] <= value) & (value <= limits[1])) >= least
 
 
-def test_unresolved_arm_band_is_independent_of_other_lines(broad_fit: Fit, broad_test: RampHold) -> None:
+def test_unresolved_arm_band_is_independent_of_other_lines(
+    broad_fit: Fit, broad_test: RampHold
+) -> None:
     many = unseen_arm_band(broad_fit, broad_test, LINES[::2])
     few = unseen_arm_band(broad_fit, broad_test, LINES[::20])
     assert many.storage[:, ::10] == pytest.approx(few.storage, rel=1e-3)

@@ -64,7 +64,9 @@ def hammer(seed: int, *, scale: float = 1.0, mass: float = MASS, gain: float = 1
 
 
 def joint(seed: int, **hit: float) -> Fit:
-    return identify(hammer(seed, **hit), tests=pressed(seed), fit=fit_relaxation(seed), mass=MASS, seals=2)
+    return identify(
+        hammer(seed, **hit), tests=pressed(seed), fit=fit_relaxation(seed), mass=MASS, seals=2
+    )
 
 
 @cache
@@ -111,7 +113,11 @@ def test_explanations_name_stiffer_seals_under_the_hammer(scale: float) -> None:
     assert lead.value == pytest.approx(scale, abs=max(3 * lead.standard_error, 0.003))
     assert lead.fall > 100
     assert found.verdict.use == "do not use"
-    assert "stiffer" in get_agreement_sentence(found) if scale > 1 else "softer" in get_agreement_sentence(found)
+    assert (
+        "stiffer" in get_agreement_sentence(found)
+        if scale > 1
+        else "softer" in get_agreement_sentence(found)
+    )
     assert not any("check the mass" in check.says for check in found.checks)
 
 
@@ -198,7 +204,11 @@ def test_another_mode_in_the_frf_is_no_disagreement() -> None:
     omega = 2 * np.pi * 30.0
     other = 0.02 / 0.1 * s**2 / (s**2 + 0.04 * omega * s + omega**2)
     found = identify(
-        replace(frf, value=frf.value + other), tests=pressed(1), fit=fit_relaxation(1), mass=MASS, seals=2
+        replace(frf, value=frf.value + other),
+        tests=pressed(1),
+        fit=fit_relaxation(1),
+        mass=MASS,
+        seals=2,
     )
     assert any(check.failed for check in found.checks if check.name == "lines_explained")
     assert found.evidence.explanations == ()
@@ -225,7 +235,9 @@ def test_explanations_detect_fifteen_per_cent_over_many_seeds() -> None:
 
 def hardened(seed: int, se: float = 0.01) -> Fit:
     knots, shape = hardening.law()
-    law = ElasticLaw(tuple(knots), tuple(shape), fit_relaxation(seed).model.k_inf, (se,) * len(knots))
+    law = ElasticLaw(
+        tuple(knots), tuple(shape), fit_relaxation(seed).model.k_inf, (se,) * len(knots)
+    )
     return replace(fit_relaxation(seed), elastic_law=law)
 
 

@@ -86,7 +86,9 @@ def test_fit_of_one_arm_to_the_hold_reproduces_the_paper(paper_seal: Generalized
     assert found.model.arm_b[0] == pytest.approx(141.5, abs=0.05)
 
 
-def test_fit_of_one_arm_to_the_full_history_reproduces_the_paper(paper_seal: GeneralizedMaxwell) -> None:
+def test_fit_of_one_arm_to_the_full_history_reproduces_the_paper(
+    paper_seal: GeneralizedMaxwell,
+) -> None:
     found = fit(ideal(paper_seal, rate=1000.0), arms=1, nuisance=())
     assert found.model.k_inf == pytest.approx(202.2, abs=0.05)
     assert found.model.k[0] == pytest.approx(96.2, abs=0.05)

@@ -80,9 +80,7 @@ def test_the_rig_gives_table_1_back_over_20_seeds(
 
 
 @pytest.mark.parametrize("encoder", [2e-5, 1e-4])
-def test_intervals_cover_encoder_errors(
-    paper_seal: GeneralizedMaxwell, encoder: float
-) -> None:
+def test_intervals_cover_encoder_errors(paper_seal: GeneralizedMaxwell, encoder: float) -> None:
     """A quiet load cell: what is wrong comes from the steps of the encoder."""
     rig = Rig(noise=3e-4, hum=0.0, vibration=0.0, encoder=encoder)
     sim = simulate_relaxation(paper_seal, depth=7.987e-3, rig=rig, seed=1)

@@ -154,7 +154,9 @@ def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold)
     assert all(check.passed for check in assembled)
 
 
-def test_identify_uses_an_earlier_fit_as_a_prior(broad_frf: FRF, broad_fit: Fit, joint: Fit) -> None:
+def test_identify_uses_an_earlier_fit_as_a_prior(
+    broad_frf: FRF, broad_fit: Fit, joint: Fit
+) -> None:
     found = identify(
         broad_frf, fit=broad_fit, mass=BROAD_MASS, seals=2, arms=broad_fit.model.arms + 1
     )

@@ -49,7 +49,9 @@ def a_foreign_record(baseline: float) -> RelaxationTest:
     return RelaxationTest(one.time, one.displacement, one.force, units="SI")
 
 
-def expected_force_error(arm: tuple[float, float], *, at: float = 12.71, **changes: object) -> ExpectedError:
+def expected_force_error(
+    arm: tuple[float, float], *, at: float = 12.71, **changes: object
+) -> ExpectedError:
     """What the force alone would tell, without offset, drift and delay."""
     model = PAPER + GeneralizedMaxwell(0.0, (arm[0],), (arm[1],))
     bench = Bench(machine=None, **changes)  # type: ignore[arg-type]

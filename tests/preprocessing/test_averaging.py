@@ -59,7 +59,9 @@ def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float
     assert "averaged each 5 of 41001 samples" in few.steps[-1].says
 
 
-def test_decimate_returns_short_uneven_or_coarse_records_unchanged(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_decimate_returns_short_uneven_or_coarse_records_unchanged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     whole, _ = long_record(monkeypatch, enough=20_501)
     assert decimate(whole) is whole  # not twice as long as enough
     monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", 20_500)

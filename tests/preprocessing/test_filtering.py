@@ -108,9 +108,7 @@ def test_filter_bias_check_rejects_slow_and_causal_filters(ideal: RampHold):
     assert "A causal filter delays the force" in late.says
 
 
-def test_linear_filter_on_both_channels_preserves_the_response(
-    ideal: RampHold, paper_seal
-):
+def test_linear_filter_on_both_channels_preserves_the_response(ideal: RampHold, paper_seal):
     behind = filter_record(ideal, parse_filter("lowpass:5Hz"))
     middle = slice(100, -200)
     expected = paper_seal.force(behind.time, behind.displacement)

@@ -127,9 +127,7 @@ def test_overshoot_and_ringing_belong_to_the_hold():
     rate=st.sampled_from([50.0, 200.0, 1000.0]),
     seed=st.integers(0, 5),
 )
-def test_ideal_ramp_recovers_its_corners(
-    start: float, duration: float, rate: float, seed: int
-):
+def test_ideal_ramp_recovers_its_corners(start: float, duration: float, rate: float, seed: int):
     time = np.arange(0, 30, 1 / rate)
     x = path(time, (0, 0), (start, 0), (start + duration, 8), (30, 8))
     x = x + 1e-3 * np.random.default_rng(seed).standard_normal(len(x))

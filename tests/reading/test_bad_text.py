@@ -322,9 +322,7 @@ def test_all_readings_of_a_file_share_its_time(
             patience.check_time_limit(7)
 
 
-def test_repeated_remark_is_parsed_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_repeated_remark_is_parsed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from dashpot.reading.text import rows
 
     asked, known = [], rows.find_header_change

@@ -135,7 +135,9 @@ def test_hdf5_asks_about_a_stated_factor(tmp_path: Path, name: str, value: Any) 
 
 
 @pytest.mark.parametrize(("name", "value"), list(NEUTRAL.items())[:-1])
-def test_hdf5_accepts_attributes_that_change_no_number(tmp_path: Path, name: str, value: Any) -> None:
+def test_hdf5_accepts_attributes_that_change_no_number(
+    tmp_path: Path, name: str, value: Any
+) -> None:
     test = read_relaxation(hdf5(tmp_path / "a.h5", force={name: value}))
     np.testing.assert_allclose(test.force, FORCE)
     assert not test.source.cautions

@@ -42,7 +42,9 @@ def wide(count: int) -> FileTable:
     return FileTable("made", columns, make_loader(np.zeros((8, len(columns)))))
 
 
-def test_column_names_that_differ_by_a_number_are_scored_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_column_names_that_differ_by_a_number_are_scored_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     judged: list[str] = []
     inner = role_assignment._scores
     monkeypatch.setattr(
@@ -152,7 +154,9 @@ def test_the_name_that_users_give_a_unit_keeps_its_number() -> None:
     assert score(Column("ai_0018"), "force", options) == 0.0
 
 
-def test_column_names_that_differ_by_a_number_are_normalised_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_column_names_that_differ_by_a_number_are_normalised_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     folded: list[str] = []
     inner = vocabulary.normalise_name
     monkeypatch.setattr(

@@ -277,9 +277,7 @@ def parsed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
-def test_recognise_and_read_parse_a_file_once(
-    tmp_path: Path, parsed: list[str]
-) -> None:
+def test_recognise_and_read_parse_a_file_once(tmp_path: Path, parsed: list[str]) -> None:
     path = written(tmp_path, FILES["seal_8mm.csv"].write())
     assert recognise(path).kind == recognise(path).kind == "relaxation"
     first = read_relaxation(path)

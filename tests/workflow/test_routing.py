@@ -41,9 +41,7 @@ def test_several_records_of_a_kind_mean_the_same_fit(kind: str) -> None:
         (("indentation",), {"masses": 1}, "indentation"),
     ],
 )
-def test_options_select_the_fit(
-    kinds: tuple[str, ...], said: dict[str, object], word: str
-) -> None:
+def test_options_select_the_fit(kinds: tuple[str, ...], said: dict[str, object], word: str) -> None:
     assert meant(*kinds, **said) == word
 
 

@@ -243,7 +243,9 @@ def test_elastic_law_of_a_result_can_be_requested():
 
 
 def test_a_response_follows_the_mass(store, page_job):
-    light, heavy = (ask("predict", store, job=page_job | {"mass": mass}) for mass in ("100g", "200g"))
+    light, heavy = (
+        ask("predict", store, job=page_job | {"mass": mass}) for mass in ("100g", "200g")
+    )
     peaks = [one["arrays"]["frf/predicted/x"][one["arrays"]["frf/predicted/y"].argmax()]
              for one in (light, heavy)]  # fmt: skip
     assert peaks[0] / peaks[1] == pytest.approx(2**0.5, rel=0.02)

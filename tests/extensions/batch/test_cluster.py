@@ -89,7 +89,9 @@ def test_cluster_worker_refuses_another_version_or_folder(folder, tmp_path):
     with pytest.raises(DataError, match="such as on a shared drive"):
         run_worker(here, folder=str(tmp_path / "elsewhere"))
     with pytest.raises(DataError, match="such as on a shared drive"):
-        run_worker([Entry(str(Path("tests/0.csv").absolute()), hammer=("tests/1.csv",))], folder="/")
+        run_worker(
+            [Entry(str(Path("tests/0.csv").absolute()), hammer=("tests/1.csv",))], folder="/"
+        )
     (row,) = json.loads(run_worker(here))
     stop_idle_workers()
     assert (row["file"], row["outcome"]) == ("tests/junk.csv", "refused")

@@ -128,9 +128,7 @@ def test_batch_row_has_the_requested_stiffness_and_loss(folder):
         batch(path, at=-1.0, **QUICK)
 
 
-def test_batch_refits_only_a_changed_file(
-    folder, whole, tmp_path
-):
+def test_batch_refits_only_a_changed_file(folder, whole, tmp_path):
     tests = tmp_path / "tests"
     tests.mkdir()
     for name in ("lotA_seal0_rep0.csv", "lotA_seal1_rep0.csv", "junk.csv"):
@@ -378,9 +376,7 @@ def test_the_results_may_lie_among_the_tests(folder, tmp_path):
         assert (found.outcomes, found.computed) == ({"fitted": 3}, computed)
 
 
-def test_batch_reports_a_read_only_folder_before_computing(
-    folder, tmp_path, monkeypatch
-):
+def test_batch_reports_a_read_only_folder_before_computing(folder, tmp_path, monkeypatch):
     def read_only(**_how):
         raise OSError(30, "Read-only file system")
 

@@ -162,7 +162,9 @@ def test_exact_modes_come_back_exactly_without_a_junk_arm() -> None:
 
 @given(solids(), st.sampled_from([1.0, 1e6]))
 @settings(max_examples=15, deadline=None)
-def test_fit_modulus_recovers_arms_spaced_by_a_decade(model: GeneralizedMaxwell, unit: float) -> None:
+def test_fit_modulus_recovers_arms_spaced_by_a_decade(
+    model: GeneralizedMaxwell, unit: float
+) -> None:
     spread = GeneralizedMaxwell(
         model.k_inf, model.k, tuple(10.0 ** (i - 1) for i in range(model.arms))
     )

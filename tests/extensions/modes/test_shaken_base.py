@@ -46,7 +46,9 @@ def select_band_with_truth(frf, low=5.0, high=40.0):
 
 @pytest.mark.parametrize("estimator", ["H1", "H2", "Hv"])
 def test_it_comes_back_within_its_scatter(estimator):
-    frf, T = select_band_with_truth(estimate_transmissibility(shaken(noise=(3e-3, 3e-3)), estimator=estimator))
+    frf, T = select_band_with_truth(
+        estimate_transmissibility(shaken(noise=(3e-3, 3e-3)), estimator=estimator)
+    )
     assert np.median(np.abs(frf.value / T - 1)) < 0.01
     off = np.abs(frf.value - T) / np.sqrt(2) / frf.random_sd
     assert np.sqrt(np.mean(off**2)) == pytest.approx(1.0, abs=0.25)
@@ -58,7 +60,9 @@ def test_transmissibility_estimator_suits_its_noisy_channel():
         test = shaken(noise=noise, seconds=240.0)
         sizes = {}
         for name in (right, other):
-            frf, T = select_band_with_truth(estimate_transmissibility(test, estimator=name, segment=6), 17.0, 30.0)
+            frf, T = select_band_with_truth(
+                estimate_transmissibility(test, estimator=name, segment=6), 17.0, 30.0
+            )
             sizes[name] = np.mean(np.abs(frf.value / T))
         assert sizes[right] == pytest.approx(1.0, abs=0.06)
         assert abs(sizes[other] - 1) > 0.1

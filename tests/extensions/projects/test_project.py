@@ -351,16 +351,22 @@ def test_verify_detects_swapped_figures(project_copy):
         listed["sha256"] = history.sha256(place.read_bytes())
     rewritten(project_copy, lines)
     assert not [one.name for one in verify(project_copy, page=drawn) if one.failed]
-    first, second = (project_copy.folder / one["file"] for o in pages for one in o if "html" in one["file"])
+    first, second = (
+        project_copy.folder / one["file"] for o in pages for one in o if "html" in one["file"]
+    )
     one, other = first.read_bytes(), second.read_bytes()
     first.write_bytes(other)
     second.write_bytes(one)
-    assert [one.name for one in verify(project_copy, page=drawn) if one.failed].count("file_unchanged") == 2
+    assert [one.name for one in verify(project_copy, page=drawn) if one.failed].count(
+        "file_unchanged"
+    ) == 2
     for outputs, content in zip(pages, (other, one), strict=True):
         (listed,) = [one for one in outputs if one["file"].endswith(".html")]
         listed["sha256"] = history.sha256(content)
     rewritten(project_copy, lines)
-    assert [one.name for one in verify(project_copy, page=drawn) if one.failed] == ["page_redrawn"] * 2
+    assert [one.name for one in verify(project_copy, page=drawn) if one.failed] == [
+        "page_redrawn"
+    ] * 2
 
 
 def test_what_a_forger_may_say_unproven(project_copy):
@@ -369,7 +375,9 @@ def test_what_a_forger_may_say_unproven(project_copy):
     lines[0] |= {"time": "1999-01-01T00:00:00+00:00", "user": "boss", "operation": "approved"}
     lines[0]["software"]["numpy"] = "0.0.1"
     rewritten(project_copy, lines[::-1])
-    (project_copy.folder / "dashpot.toml").write_text('schema = "dashpot/project@1"\nname = "other"\n')
+    (project_copy.folder / "dashpot.toml").write_text(
+        'schema = "dashpot/project@1"\nname = "other"\n'
+    )
     assert not failures(project_copy)
     assert failures(project_copy, expect=noted) == ["history_expected"]
 

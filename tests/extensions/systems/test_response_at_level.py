@@ -179,7 +179,9 @@ class TestInTime:
             (STIFF, [(100.0, 0.05)], 2e6, 14.0, 0.5),
         ],
     )
-    def test_response_at_level_of_one_mass_agrees_with_time_integration(self, solid, sliders, k3, hz, level):
+    def test_response_at_level_of_one_mass_agrees_with_time_integration(
+        self, solid, sliders, k3, hz, level
+    ):
         friction = InParallel(tuple(Jenkins(*one) for one in sliders))
         friction = friction + Cubic(k3) if k3 else friction
         system = one_mass(solid, friction)

@@ -48,8 +48,13 @@ def pair_fit(bench) -> dp.Fit:
 
 
 def test_temperatures_stand_in_the_order_of_the_files(bench, pair_fit):
-    assert [round(shift.temperature, 2) for shift in pair_fit.temperatures.shifts] == [273.15, 296.15]
-    assert pair_fit.temperatures.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    assert [round(shift.temperature, 2) for shift in pair_fit.temperatures.shifts] == [
+        273.15,
+        296.15,
+    ]
+    assert pair_fit.temperatures.shifts[0].log10_a_t == pytest.approx(
+        cold.log10_a(273.15), abs=0.01
+    )
     swapped, _ = fit_files(bench, temperatures=(273.15, 296.15))
     assert swapped.verdict.use == "do not use"
     # the closest solid explains neither by a shift alone
@@ -88,7 +93,9 @@ def test_fit_files_uses_the_requested_reference_temperature(bench):
 @pytest.mark.parametrize("celsius", [23.0, 0.0, 10.0])
 def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, pair_fit, celsius):
     kelvin = celsius + 273.15
-    made = predict_files(pair_fit, bench, block=BlockOnSeals(MASS, 2), band=BAND, temperature=kelvin)
+    made = predict_files(
+        pair_fit, bench, block=BlockOnSeals(MASS, 2), band=BAND, temperature=kelvin
+    )
     assert made.document["temperature"] == pytest.approx(kelvin)
     f = made.limits.frequency
     stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])

@@ -115,7 +115,9 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
 def at_speeds(speeds, law=bulb, **how):
     """Records of one seal, their sampling and rests as long as their strokes ask."""
     return [
-        evaluate_record(pressed(law, speed=v, rate=max(5e3 * v, 2.0), rest=5.0, cycles=2, seed=i, **how))
+        evaluate_record(
+            pressed(law, speed=v, rate=max(5e3 * v, 2.0), rest=5.0, cycles=2, seed=i, **how)
+        )
         for i, v in enumerate(speeds)
     ]
 

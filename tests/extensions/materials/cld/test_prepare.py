@@ -187,7 +187,9 @@ def test_noise_and_counts_make_no_strokes():
 def test_memory_is_what_makes_a_release_fall_behind():
     """An elastic seal has no hysteresis; one with arms has, and shows less when slow."""
     lost = [
-        evaluate_record(pressed(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3).cycle.hysteresis
+        evaluate_record(
+            pressed(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3
+        ).cycle.hysteresis
         for v, arms in ((5e-3, ()), (5e-3, ARMS), (0.2e-3, ARMS))
     ]
     assert abs(lost[0]) < 0.005

@@ -141,7 +141,9 @@ def test_fit_reports_a_folded_phase_and_accepts_an_unwrapped_one(tmp_path):
     value = shaken(hz)
     turned = np.degrees(np.unwrap(np.angle(value)))
     assert max(off(read_result(written(tmp_path / "a.csv", value, hz, phase=turned)))) < 3e-3
-    folded = read_result(written(tmp_path / "b.csv", value, hz, phase=np.abs(np.degrees(np.angle(value)))))
+    folded = read_result(
+        written(tmp_path / "b.csv", value, hz, phase=np.abs(np.degrees(np.angle(value))))
+    )
     assert {"frf_dissipates", "loss_positive"} <= failed(folded)
 
 

@@ -25,7 +25,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_predict_writes_an_impact(folder: Path, tmp_path: Path) -> None:
     page, how = tmp_path / "slam.html", ("--drop", "0.3m/s", "--mass", "200g", "--seals", "2")
-    found = run_json("predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg")
+    found = run_json(
+        "predict", folder / "law.json", *how, "-o", page, "--plot", tmp_path / "slam.svg"
+    )
     assert found["schema"] == "dashpot/slammed@2"
     force = found["values"][0]
     # of the straight law 393 x, as the table has it
