@@ -37,7 +37,8 @@ fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
 simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
 fit cld_1.csv --length 100mm --compression 6mm --compression-limits 4:8mm --plot cld.svg
-fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --compression-limits 4:8mm --plot pieces.svg
+fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --compression-limits 4:8mm \
+--plot pieces.svg
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
@@ -46,7 +47,8 @@ fit cld_1.csv --length 100mm --compression 6mm --relaxation fit.json -o law.json
 predict law.json --drop 0.3m/s --mass 200g --plot slam.svg
 fit slam.csv --mass 200g --drop 0.3m/s --relaxation fit.json --plot slams.svg
 fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g --arms 1 --plot rod.svg
-fit shaker_20mN.csv shaker_500mN.csv --amplitude 0.02N --amplitude 0.5N --mass 114.8g --plot levels.svg
+fit shaker_20mN.csv shaker_500mN.csv --amplitude 0.02N --amplitude 0.5N --mass 114.8g \
+--plot levels.svg
 fit loops.csv --plot loops.svg
 fit depth_4mm.csv depth_6mm.csv depth_8mm.csv -o depths.json
 predict depths.json --mass 114.8g --seals 2 --amplitude 0.01N --amplitude 0.2N --plot opened.svg

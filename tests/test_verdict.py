@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from kit import handmade
 from kit.fits import altered
 from kit.trials import DISTURBANCES, KINDS, LAWS, trial
-from kit.verdicts import failures, evaluate_record, table
+from kit.verdicts import evaluate_record, failures, table
 
 import dashpot as dp
 from dashpot.base.checks import Check, Remedy, select_gravest_check, verdict

@@ -221,7 +221,8 @@ def softening_detectable(trend: Trend | None) -> Finding:
         return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
     return Finding(
         f"A change of {100 * trend.detectable_stiffness_change:.2g} % of stiffness or "
-        f"{100 * trend.detectable_damping_change:.2g} % of damping per doubling is found in four of five tests",
+        f"{100 * trend.detectable_damping_change:.2g} % of damping per doubling is found in four "
+        "of five tests",
         trend.detectable_stiffness_change,
         "A smaller change stays unseen",
         "Hit from soft to hard.",
