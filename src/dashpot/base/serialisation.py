@@ -31,13 +31,12 @@ class Serialisable:
         left out where it is None, with ``"~"`` numbers that are not finite are None.
         ``"*fit.values"``: every item of a mapping, or of another document, under its own;
         ``"*"``: every field of the dataclass that no other key names, as where there are no keys.
-    read_back : bool
-        Whether a document with a schema holds the whole value, so that it can be read back.
     """
 
     schema: ClassVar[str] = ""
     keys: ClassVar[tuple[str, ...]] = ()
     _is_loadable: ClassVar[bool] = True
+    """Whether a document with a schema holds the whole value, so that it can be read."""
 
     @property
     def _has_digest(self) -> bool:
@@ -85,10 +84,12 @@ def _attribute(result: Any, name: str) -> Any:
 
 @cache
 def _keys(kind: Any) -> tuple[_Key, ...]:
-    names = list(getattr(kind, "_fields", ()))
-    if is_dataclass(kind):
-        names = [field.name for field in fields(kind) if EDGE not in field.metadata]
-    texts = getattr(kind, "keys", ()) or ("*",)
+    names = (
+        [field.name for field in fields(kind) if EDGE not in field.metadata]
+        if is_dataclass(kind)
+        else []
+    )
+    texts = kind.keys or ("*",)
     alone = {key.way for key in map(_Key.parse_key, texts) if not key.spread}
     rest = [name for name in names if (name,) not in alone]
     return tuple(
@@ -150,8 +151,7 @@ def to_plain_value(value: Any) -> Any:
 @to_plain_value.register(tuple)
 def _(value: Any) -> Any:
     if hasattr(value, "_fields"):
-        kind: Any = type(value)
-        return {name: item for key in _keys(kind) for name, item in key.item(value).items()}
+        return {name: to_plain_value(getattr(value, name)) for name in value._fields}
     return [to_plain_value(item) for item in value]
 
 

@@ -74,10 +74,11 @@ class CommandOption(click.Option):
         self.former = former
 
     def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        shown = self.opts
+        if self.former:  # click shows in help and errors what `opts` holds otherwise
+            self.opts = [*shown, f"--{self.former}"]
         super().add_to_parser(parser, ctx)
-        if self.former:
-            takes = parser._long_opt[self.flag]
-            parser._long_opt[f"--{self.former}"] = takes
+        self.opts = shown
 
     @property
     def flag(self) -> str:
