@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from inspect import signature
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from dashpot.reading.write import write_relaxation
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.example_files import EXAMPLES
@@ -295,3 +297,12 @@ def test_what_was_inspected_is_drawn(tmp_path):
     table = "\n".join(f"{t / 10},{min(t, 20) / 10},{min(t, 20) / 50}" for t in range(200))
     path.write_text(f"time [s],displacement [mm],force [N]\n{table}\n", encoding="utf-8")
     assert inspect_files([path]).files[0].plot().panels
+
+
+def test_hammer_choices_default_to_those_of_estimate_frf():
+    defaults = signature(estimate_frf).parameters
+    shared = [item for item in fields(HammerChoices) if item.name in defaults]
+    assert {"window", "estimator", "combine", "record"} <= {item.name for item in shared}
+    assert {item.name: item.default for item in shared} == {
+        item.name: defaults[item.name].default for item in shared
+    }

@@ -20,8 +20,7 @@ from dashpot.signals.segments import (
     find_rising_sign,
     find_segments,
     held_by_plate,
-    is_at_one_speed,
-    is_creep,
+    is_creep_test,
     nothing_held,
     relaxes,
     resolution_of,
@@ -171,8 +170,7 @@ def find_motion(
         x = sign * test.displacement
         turn, segments = sign, find_segments(test.time, x, _resolution(test))
     time, x, force = test.time, turn * test.displacement, test.force
-    driven = began_late(x, force) or is_at_one_speed(time, x, segments)
-    if not driven and is_creep(time, x, force, cycles_of(segments)):
+    if is_creep_test(time, x, force, segments):
         raise DataError(
             f"{where}: this is a creep test, because the force is held while the displacement goes "
             "on. Use dashpot fit (Python: fit of a CreepTest)"

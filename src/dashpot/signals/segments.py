@@ -406,13 +406,21 @@ def classify_load_history(time: FloatArray, displacement: FloatArray, force: Flo
     if held_throughout(force) and goes_on(displacement):
         return "creep"
     turn, segments = find_rising_sign(time, displacement)
+    if is_creep_test(time, turn * displacement, force, segments):
+        return "creep"
     if began_late(displacement, force):
         return "other"
     if is_at_one_speed(time, turn * displacement, segments):
         return "cld"
-    if is_creep(time, turn * displacement, force, cycles_of(segments)):
-        return "creep"
     return loading_of(segments)
+
+
+def is_creep_test(
+    time: FloatArray, x: FloatArray, force: FloatArray, segments: Sequence[MotionSegment]
+) -> bool:
+    """Return whether a record from its beginning on shows creep, and no strokes at one speed."""
+    driven = began_late(x, force) or is_at_one_speed(time, x, segments)
+    return not driven and is_creep(time, x, force, cycles_of(segments))
 
 
 def held_throughout(force: FloatArray) -> bool:
