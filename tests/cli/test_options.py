@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import click
@@ -12,6 +13,7 @@ from kit.shell import ran
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._command import KEYED, build_options, verb
+from dashpot.cli._failure import _failure
 from dashpot.cli._options import get_typed_options, piece
 from dashpot.cli._param_types import Keyed
 from dashpot.datamodel.machine import Machine
@@ -191,3 +193,21 @@ def test_predict_takes_kind_for_frf_type(tmp_path):
     told = [ran(*words, flag, "mobility").output for flag in ("--kind", "--frf-type")]
     assert told[0] == told[1]
     assert "mobility" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        ("fit FILE --betwen 5", "--compression-limits"),
+        ("fit FILE --levl 1N", "--amplitude"),
+        ("fit FILE --memor x", "--relaxation"),
+        ("compare a b --level 0.1N", "is an option of dashpot fit, predict"),
+        ("report FILE --known k_inf=1", "is an option of dashpot fit"),
+    ],
+)
+def test_suggestion_shows_the_present_spelling(words, shown):
+    said = CliRunner().invoke(main, words.split(), standalone_mode=False).exception
+    assert isinstance(said, click.NoSuchOption)
+    text = _failure(said).says
+    assert shown in text
+    assert not re.search(r"Did you mean.*--(between|level|memory|known)\b", text)

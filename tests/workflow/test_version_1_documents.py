@@ -12,6 +12,7 @@ from kit.kinds import files
 
 import dashpot as dp
 from dashpot.base.checks import REGISTER
+from dashpot.base.errors import ReadError
 from dashpot.base.serialisation import compute_document_digest
 from dashpot.extensions.projects.document_versions import (
     EVERYWHERE,
@@ -153,3 +154,11 @@ def test_version_1_digest_covers_its_content() -> None:
     document = json.loads(read_text("levels"))
     assert compute_document_digest(document) == document["digest"]
     assert "digest" not in convert_document(document)
+
+
+@pytest.mark.parametrize("key", ["noise_covariance", "parameter_changes", "message"])
+def test_version_1_document_refuses_both_names_of_a_key(key: str) -> None:
+    document = json.loads(read_text("fit"))
+    document.pop("digest", None)
+    with pytest.raises(ReadError, match=f'and "{key}" of the document are one'):
+        from_json(json.dumps(document | {"of_noise": [[1.0]], key: None}))

@@ -74,11 +74,13 @@ class CommandOption(click.Option):
         self.former = former
 
     def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
-        shown = self.opts
-        if self.former:  # click shows in help and errors what `opts` holds otherwise
-            self.opts = [*shown, f"--{self.former}"]
+        shown, self.opts = self.opts, self.list_spellings()  # click shows what `opts` holds
         super().add_to_parser(parser, ctx)
         self.opts = shown
+
+    def list_spellings(self) -> list[str]:
+        """Return the option as it is typed, also as in the edition before."""
+        return [*self.opts, *([f"--{self.former}"] if self.former else [])]
 
     @property
     def flag(self) -> str:

@@ -19,6 +19,7 @@ from dashpot.base.plain_text import escaped_json
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.version import __version__
 from dashpot.cli import COMMANDS
+from dashpot.cli._command import CommandOption
 from dashpot.cli._terminal import to_stderr, to_stdout
 
 BAD, FAULT, INTERRUPTED = 2, 3, 130
@@ -66,8 +67,10 @@ def _has_option(option: str, words: Sequence[str]) -> bool:
 def _failure(error: BaseException) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
-        if isinstance(error, click.NoSuchOption) and _having(error):  # none here is meant
-            error = click.NoSuchOption(error.option_name, error.message, ctx=error.ctx)
+        if isinstance(error, click.NoSuchOption):
+            similar = " or ".join(_find_similar_options(error))
+            message = f"{error.message} Did you mean {similar}?" if similar else error.message
+            error = click.NoSuchOption(error.option_name, message, ctx=error.ctx)
         page = io.StringIO()
         error.show(page)
         hint = _hint(error)
@@ -116,6 +119,22 @@ def _hint(error: click.ClickException) -> str:
     return ""
 
 
+def _find_similar_options(error: click.NoSuchOption) -> list[str]:
+    """Return options of this command that may be meant, as help shows them.
+
+    None where another command has the very option.
+    """
+    if error.ctx is None or _having(error):
+        return []
+    shown = {
+        spelling: option.flag
+        for option in error.ctx.command.params
+        if isinstance(option, CommandOption)
+        for spelling in option.list_spellings()
+    }
+    return sorted({shown.get(name, name) for name in error.possibilities or ()})
+
+
 def _having(error: click.NoSuchOption) -> list[str]:
     """Return the other commands that have an option which this one lacks."""
     context = error.ctx.parent if error.ctx else None
@@ -125,7 +144,12 @@ def _having(error: click.NoSuchOption) -> list[str]:
     return [
         name
         for name, command in every.items()
-        if command and any(error.option_name in param.opts for param in command.params)
+        if command
+        and any(
+            error.option_name in param.list_spellings()
+            for param in command.params
+            if isinstance(param, CommandOption)
+        )
     ]
 
 

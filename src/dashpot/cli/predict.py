@@ -291,5 +291,5 @@ def _keep(prediction: workflow.Prediction, path: str) -> None:
 
 
 def _follow(fit: str) -> str:
-    again = options.get_typed_options_for("compare")
+    again = options.get_typed_options_for("compare", but=("--kind",))  # which is of another file
     return format_command("compare", fit, "HAMMER", *again, why="tests it with a hammer")

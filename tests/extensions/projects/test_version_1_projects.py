@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 from zipfile import ZipFile
 
 import pytest
 
 import dashpot as dp
 from dashpot.base.checks import Check
+from dashpot.base.serialisation import compute_document_digest
 from dashpot.extensions.projects import history
 from dashpot.extensions.projects import project as folder
 from dashpot.extensions.projects.project import Project
@@ -47,19 +50,29 @@ def judge(project: Project) -> dict[str, Check]:
     return {check.name: check for check in checks if check.failed or check.name in compared}
 
 
-def rewrite_record(project: Project, old: str, new: str) -> None:
-    """Change a number in a result, and the history so that every hash is of what is there."""
+def edit_record(project: Project, suffix: str, edit: Callable[[str], str]) -> None:
+    """Change a result, and the history so that every hash is of what is there."""
     (line,) = project.history_file.read_text().splitlines()
     entry = json.loads(line)
-    (output,) = [one for one in entry["outputs"] if one["file"].endswith(".fit.json")]
+    (output,) = [
+        output
+        for output in entry["outputs"]
+        if output["file"].startswith("records/") and output["file"].partition(".")[2] == suffix[1:]
+    ]
     file = project.folder / output["file"]
     text = file.read_text(encoding="utf-8")
-    assert old in text
-    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert edit(text) != text
+    file.write_text(edit(text), encoding="utf-8")
     output["sha256"] = history.sha256(file.read_bytes())
     content, mark = history.format_hashed_line(entry)
     project.history_file.write_bytes(content + b"\n")
     (project.folder / "history.head").write_text(f"1 {mark}\n")
+
+
+def change_time_constant(fit: dict[str, Any]) -> None:
+    """What a forger does who knows of the digest: nothing but the raw file contradicts it."""
+    fit["model"]["arms"][0]["tau"] = 0.6
+    fit |= {"digest": compute_document_digest(fit)} if "digest" in fit else {}
 
 
 def test_verify_accepts_a_version_1_project(unpacked: Path) -> None:
@@ -83,13 +96,66 @@ def test_verify_finds_a_changed_file_of_a_version_1_project(version_1: Project) 
 
 
 def test_verify_reports_another_stiffness_without_calling_it_tampering(version_1: Project) -> None:
-    rewrite_record(version_1, '"tau": 0.5', '"tau": 0.6')
+    change = edit_document(change_time_constant)
+    edit_record(version_1, ".fit.json", change)
+    edit_record(
+        version_1, ".json", edit_document(lambda result: change_time_constant(result["fit"]))
+    )
     failed = judge(version_1)
     assert set(failed) == {"former_result_recomputed", "uncertainty_unrevised"}
     check = failed["former_result_recomputed"]
     assert check.grade == "limit"
     assert "tau was 0.6" in check.says
-    assert "Its files are as they were recorded, so the version changed it" in check.says
+    assert "Either this version computes it otherwise, or result and history were" in check.says
+
+
+def edit_document(edit: Callable[[dict[str, Any]], object]) -> Callable[[str], str]:
+    def rewrite(text: str) -> str:
+        document = json.loads(text)
+        edit(document)
+        return json.dumps(document)
+
+    return rewrite
+
+
+def change_band_under_a_new_digest(fit: dict[str, Any]) -> None:
+    fit["band_hz"] = [0.001, 500.0]
+    fit["digest"] = compute_document_digest(fit)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "edit", "words"),
+    [
+        (".fit.json", lambda fit: fit["model"].pop("k_inf"), "changed by hand"),
+        (".fit.json", change_band_under_a_new_digest, "hold different fits"),
+        (".json", lambda result: result["fit"].__setitem__("band_hz", [0.001, 500.0]), "different"),
+        (".json", lambda result: result["fit"].pop("model"), "hold different fits"),
+        (".json", lambda result: result.__setitem__("k_true", 123.0), "has other keys"),
+        (".json", lambda result: result["comparison"].pop("measured_hz"), "has other keys"),
+        (".json", lambda result: result["alternatives"].pop(), "another length"),
+        (".fit.json", lambda fit: fit.__setitem__("schema", "dashpot/fit@2"), "versions"),
+        (".json", lambda result: result.pop("fit"), "hold different fits"),
+        (".json", lambda result: result.__setitem__("schema", "dashpot/result@2"), "versions"),
+    ],
+)
+def test_verify_stops_at_an_edited_version_1_record(
+    version_1: Project, suffix: str, edit: Callable[[dict[str, Any]], object], words: str
+) -> None:
+    edit_record(version_1, suffix, edit_document(edit))
+    check = judge(version_1)["result_recomputed"]
+    assert check.grade == "stop"
+    assert words in check.says
+
+
+def test_verify_stops_at_a_present_record_that_claims_version_1(
+    unpacked: Path, tmp_path: Path
+) -> None:
+    project = folder.create(tmp_path / "pj")
+    folder.record(project, Job(str(unpacked / "raw" / "s.csv"), arms=1), page=page)
+    edit_record(
+        project, ".json", lambda text: text.replace("dashpot/result@2", "dashpot/result@1", 1)
+    )
+    assert judge(project)["result_recomputed"].grade == "stop"
 
 
 def test_result_added_to_a_version_1_project_is_of_version_2(
@@ -112,6 +178,7 @@ def test_what_both_documents_hold_is_compared() -> None:
     old = {"fit": {"rms": 1.0, "dof": 3, "id": "a", "gone": 1}, "rows": [{"dof": 1}]}
     new = {"fit": {"rms": 1.0, "dof": 4, "id": "b", "more": 1}, "rows": [{"dof": 1}]}
     one, other, revised = split_common(old, new)
-    assert one == other == {"fit": {"rms": 1.0}, "rows": [{}]}
+    assert one == {"fit": {"rms": 1.0, "gone": 1}, "rows": [{}]}
+    assert other == {"fit": {"rms": 1.0, "more": 1}, "rows": [{}]}
     assert revised == {"fit.dof": (3, 4), "rows[0].dof": (1, 1)}
     assert all(REVISED_NUMBERS.values())

@@ -221,5 +221,5 @@ def seals_named(unnamed: int, tests: int) -> Finding:
         f"{tests - unnamed} of {tests} tests name their seal",
         unnamed,
         "Each other one counts as a seal. Intervals are too short if any are repeats",
-        Remedy("Name the seals.", "by"),
+        Remedy("Name the seals.", "label-pattern"),
     )

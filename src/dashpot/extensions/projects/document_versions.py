@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from dashpot.base.errors import ReadError
+
 _VERDICT = {
     "verdict.use": "verdict_grade",
     "verdict.says": "message",
@@ -259,7 +261,10 @@ def _convert(value: Any, schema: str, parent: str, *, former: bool) -> Any:
         elif key != "digest" or parent:
             place = f"{parent}.{key}"
             below = _FAILED if place == "verdict.because" else key
-            entries[keys.get(place, key)] = _convert(item, schema, below, former=True)
+            name = keys.get(place, key)
+            if name in entries or (name != key and name in value):
+                raise ReadError(f'the keys "{key}" and "{name}" of the document are one: drop one')
+            entries[name] = _convert(item, schema, below, former=True)
     return _name_check(entries) if parent == "checks" else entries
 
 

@@ -19,25 +19,33 @@ REVISED_NUMBERS: dict[str, str] = {
 
 The solid, its residual and what is predicted from it are none of these.
 """
+_ADDED = frozenset({"error_in_band", "after_most", "before_most", "rested"})
+"""Keys that a document of the first version may lack."""
 _LABELS = frozenset({"schema", "id", "digest"})
 """Keys that name a document and hold no number of it."""
 
 
 def split_common(before: Any, after: Any) -> tuple[Any, Any, dict[str, tuple[Any, Any]]]:
-    """Return what two documents both hold, and beside it both values of each revised number."""
+    """Return two documents without their revised numbers, and both values of each of those.
+
+    A key that one of them lacks stays in the other, unless the first version did not know it yet.
+    """
     revised: dict[str, tuple[Any, Any]] = {}
 
     def split(old: Any, new: Any, where: str) -> tuple[Any, Any]:
         if isinstance(old, dict) and isinstance(new, dict):
-            pairs = {}
-            for key in sorted((old.keys() & new.keys()) - _LABELS):
-                if key in REVISED_NUMBERS:
+            was: dict[str, Any] = {}
+            now: dict[str, Any] = {}
+            for key in sorted((old.keys() | new.keys()) - _LABELS):
+                if key in REVISED_NUMBERS and key in old and key in new:
                     revised[f"{where}.{key}".lstrip(".")] = (old[key], new[key])
-                else:
-                    pairs[key] = split(old[key], new[key], f"{where}.{key}")
-            return {key: one for key, (one, _) in pairs.items()}, {
-                key: other for key, (_, other) in pairs.items()
-            }
+                elif key in old and key in new:
+                    was[key], now[key] = split(old[key], new[key], f"{where}.{key}")
+                elif key in old:
+                    was[key] = old[key]
+                elif key not in _ADDED:
+                    now[key] = new[key]
+            return was, now
         if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
             items = [
                 split(*pair, f"{where}[{i}]") for i, pair in enumerate(zip(old, new, strict=True))

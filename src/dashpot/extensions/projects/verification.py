@@ -38,7 +38,7 @@ from dashpot.extensions.projects.project import (
 )
 from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS, split_common
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_archive import from_json, parts_of, require_unique_keys
+from dashpot.workflow.json_archive import from_json, has_edited_fit, parts_of, require_unique_keys
 from dashpot.workflow.study import Study, run
 
 _ROUNDED = 1.000001
@@ -139,7 +139,10 @@ def _compare_with_rerun(
         _kind(output.file): resolve_project_path(project, output.file).read_bytes()
         for output in line.outputs
     }
-    former = any(map(_is_former, retained.values()))
+    documents = [place for place in retained if place.endswith(".json")]
+    versions = {_is_former(retained[place]) for place in documents}
+    versions.add(_is_former(json.dumps(line.job).encode()))
+    former = True in versions
     # another version may word and draw the same numbers otherwise
     alike = line.software == software() and not former
     names = {match[1] for output in line.outputs if (match := _NAMED.search(output.file))}
@@ -154,7 +157,9 @@ def _compare_with_rerun(
                 float("inf"), "its job reads fewer files", line.line
             )
         ]
-    documents = [place for place in retained if place.endswith(".json")]
+    if len(versions) > 1:
+        where = "its job and documents are of different versions"
+        return [verification_checks.result_recomputed(float("inf"), where, line.line)]
     if former:
         return [
             *_compare_with_former(line, retained, made, documents),
@@ -192,22 +197,36 @@ def _compare_with_former(
     line: HistoryLine, retained: dict[str, bytes], made: dict[str, bytes], documents: list[str]
 ) -> list[Check]:
     """Compare what documents of a former version and the present ones both hold."""
-    worst, where, revised = 0.0, "", set()
+    faults: list[str] = []
+    written: dict[str, Any] = {}
     for place in documents:
         try:
             before = json.loads(retained[place], object_pairs_hook=require_unique_keys)
         except (ValueError, RecursionError):
-            worst, where = float("inf"), f"{place} is no JSON"
+            faults.append(f"{place} is no JSON")
             continue
-        old, new, differing = split_common(
-            numbers(convert_document(before)), numbers(json.loads(made[place]))
-        )
+        if place != "records/.json" and has_edited_fit(before):  # which holds parts of fits
+            faults.append(f"{place} holds a fit that was changed by hand")
+        written[place] = numbers(convert_document(before))
+    result = written.get("records/.json", {})
+    for name in ("fit", "joint"):
+        alone = written.get(f"records/.{name}.json")
+        held = numbers(result.get(name) or {})
+        if alone is not None and held | {DIGEST: ""} != alone | {DIGEST: ""}:
+            faults.append(f"the result and its {name}.json hold different fits")
+    if faults:
+        return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
+    worst, where, revised = 0.0, "", set()
+    for place, before in written.items():
+        old, new, differing = split_common(before, numbers(json.loads(made[place])))
         worst, where = max((worst, where), find_largest_difference(old, new, place))
         revised |= {
             name.rpartition(".")[2]
             for name, (was, now) in differing.items()
             if find_largest_difference(was, now)[0] > verification_checks.SAME
         }
+    if worst == float("inf"):
+        return [verification_checks.result_recomputed(worst, where, line.line)]
     by = line.software.get("dashpot", "another version")
     reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised}
     return [

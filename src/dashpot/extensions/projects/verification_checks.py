@@ -153,10 +153,10 @@ def former_result_recomputed(worst: float, where: str, number: int, by: str) -> 
         f"The result of line {number}, made by dashpot {by} and computed again by this version,"
     )
     return Finding(
-        f"{result} has the same solid (largest relative difference {worst:.2g})",
+        f"{result} has the same model (largest relative difference {worst:.2g})",
         worst,
-        instead=f"{result} has another number: {where}. Its files are as they were recorded, so "
-        "the version changed it",
+        instead=f"{result} has another number: {where}. Either this version computes it otherwise, "
+        "or result and history were changed together",
         remedy="Make the result again, and use the new one.",
     )
 
