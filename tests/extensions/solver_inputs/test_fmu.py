@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 from kit.fits import a_fit
 from kit.fmus import driven, integrate, simulate, table, write_fmu
+from scipy.integrate import solve_ivp
 from scipy.signal import StateSpace, lsim
 
 from dashpot.base.errors import ExportError
@@ -259,6 +260,79 @@ def test_a_shaken_mass_has_the_receptance_of_the_model(paper_seal, form, build):
     print(f"{form}: |ratio| {abs(ratio):.6f} ({FACTOR[1e-3]}), phase {np.angle(ratio):+.1e} rad")
     assert abs(ratio) == pytest.approx(FACTOR[1e-3], abs=1e-4)
     assert abs(np.angle(ratio)) < 1e-4
+
+
+@needs_fmpy
+@every_form
+@pytest.mark.parametrize("step", [1e-3, 0.1, 2.0])
+def test_a_mass_on_arms_of_any_speed_comes_to_rest(form, step, build):
+    """Against Radau of the arms that a mass can feel; the others are dashpots to it."""
+    tau = np.geomspace(1e-17, 10.0, 18)
+    solid = GeneralizedMaxwell(2e4, (300.0,) * len(tau), tuple(tau.tolist()))
+    slow = tau > 1e-9
+    damping, k, tau = 300.0 * tau[~slow].sum(), 300.0, tau[slow]
+
+    def slope(_, state):
+        x, v, y = state[0], state[1], state[2:]
+        return np.concatenate(
+            ([v, (10.0 - 2e4 * x - damping * v - k * (x - y).sum()) / MASS], (x - y) / tau)
+        )
+
+    end = max(4.0, 20 * step)
+    t = np.arange(0.0, end + step / 2, step)
+    found = simulate(
+        build(solid, form, mass=MASS), stop_time=end, output_interval=step, output=["x"],
+        input=driven(t, np.full(len(t), 10.0), ("F", "F_rate")), start_values={"F": 10.0},
+    )  # fmt: skip
+    state = np.zeros(2 + len(tau))
+    exact = solve_ivp(slope, (0.0, end), state, method="Radau", t_eval=t, rtol=1e-9, atol=1e-13)
+    assert np.abs(found["x"] - exact.y[0]).max() < 1e-6 * exact.y[0].max()
+
+
+@needs_fmpy
+def test_a_derivative_of_the_input_stands_for_the_rate(paper_seal, build):
+    import fmpy
+    from fmpy.fmi2 import FMU2Slave
+
+    path = build(paper_seal, "fmi2")
+    folder, read = fmpy.extract(path), fmpy.read_model_description(path)
+    where = {each.name: each.valueReference for each in read.modelVariables}
+    unit = FMU2Slave(
+        guid=read.guid, unzipDirectory=folder, modelIdentifier="mount", instanceName="one"
+    )
+    unit.instantiate()
+    unit.setupExperiment(startTime=0.0)
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    unit.setReal([where["x"], where["v"]], [0.0, 8e-3])
+    unit.setRealInputDerivatives([where["x"]], [1], [8e-3])
+    unit.doStep(0.0, 0.5)
+    (force,) = unit.getReal([where["F"]])
+    (exact,) = paper_seal.ramp_hold_force(np.array([0.5]), depth=8e-3, ramp_time=1.0)
+    assert force == pytest.approx(exact, rel=1e-9)
+    # and a state of another FMU of as many arms is refused
+    other = build(GeneralizedMaxwell(7.0, paper_seal.k, paper_seal.tau), "fmi2")
+    kept = unit.serializeFMUstate(unit.getFMUstate())
+    unit.terminate()
+    unit.freeInstance()
+    shutil.rmtree(folder)
+    folder, read = fmpy.extract(other), fmpy.read_model_description(other)
+    unit = FMU2Slave(
+        guid=read.guid, unzipDirectory=folder, modelIdentifier="mount", instanceName="two"
+    )
+    unit.instantiate()
+    with pytest.raises(Exception, match="status 3"):
+        unit.deSerializeFMUstate(kept)
+    unit.freeInstance()
+    shutil.rmtree(folder)
+
+
+def test_no_parameter_starts_below_its_least(sources_only):
+    tau = (8.423697820250522e-17, 1.23456789012345e-7)
+    unit = TARGETS["fmu"](GeneralizedMaxwell(1.0, (1.0, 1.0), tau), units="SI", form="fmi2")
+    described = [each for each in unit.description.variables if each.least is not None]
+    assert described
+    assert all(each.least <= each.start for each in described)
 
 
 # -- what the archive says of itself ---------------------------------------------------------------

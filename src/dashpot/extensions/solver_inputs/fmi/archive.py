@@ -111,12 +111,12 @@ def _list_parameters(deck: Deck, mass: float) -> list[tuple[str, float, str, flo
     rows = [
         ("k_inf", deck.k_inf, stiffness, 0.0, "equilibrium stiffness"),
         ("b", deck.b, damping, 0.0, "parallel dashpot"),
-        ("mass", mass, weight, min(_SHORTEST, mass), "mass on the mount"),
+        ("mass", mass, weight, min(_SHORTEST, float(text(mass))), "mass on the mount"),
     ]
     for j, (k, _, _) in enumerate(deck.arms, start=1):
         rows.append((f"k[{j}]", k, stiffness, 0.0, f"stiffness of arm {j}"))
     for j, (_, tau, _) in enumerate(deck.arms, start=1):
-        least = min(_SHORTEST, tau)
+        least = min(_SHORTEST, float(text(tau)))  # as it is printed
         rows.append((f"tau[{j}]", tau, time, least, f"relaxation time of arm {j}"))
     return rows
 

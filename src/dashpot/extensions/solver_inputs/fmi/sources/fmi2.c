@@ -193,7 +193,8 @@ EXPORT(fmi2Status, fmi2SerializeFMUstate)
 
 EXPORT(fmi2Status, fmi2DeSerializeFMUstate)
 (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
-    if (size != sizeof(Solid)) return report(c, fmi2Error, "this is not a state of this FMU");
+    if (size != sizeof(Solid) || memcmp(bytes + offsetof(Solid, token), TOKEN, sizeof TOKEN))
+        return report(c, fmi2Error, "this is not a state of this FMU");
     if (!*state) *state = malloc(sizeof(Solid));
     if (!*state) return report(c, fmi2Error, "no memory for the state");
     memcpy(*state, bytes, size);

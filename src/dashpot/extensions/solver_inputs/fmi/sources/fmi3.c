@@ -238,7 +238,8 @@ EXPORT(fmi3Status, fmi3SerializeFMUState)
 
 EXPORT(fmi3Status, fmi3DeserializeFMUState)
 (fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
-    if (size != sizeof(Solid)) return report(c, fmi3Error, "this is not a state of this FMU");
+    if (size != sizeof(Solid) || memcmp(bytes + offsetof(Solid, token), TOKEN, sizeof TOKEN))
+        return report(c, fmi3Error, "this is not a state of this FMU");
     if (!*state) *state = malloc(sizeof(Solid));
     if (!*state) return report(c, fmi3Error, "no memory for the state");
     memcpy(*state, bytes, size);

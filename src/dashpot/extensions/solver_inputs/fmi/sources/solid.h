@@ -29,7 +29,8 @@ enum outcome { DONE, OUTSIDE_LIMITS, UNKNOWN, LOCKED };
 
 typedef struct {
     int stage, exchange; /* exchange: the importer integrates (Model Exchange) */
-    double time, input, rate, derivative;
+    char token[sizeof TOKEN]; /* of this FMU, in every state that it hands out */
+    double time, input, rate, derivative; /* the derivative is NAN where the importer set none */
     double at, slope; /* of the input, at the end of the last step */
     double parameter[PARAMETERS], state[STATES + 1];
     double matrix[SIZE * SIZE], step; /* exp(A h) of the last step, and its h */
@@ -39,7 +40,17 @@ static void start_solid(Solid *s, int exchange) {
     memset(s, 0, sizeof *s);
     s->exchange = exchange;
     memcpy(s->parameter, START, sizeof s->parameter);
+    memcpy(s->token, TOKEN, sizeof s->token);
+    s->derivative = NAN;
     s->step = -1;
+}
+
+/* Whether an arm under the mass is so fast that it is a dashpot k tau to any motion of the mass: a
+   step matrix of such an arm would lose all the rest in rounding. What is left out is 1e-10. */
+static int is_dashpot(const Solid *s, int j) {
+    double stiffness = s->parameter[0];
+    for (int i = 0; i < ARMS; i++) stiffness += s->parameter[3 + i];
+    return sqrt(stiffness / s->parameter[2]) * s->parameter[3 + ARMS + j] < 1e-5;
 }
 
 /* Force of springs and dashpots at displacement x and velocity v. */
@@ -113,6 +124,11 @@ static void find_step_matrix(Solid *s, double h) {
     double column[STATES + 1];
     Solid unit = *s;
     unit.exchange = 1;
+    for (int j = 0; j < ARMS; j++) {
+        if (!is_dashpot(s, j)) continue;
+        unit.parameter[1] += s->parameter[3 + j] * s->parameter[3 + ARMS + j];
+        unit.parameter[3 + j] = 0, unit.parameter[3 + ARMS + j] = h; /* no stiff row */
+    }
     for (int i = 0; i < STATES + 1; i++) { /* a column of A: the derivatives of a unit state */
         memset(unit.state, 0, sizeof unit.state);
         unit.input = i == STATES;
@@ -152,9 +168,10 @@ static void find_step_matrix(Solid *s, double h) {
 
 /* One co-simulation step: exact for an input that is a straight line. */
 static int advance(Solid *s, double time, double h) {
-    double before = s->at, after = s->input + (s->rate + s->derivative) * h;
+    double rate = isnan(s->derivative) ? s->rate : s->derivative;
+    double before = s->at, after = s->input + rate * h;
     if (!isfinite(time) || !isfinite(h) || h < 0 || !isfinite(after)) return OUTSIDE_LIMITS;
-    double slope = h > 0 ? (after - before) / h : s->rate + s->derivative;
+    double slope = h > 0 ? (after - before) / h : rate;
     if (WITH_MASS && h > 0) {
         double old[SIZE];
         if (h != s->step) find_step_matrix(s, h);
@@ -165,6 +182,9 @@ static int advance(Solid *s, double time, double h) {
             s->state[i] = 0;
             for (int j = 0; j < SIZE; j++) s->state[i] += s->matrix[i * SIZE + j] * old[j];
         }
+        for (int j = 0; j < ARMS; j++)
+            if (is_dashpot(s, j))
+                s->state[OWN + j] = s->state[0] - s->parameter[3 + ARMS + j] * s->state[1];
     }
     for (int j = 0; j < ARMS && !WITH_MASS; j++) { /* stretch of the spring: slope tau in the end */
         double tau = s->parameter[3 + ARMS + j], stretch = before - s->state[j];
@@ -172,6 +192,6 @@ static int advance(Solid *s, double time, double h) {
                         : stretch + after - before;
         s->state[j] = after - stretch;
     }
-    s->at = after, s->slope = slope, s->derivative = 0, s->time = time + h;
+    s->at = after, s->slope = slope, s->derivative = NAN, s->time = time + h;
     return DONE;
 }
