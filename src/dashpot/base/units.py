@@ -49,7 +49,8 @@ GRAVITY = 9.80665
 def _table() -> dict[str, Unit]:
     rows: dict[Dimension, dict[str, float]] = {
         "time": {
-            "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0,
+            "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0,
+            "d": 86400.0,
         },
         "length": {
             "m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048,
@@ -106,6 +107,7 @@ _SPELLINGS = {
     "s": "seconds second secs sek sekunde sekunden sekund sekundy seconde secondes segundo "
     "segundos secondo secondi saniye sn с сек 秒 초",
     "ms": "msec msecs millisecond milliseconds millisekunden мс 毫秒 ミリ秒",
+    "ns": "nsec nanosecond nanoseconds",
     "us": "µs µsec usec microsecond microseconds мкс 微秒",
     "min": "minute minutes minuten minuty dakika dk мин 分 分钟",
     "h": "hr hrs hour hours stunde stunden std godz 小时 時間",

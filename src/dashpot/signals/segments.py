@@ -416,7 +416,7 @@ def classify_load_history(time: FloatArray, displacement: FloatArray, force: Flo
 
 
 def is_creep_test(
-    time: FloatArray, x: FloatArray, force: FloatArray, segments: Sequence[MotionSegment]
+    time: FloatArray, x: FloatArray, force: FloatArray, segments: tuple[MotionSegment, ...]
 ) -> bool:
     """Return whether a record from its beginning on shows creep, and no strokes at one speed."""
     driven = began_late(x, force) or is_at_one_speed(time, x, segments)

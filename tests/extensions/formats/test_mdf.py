@@ -159,18 +159,40 @@ def test_channels_without_numbers_are_named() -> None:
     ]
 
 
-def test_mdf_interpolates_groups_with_different_clocks(tmp_path: Path) -> None:
+@pytest.mark.parametrize("force_is_slow", [True, False])
+def test_mdf_takes_the_slower_clock_of_force_and_travel(
+    tmp_path: Path, force_is_slow: bool
+) -> None:
+    """Straight lines between slow samples would be taken for a record of the fast ones."""
     late = TIME[::2] + 0.013
-    moved = Group([clock(late), Channel("Travel", np.interp(late, TIME, MOVED), "mm")], "wire")
-    path = save(
-        tmp_path / "a.mf4", mdf4([moved], [Group([clock(), Channel("Force", FORCE, "N")], "cell")])
+    slow, fast = ("Force", "Travel") if force_is_slow else ("Travel", "Force")
+    numbers, unit = {"Force": FORCE, "Travel": MOVED}, {"Force": "N", "Travel": "mm"}
+    wire = Group(
+        [clock(late), Channel(slow, np.interp(late, TIME, numbers[slow]), unit[slow])], "wire"
     )
-    test = read_relaxation(path)
-    np.testing.assert_allclose(test.time, TIME[(late[0] <= TIME) & (late[-1] >= TIME)])
-    expected = np.interp(test.time, late, np.interp(late, TIME, MOVED)) * 1e-3
-    np.testing.assert_allclose(test.displacement, expected, atol=1e-12)
-    says = "group 'wire' (10 Hz) has a clock of its own: its channels were interpolated to the"
+    cell = Group([clock(), Channel(fast, numbers[fast], unit[fast])], "cell")
+    test = read_relaxation(save(tmp_path / "a.mf4", mdf4([wire], [cell])))
+    within = late[(late >= TIME[0]) & (late <= TIME[-1])]
+    np.testing.assert_allclose(test.time, within)
+    measured = {name: np.interp(within, TIME, values) for name, values in numbers.items()}
+    np.testing.assert_allclose(test.force, measured["Force"], atol=1e-12)
+    np.testing.assert_allclose(test.displacement, measured["Travel"] * 1e-3, atol=1e-12)
+    says = "group 'cell' (20 Hz) has a clock of its own: its channels were interpolated to the"
     assert any(note.startswith(says) for note in test.source.notes)
+
+
+def test_mdf_keeps_the_clock_of_force_and_travel_beside_a_slow_speed(tmp_path: Path) -> None:
+    slow = Group([clock(TIME[::9]), Channel("EngineSpeed", TIME[::9] + 800, "mm/s")], "engine")
+    test = read_relaxation(save(tmp_path / "a.mf4", mdf4([slow], [bench()])))
+    np.testing.assert_allclose(test.time, TIME)
+
+
+@pytest.mark.parametrize("unit", ["ticks", "0.1ms"])
+def test_mdf_aligns_no_clock_of_an_unknown_unit(unit: str) -> None:
+    other = Group([replace(clock(TIME * 1e3), unit=unit), Channel("Temp", TIME, "degC")], "air")
+    table = MdfTable(BytesIO(mdf4([bench()], [other])), None)
+    assert "Temp" not in {column.name for column in table.columns}
+    assert any(unit in note for note in cautions_in(table.notes))
 
 
 def test_nothing_is_interpolated_across_a_pause_nor_an_invalid_number() -> None:

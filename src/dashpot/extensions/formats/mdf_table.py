@@ -27,7 +27,8 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 WHOLE = 1 << 22
 """Numbers of a table that is handed over with all of its columns."""
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
-_SURE = 2.0
+_LOADS, _MOTIONS = {"force", "stress"}, {"displacement", "strain", "acceleration"}
+_SURE, _LIKELY = 2.0, 1.0
 """How well the name of a channel says a role of a test, at least."""
 _APART = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
@@ -90,8 +91,9 @@ class MdfTable:
             self._base, self._segments = groups[0], tuple(range(len(groups)))
             self.segments = tuple(names) if len(groups) > 1 else ("",)
         else:
-            self._base = self._groups[_find_base(groups)]
-            self._segments, self.segments = (_find_base(groups),), ("",)
+            base = self._find_base()
+            self._base = self._groups[base]
+            self._segments, self.segments = (base,), ("",)
         self.columns, self._places = self._columns()
 
     @property
@@ -147,6 +149,15 @@ class MdfTable:
                 f'over (--file-part sheet="{group.name}" reads it)'
             )
             return False
+        stated = _clock_unit(group), _clock_unit(base)
+        if stated[0] != stated[1] and None in (units.find_unit(unit, "time") for unit in stated):
+            self.notes.append(
+                Caution(
+                    f"the clocks of '{group.name}' ({stated[0]}) and '{base.name}' ({stated[1]}) "
+                    "have no known common unit: the first was passed over"
+                )
+            )
+            return False
         ticks, own = self._ticks(i), self._ticks(self._segments[0])
         if np.array_equal(ticks, own):
             return True
@@ -172,14 +183,36 @@ class MdfTable:
         self.notes.append(Caution(says) if "acceleration" in moving else says)
         return True
 
+    def _find_base(self) -> int:
+        """Return which group gives the clock.
+
+        One with load and motion, and most roles of a test. If they stand in several groups, the
+        slowest of those: between its samples nothing is known, and straight lines there would be
+        taken for what was measured.
+        """
+        held = [_roles(group, _LIKELY) for group in self._groups]
+        if not any(roles & _LOADS and roles & _MOTIONS for roles in held):
+            clocks = [
+                (median(np.diff(self._ticks(i))), i)
+                for i, (group, roles) in enumerate(zip(self._groups, held, strict=True))
+                if group.clock is not None and group.rows > 1 and roles & (_LOADS | _MOTIONS)
+            ]
+            if len(clocks) > 1:
+                return max(clocks)[1]
+        roles = [_roles(group) for group in self._groups]
+        return max(
+            range(len(roles)),
+            key=lambda i: (len(roles[i]), "force" in roles[i], self._groups[i].rows),
+        )
+
     def _ticks(self, i: int) -> FloatArray:
-        """Return the clock of a group, s."""
+        """Return the clock of a group, s; in its own unit if that is not known."""
         group = self._groups[i]
         place = group.clock
         if place is None:
             raise ReadError(f"group '{group.name}' has no clock")
         ticks = read_channels(self._stream, group, [place])[0][:, 0]
-        unit = units.find_unit(group.channels[place].unit or "s", "time")
+        unit = units.find_unit(_clock_unit(group), "time")
         return ticks * (unit.factor if unit else 1.0)
 
     def load(self, indexes: Sequence[int]) -> LoadedColumns:
@@ -275,23 +308,18 @@ def _interpolate(
     return between
 
 
-def _find_base(groups: Sequence[MdfGroup]) -> int:
-    """Return which group gives the clock: most roles of a test, then the force, then most rows."""
-
-    def rank(i: int) -> tuple[int, bool, int]:
-        roles = _roles(groups[i])
-        return len(roles), "force" in roles, groups[i].rows
-
-    return max(range(len(groups)), key=rank)
+def _clock_unit(group: MdfGroup) -> str:
+    """Return the unit of the clock of a group, seconds where none is stated."""
+    return (None if group.clock is None else group.channels[group.clock].unit) or "s"
 
 
-def _roles(group: MdfGroup) -> set[str]:
+def _roles(group: MdfGroup, score: float = _SURE) -> set[str]:
     """Return the roles of a test that the channels of a group have by their names."""
     return {
         role
         for channel in group.channels
         for role in _ROLES
-        if not channel.clock and vocabulary.matches(channel.name).get(role, 0.0) >= _SURE
+        if not channel.clock and vocabulary.matches(channel.name).get(role, 0.0) >= score
     }
 
 
