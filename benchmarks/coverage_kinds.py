@@ -164,7 +164,7 @@ def aging(seed: int, *, rubber: Rubber = RUBBER, oven: float = 1.0, off: float =
     record = dp.CSRTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
     found = dp.fit(record, machine=dp.Machine(oven=oven))
     aged = dp.predict(found, temperature="70degC", until=("50%", "1000h"))
-    life, left = (one for one in aged.reported_values if one.name in {"life", "left"})
+    life, left = (one for one in aged.facts if one.name in {"life", "left"})
     energy = found["activation_energy"]
     yield "life", bool(life.low <= 3600 * rubber.life(70.0) <= life.high)
     yield "activation energy", bool(energy.low <= rubber.energy <= energy.high)

@@ -36,10 +36,10 @@ def run_main_calls() -> None:
     )  # fmt: skip
     dp.report(test, hits, mass="114.8g", seals=2).save("report.html")
     warm = dp.fit(dp.read("at_0degC.csv"), dp.read("at_23degC.csv"))
-    print(warm.model_at(temperature=283.15))
+    print(warm.at(283.15))
     fit.save("fit.json")
     dp.plot.save(fit.plot(), "fit.png")
-    print(dp.read("fit.json"), fit.to_pandas(), fit.checks, fit.reported_values)
+    print(dp.read("fit.json"), fit.to_pandas(), fit.checks, fit.facts)
     print(dp.simulate("relaxation", hold="10s"))
     Path("tests").mkdir()
     shutil.copy("seal_8mm.csv", "tests")

@@ -18,7 +18,7 @@ from scipy.optimize import curve_fit
 
 from dashpot.extensions.paper.exponential_sum import exponential_sum
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "engine"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "numerics"))
 from test_sums import CERTIFIED, LANCZOS_X, MGH17, MGH17_X, digits, typed
 
 START = (0.5, 3.6, 4.0, 0.7, 4.2, 6.3)

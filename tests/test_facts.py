@@ -218,7 +218,7 @@ def test_the_document_has_every_fact_in_si(fit):
     error, between = whole["standard_error"], whole["interval_95"]
     if fit.family != "maxwell":
         error, between = solid["standard_error"], solid["interval_95"]
-    for fact in fit.reported_values:
+    for fact in fit.facts:
         kind, _, place = fact.name.partition("_")
         if place.isdecimal() and fit.family == "maxwell":
             j = int(place) - 1
@@ -248,7 +248,7 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
             strict=True,
         )
     }
-    shown = [fact for fact in fit.reported_values if fact.name[0] != "b"]
+    shown = [fact for fact in fit.facts if fact.name[0] != "b"]
     assert len(found) == len(shown)
     for one in shown:
         error = math.nan if one.error is None else one.error
@@ -384,7 +384,7 @@ def test_modes_say_the_same_in_text_and_app(bench):
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
     facts = list_mode_facts([("1", found.modes[0].mode)])
     app = {one.name: one for one in map(view_models.term, facts)}
-    frequency, ratio, residue = found.modes[0].mode.reported_values
+    frequency, ratio, residue = found.modes[0].mode.facts
     assert "Hz, damping ratio" in line
     for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):
         assert fact.cells.ascii.with_error in text

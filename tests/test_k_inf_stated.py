@@ -109,7 +109,7 @@ def test_an_arm_slower_than_the_tests_leaves_k_inf_inside_its_limit(number, tmp_
         low, high = fit.intervals()["k_inf"]
         assert low <= pair.seal.solid.k_inf <= high
         now = {one.name: one.now for one in fit.evidence.parameter_changes}.get(
-            "k_inf", fit.reported_values[0]
+            "k_inf", fit.facts[0]
         )
         assert now.error is None
         assert now.high == pytest.approx(high)

@@ -129,7 +129,7 @@ def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> 
     low, high = found.intervals()["k_inf"]
     assert low == 0
     assert high > 93
-    (k_inf,) = [fact for fact in found.reported_values if fact.name == "k_inf"]
+    (k_inf,) = [fact for fact in found.facts if fact.name == "k_inf"]
     assert k_inf.error is None
     assert k_inf.is_at_most
     assert found.stiffness_limits is not None

@@ -70,7 +70,7 @@ class Part:
 @dataclass(frozen=True)
 class Result(Serialisable):
     schema = "dashpot/result@0"
-    keys = ("law", "part.length", "high=part.length", "part.inside?", "*more", "part")
+    _keys = ("law", "part.length", "high=part.length", "part.inside?", "*more", "part")
 
     law: str
     part: Part
@@ -88,7 +88,7 @@ def test_a_document_is_a_list_of_attributes() -> None:
 
 @dataclass(frozen=True)
 class Whole(Serialisable):
-    keys = ("*", "high=part.length~", "*result", "gone=nothing.length", "left=nothing?")
+    _keys = ("*", "high=part.length~", "*result", "gone=nothing.length", "left=nothing?")
 
     part: Part
     result: Result | None = None
@@ -112,7 +112,7 @@ def test_document_writes_null_for_nan_and_omits_missing_fields() -> None:
 
 @dataclass(frozen=True)
 class Taken(Serialisable):
-    keys = ("*whole", "more")
+    _keys = ("*whole", "more")
 
     whole: Whole
     more: float = 2.0

@@ -134,7 +134,7 @@ MISTAKES = (
     ("fit seal.csv --file-part sheet=Foo", "leave it out", "fit seal.csv --arms 1"),
     ("fit seal.csv --rate 1kHz", "leave --rate out", "fit seal.csv --arms 1"),
     ("fit cld_1.csv --file-part cycle=9", "holds 4 cycles", "fit cld_1.csv --file-part cycle=4"),
-    ("fit cld_1.csv cld_1.csv", "each piece once", "fit cld_1.csv"),
+    ("fit cld_1.csv cld_1.csv", "each specimen once", "fit cld_1.csv"),
     (("report odd.csv hammer.csv --mass 104g --column time=1,displacement=2,force=3 "
      "--units time=s,displacement=mm,force=N"), "--column odd.csv:time=1,displacement=2,force=3",
      ("report odd.csv hammer.csv --mass 104g --no-joint -o r.html "
@@ -235,7 +235,7 @@ MISTAKES = (
     ("fit loops.csv --model ogden", "Known are auto, factor", "fit loops.csv --model additive"),
     ("fit loops.csv strain.csv", "one amplitude sweep at a time", "fit loops.csv"),
     ("fit loops.csv --resonance-amplitude 1N", "--resonance-amplitude is for", "fit loops.csv"),
-    (f"fit {TWO} --mass 114.8g --amplitude 0.02N", "the level of each FRF",
+    (f"fit {TWO} --mass 114.8g --amplitude 0.02N", "the amplitude of each FRF",
      f"fit {TWO} --mass 114.8g --amplitude 0.02N --amplitude 0.5N"),
     (f"fit {TWO} --amplitude 0.02N --amplitude 0.5N", "expected the mass (--mass)",
      f"fit {TWO} --mass 114.8g --amplitude 0.02N --amplitude 0.5N"),

@@ -46,14 +46,14 @@ FREE = TemperatureShifts(
     ],
 )
 def test_the_broad_seal_at_its_temperatures(celsius, storage, loss_factor):
-    at = FIT.model_at(temperature=f"{celsius}degC").complex_stiffness(omega=2 * np.pi * 12.71)
+    at = FIT.at(f"{celsius}degC").complex_stiffness(omega=2 * np.pi * 12.71)
     assert 1e-3 * at.real == pytest.approx(storage, rel=2e-6)
     assert at.imag / at.real == pytest.approx(loss_factor, rel=2e-5)
 
 
 def test_the_whole_fit_moves_with_its_solid():
     cold = FIT.at_temperature(273.15)
-    assert cold.model == FIT.model_at(temperature=273.15)
+    assert cold.model == FIT.at(273.15)
     assert cold.specimen.temperature == 273.15
     assert cold.band[1] / FIT.band[1] == pytest.approx(10 ** -LAW.log10_a_t(273.15))
     assert cold.temperatures.reference == 273.15
@@ -71,11 +71,9 @@ def test_there_and_back_is_where_it_was(kind, slope):
     known = FREE if kind == "free" else make_shifts(law, "free", names, doubt)
     fit = replace(FIT, temperatures=replace(known, slope=slope))
     there = fit.at_temperature(280.0)
-    np.testing.assert_allclose(there.model_at(temperature=REFERENCE).tau, fit.model.tau, rtol=1e-9)
-    np.testing.assert_allclose(there.model_at(temperature=REFERENCE).k, fit.model.k, rtol=1e-9)
-    np.testing.assert_allclose(
-        there.model_at(temperature=285.0).tau, fit.model_at(temperature=285.0).tau, rtol=1e-3
-    )
+    np.testing.assert_allclose(there.at(REFERENCE).tau, fit.model.tau, rtol=1e-9)
+    np.testing.assert_allclose(there.at(REFERENCE).k, fit.model.k, rtol=1e-9)
+    np.testing.assert_allclose(there.at(285.0).tau, fit.at(285.0).tau, rtol=1e-3)
     again = there.at_temperature(REFERENCE).temperatures
     assert again.error(278.0)[0] == pytest.approx(fit.temperatures.error(278.0)[0], rel=0.03)
     assert [shift.temperature for shift in again.shifts].count(REFERENCE) == 1
@@ -97,34 +95,31 @@ def test_errors_at_another_temperature_hold_the_doubt_of_both_shifts():
 
 def test_a_law_is_refused_nearer_than_ten_kelvin_to_the_glass_transition():
     assert pytest.approx(218.15) == LAW.glass
-    assert FIT.model_at(temperature=228.2).tau[0] > BROAD.tau[0]
+    assert FIT.at(228.2).tau[0] > BROAD.tau[0]
     with pytest.raises(dp.DataError, match="glass transition"):
-        FIT.model_at(temperature=228.1)
+        FIT.at(228.1)
     # what was tested is known whatever the law says of the glass
     glassy = dp.solids.WLF(LAW.c1, 60.0, REFERENCE)
-    assert (
-        replace(FIT, temperatures=make_shifts(glassy)).model_at(temperature=273.15).arms
-        == BROAD.arms
-    )
+    assert replace(FIT, temperatures=make_shifts(glassy)).at(273.15).arms == BROAD.arms
 
 
 def test_fit_at_two_temperatures_refuses_extrapolation():
     with pytest.raises(dp.DataError, match="third temperature"):
-        replace(FIT, temperatures=FREE).model_at(temperature=263.15)
+        replace(FIT, temperatures=FREE).at(263.15)
 
 
 def test_fit_at_one_temperature_refuses_any_other():
     alone = a_fit(BROAD, specimen=Specimen(temperature=REFERENCE))
-    assert alone.model_at(temperature=REFERENCE + 0.4) == alone.model
+    assert alone.at(REFERENCE + 0.4) == alone.model
     assert alone.temperatures is None
     with pytest.raises(dp.DataError, match="23 degC"):
-        alone.model_at(temperature="0degC")
+        alone.at("0degC")
     with pytest.raises(dp.DataError, match="nobody noted"):
-        a_fit(BROAD).model_at(temperature="23degC")
+        a_fit(BROAD).at("23degC")
 
 
 def test_two_seals_side_by_side_move_alike():
     two = FIT.in_parallel(2)
-    assert two.model_at(temperature=273.15) == 2 * FIT.model_at(temperature=273.15)
+    assert two.at(273.15) == 2 * FIT.at(273.15)
     pressed = FIT.at_compression(2e-3)
-    assert pressed.model_at(temperature=273.15) == FIT.model_at(temperature=273.15)
+    assert pressed.at(273.15) == FIT.at(273.15)

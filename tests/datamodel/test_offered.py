@@ -154,9 +154,7 @@ def test_every_class_with_a_summary_has_a_table() -> None:
         or frame.dispatch(kind) is not frame.dispatch(object)
     }
     facts = {
-        kind
-        for kind in offered
-        if getattr(kind, "reported_values", None) not in {None, HasVerdict.reported_values}
+        kind for kind in offered if getattr(kind, "facts", None) not in {None, HasVerdict.facts}
     }
     assert offered == given | facts
 

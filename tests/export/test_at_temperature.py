@@ -136,7 +136,7 @@ def test_deck_at_a_temperature_equals_deck_of_the_shifted_fit(target, law):
     # byte for byte that of the fit that was moved first, whose temperature no check judges
     moved = TARGETS[target](fit.at_temperature(278.15), units="SI", **more)
     assert deck.replace(" 1 check passed.", "") == moved
-    there = fit.model_at(temperature="5degC")
+    there = fit.at("5degC")
     assert f"model: k_inf = {there.k_inf:.10g} N/m" in deck
     assert all(f"tau = {tau:.10g} s" in deck for tau in there.tau)
     assert "temperature: 278.15 K (5 degC)" in deck

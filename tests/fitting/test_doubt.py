@@ -515,7 +515,7 @@ def test_limits_hold_the_solid_that_is_shown():
     """A fractional solid's own k_inf lies above the bound of arms: it is not printed outside it."""
     record = prepare(simulate_relaxation(PAPER, hold_time=40.0, seed=1).test)
     found = fit(record, family="fractional")
-    (shown,) = [one for one in found.reported_values if one.name == "k_inf"]
+    (shown,) = [one for one in found.facts if one.name == "k_inf"]
     assert shown.value <= shown.high
     limits = found.stiffness_limits
     assert limits is not None

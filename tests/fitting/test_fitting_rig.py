@@ -92,9 +92,7 @@ def test_intervals_cover_encoder_errors(paper_seal: GeneralizedMaxwell, encoder:
 @pytest.mark.parametrize("name", ["white", "10hz", "ar20ms", "ar500ms"])
 def test_intervals_cover_the_truth_under_correlated_noise(name: str) -> None:
     """25 seeds at 200 Hz; the benchmark has 1000 at 1 kHz."""
-    hits = [
-        coverage.check_level_coverage(coverage.NOISES[name], seed, rate=200.0) for seed in range(25)
-    ]
+    hits = [coverage.covered(coverage.NOISES[name], seed, rate=200.0) for seed in range(25)]
     assert np.mean(hits) > 0.88
 
 
@@ -127,7 +125,7 @@ def test_naive_intervals_would_not_cover() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(coverage.NOISES))
 def test_coverage_is_nominal_for_every_noise(name: str) -> None:
-    hits = [coverage.check_level_coverage(coverage.NOISES[name], seed) for seed in range(1000)]
+    hits = [coverage.covered(coverage.NOISES[name], seed) for seed in range(1000)]
     share = np.mean(hits, axis=0)
     assert np.all(share > 0.93)
     assert np.all(share < 0.975)

@@ -91,7 +91,7 @@ def test_a_creep_test_with_late_channels_stays_usable_and_says_the_delay():
     used = [fit.verdict.use == "use" for _, fit in fits]
     assert np.mean([one for one, sound in zip(used, in_step, strict=True) if sound]) >= 0.8
     for one, fit in fits:
-        delay = next(part for part in fit.nuisance if part.name == "delay")
+        delay = next(part for part in fit.estimate.nuisance if part.name == "delay")
         # one arm too few stands in the delay for what it gave
         assert delay.value == pytest.approx(
             one.truth["late"], abs=0.004 + 0.6 * abs(delay.prior_sd)
@@ -267,7 +267,5 @@ def test_impact_fit_uses_only_the_force_and_no_delay(late):
         dp.fit(dp.SlamTest(one["time"], one["force"], each, units="SI"), mass=mass)
         for each in (one["acceleration"], moved)
     )
-    assert [fact.value for fact in other.reported_values] == [
-        fact.value for fact in still.reported_values
-    ]
+    assert [fact.value for fact in other.facts] == [fact.value for fact in still.facts]
     assert other.verdict.use == still.verdict.use

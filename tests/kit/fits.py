@@ -69,7 +69,7 @@ def solid_errors(fit: Fit) -> dict[str, float]:
     """Return the standard errors of the model's own parameters; nan where there is none."""
     return {
         value.name: math.nan if value.error is None else value.error
-        for value in fit.reported_values
+        for value in fit.facts
         if not value.name.startswith("b")
     }
 
@@ -78,6 +78,6 @@ def solid_intervals(fit: Fit) -> dict[str, tuple[float, float]]:
     """Return the 95 % intervals of the model's own parameters; nothing bounds k_inf from below."""
     return {
         value.name: (0.0 if math.isnan(value.low) else value.low, value.high)
-        for value in fit.reported_values
+        for value in fit.facts
         if not value.name.startswith("b")
     }

@@ -453,7 +453,7 @@ def test_the_sentences_name_the_cause(whole):
 
 def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
     text = Page(whole).text
-    most = S.fit.reported_values[0].cells
+    most = S.fit.facts[0].cells
     assert most.interval.startswith("at most ")
     assert f"{most.value} {most.interval}" in re.sub(r"[, ]+", " ", text)
     assert "N·s/mm" in text

@@ -305,9 +305,8 @@ class TestCommand:
             said = run_json(*asked)["verdict"]
             assert said["failed_checks"][0] == first
             assert ("prediction_in_valid_band" in said["failed_checks"]) == (hz == "1100Hz")
-            first_line = (
-                f"{said['use'].capitalize()}: {said['says'][0].lower()}{said['says'][1:50]}"
-            )
+            grade, message = said["verdict_grade"].capitalize(), said["message"]
+            first_line = f"{grade}: {message[0].lower()}{message[1:50]}"
             assert ran(*asked).stdout.startswith(first_line)
         assert said["failed_checks"][0] == "prediction_in_valid_band"
 

@@ -218,7 +218,7 @@ def test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay(sol
         assert np.abs(K.real / solid.storage(omega=w) - 1).max() < 0.01
         # beside the resonance a delay is a loss; at it, it is not
         assert abs(K[1].imag / solid.loss(omega=w[1]) - 1) < 0.03
-        seen = {one.name: one for one in found.nuisance}
+        seen = {one.name: one for one in found.estimate.nuisance}
         assert abs(seen["gain"].value - gain) < 4 * seen["gain"].standard_error
 
 

@@ -62,7 +62,7 @@ class Remedy(Serialisable):
         What to give the option, where that is known.
     """
 
-    keys = ("words", "option", "value")
+    _keys = ("words", "option", "value")
 
     words: str
     option: str = ""
@@ -106,7 +106,7 @@ class Check(Serialisable):
     (True, 'limit')
     """
 
-    keys = ("name", "passed", "grade", "value", "limit", "message=says", "remedy")
+    _keys = ("name", "passed", "grade", "value", "limit", "message=says", "remedy")
 
     name: str
     passed: bool | None
@@ -159,7 +159,7 @@ class Verdict(Serialisable):
     'use'
     """
 
-    keys = ("verdict_grade=use", "message=says", "failed_checks=reasons")
+    _keys = ("verdict_grade=use", "message=says", "failed_checks=reasons")
 
     use: Use
     says: str

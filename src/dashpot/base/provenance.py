@@ -64,7 +64,7 @@ class Source(Serialisable):
     'seal.csv'
     """
 
-    keys = (
+    _keys = (
         "file",
         "sha256",
         "reader",
@@ -99,7 +99,7 @@ def describe_record_source(source: Source | None, samples: int) -> str:
 class Step(Serialisable):
     """Processing step: its name, its parameters as text, and a sentence on its effect."""
 
-    keys = ("*", "message=says")
+    _keys = ("*", "message=says")
 
     name: str
     parameters: tuple[tuple[str, str], ...] = ()

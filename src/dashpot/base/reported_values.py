@@ -84,7 +84,7 @@ class ReportedValue(Serialisable):
         How a table calls it; by default its name, in words where it is not a symbol.
     """
 
-    keys = ("name", "value", "low", "high", "unit")
+    _keys = ("name", "value", "low", "high", "unit")
 
     name: str
     value: float
@@ -241,7 +241,7 @@ class HasReportedValues(HasChecks):
     found: tuple[ReportedValue, ...]
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The numbers that it tells."""
         return self.found
 

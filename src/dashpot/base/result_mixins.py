@@ -134,7 +134,7 @@ class HasVerdict(Plottable):
     verdict: Any
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The numbers that it tells, each with its unit and how well it is known."""
         return ()
 

@@ -25,7 +25,7 @@ class Serialisable:
     ----------
     schema : str
         Its versioned name, ``"dashpot/rod@2"``; empty for a part of another document.
-    keys : tuple of str
+    _keys : tuple of str
         ``"law"``, the attribute of this name; ``"fit.law"``, one on the way, under its last word;
         ``"key=fit.law"``, under another; None where one on the way is. With ``"?"`` at the end
         left out where it is None, with ``"~"`` numbers that are not finite are None.
@@ -34,7 +34,7 @@ class Serialisable:
     """
 
     schema: ClassVar[str] = ""
-    keys: ClassVar[tuple[str, ...]] = ()
+    _keys: ClassVar[tuple[str, ...]] = ()
     _is_loadable: ClassVar[bool] = True
     """Whether a document with a schema holds the whole value, so that it can be read."""
 
@@ -47,7 +47,7 @@ class Serialisable:
         """Plain dictionaries, lists, texts and numbers, SI units."""
         entries: dict[str, Any] = {"schema": self.schema} if self.schema else {}
         kind: Any = type(self)
-        for key in _keys(kind):
+        for key in _parse_keys(kind):
             entries |= key.item(self)
         sealed = entries.pop(DIGEST, None) is not None or self._has_digest
         return {**entries, DIGEST: compute_document_digest(entries)} if sealed else entries
@@ -83,13 +83,13 @@ def _attribute(result: Any, name: str) -> Any:
 
 
 @cache
-def _keys(kind: Any) -> tuple[_Key, ...]:
+def _parse_keys(kind: Any) -> tuple[_Key, ...]:
     names = (
         [field.name for field in fields(kind) if EDGE not in field.metadata]
         if is_dataclass(kind)
         else []
     )
-    texts = kind.keys or ("*",)
+    texts = kind._keys or ("*",)
     alone = {key.way for key in map(_Key.parse_key, texts) if not key.spread}
     rest = [name for name in names if (name,) not in alone]
     return tuple(
@@ -105,7 +105,7 @@ def decode_fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     names = {field.name for field in fields(kind)}
     value: dict[str, Any] = {name: document[name] for name in names & document.keys()}
     value |= {field.name: field.metadata[EDGE] for field in fields(kind) if EDGE in field.metadata}
-    for key in _keys(kind) if issubclass(kind, Serialisable) else ():
+    for key in _parse_keys(kind) if issubclass(kind, Serialisable) else ():
         first = key.way[0]
         if first not in names or first in document:
             continue

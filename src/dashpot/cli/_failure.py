@@ -34,7 +34,7 @@ class Failure(Serialisable):
     """Failure of a command: its kind, sentence, exit code, output and place."""
 
     schema = "dashpot/error@2"
-    keys = ("kind", "message=says", "exit_code=code", "traceback?")
+    _keys = ("kind", "message=says", "exit_code=code", "traceback?")
 
     kind: str
     says: str

@@ -36,7 +36,7 @@ class Exported(Serialisable):
     """Exported deck: target, units, overridden refusals, and its file or text."""
 
     schema = "dashpot/deck@1"
-    keys = ("target", "units", "file", "overrides", "deck?")
+    _keys = ("target", "units", "file", "overrides", "deck?")
 
     target: str
     units: str | None

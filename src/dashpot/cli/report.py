@@ -44,7 +44,7 @@ _VIBRATION = set(options.VIBRATION.split())
 class Reported(Serialisable):
     """Study, with the file of its report and the hash of its project's history."""
 
-    keys = ("*study", "report", "history?")
+    _keys = ("*study", "report", "history?")
 
     study: Study
     report: str

@@ -25,7 +25,7 @@ class Simulated(Serialisable):
     """Simulated test, with the files of the test and of its truth, or its text."""
 
     schema = "dashpot/simulated@1"
-    keys = ("what", "file", "truth", "text?")
+    _keys = ("what", "file", "truth", "text?")
 
     what: str
     file: str

@@ -93,7 +93,7 @@ class EndOfHold(Serialisable):
         ``"hold"``, ``"curve"``, ``"sweep"``, ``"creep"`` or, of a hammer alone, ``"frf"``.
     """
 
-    keys = (
+    _keys = (
         "k_inf", "k_end", "k_at_3_end=k_3end", "end_time=time", "slope_limit=falling",
         "if_machine_named=named", "k_at_10_end=k_10end", "test_kind=ended",
     )  # fmt: skip
@@ -266,7 +266,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
         What the limits hold for, in one sentence.
     """
 
-    keys = ("*", "message=says")
+    _keys = ("*", "message=says")
 
     frequency: FloatArray
     storage: FloatArray
@@ -314,7 +314,7 @@ class FRFBounds(FrozenArrays, Serialisable):
         Accelerance or transmissibility.
     """
 
-    keys = ("*", "unmeasured=unseen", "message=says")
+    _keys = ("*", "unmeasured=unseen", "message=says")
 
     frequency: FloatArray
     magnitude: FloatArray
@@ -373,7 +373,7 @@ class BandError(Serialisable):
         the band; 0 of a record that has none.
     """
 
-    keys = ("frequency", "stiffness", "loss_factor", "misfit")
+    _keys = ("frequency", "stiffness", "loss_factor", "misfit")
 
     frequency: tuple[float, ...]
     stiffness: tuple[float, ...]

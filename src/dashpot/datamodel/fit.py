@@ -79,7 +79,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     """
 
     schema = "dashpot/fit@2"
-    keys = (
+    _keys = (
         "id=identity",
         "status",
         "ok",
@@ -201,43 +201,22 @@ class Fit(EqualByValue, Plottable, Serialisable):
             stiffness = max(stiffness, wide / held) if held > 0 else np.inf
         return stiffness, loss_factor
 
-    # -- at other temperatures ----------------------------------------------------------------
-
-    def model_at(
-        self,
-        compression: Quantity | None = None,
-        *,
-        temperature: Quantity | None = None,
-        secant: bool = False,
-    ) -> GeneralizedMaxwell:
-        r"""Return the model for small vibration at a compression, or at another temperature.
-
-        At a compression that is the tangent of the elastic law; at another temperature relaxation
-        times are a_T and stiffnesses b_T times those of the reference.
+    def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
+        """Return the model for small vibration at a compression: the tangent of the elastic law.
 
         Parameters
         ----------
-        compression : float or str, optional
+        compression : float or str
             m, or a text such as ``"3mm"``.
-        temperature : float or str, optional
-            K, or a text such as ``"-20degC"``.
         secant : bool
             The linear model that gives the relaxed force at the compression instead.
 
         Raises
         ------
         DataError
-            If both or none are given, or one is not a number > 0; if the fit is of one temperature
-            and this is another, if it is less than 10 K above the glass transition that a WLF law
-            implies, or where the law says nothing.
+            If the compression is not a number > 0.
         """
-        if temperature is not None and compression is None:
-            return self._model_at_temperature(convert_to_si(temperature, "temperature"))
-        if temperature is not None or compression is None:
-            raise DataError("model_at takes a compression or a temperature: give one of the two")
-        return self._model_at_compression(convert_to_si(compression, "length"), secant)
-
-    def _model_at_compression(self, compression: float, secant: bool) -> GeneralizedMaxwell:
+        compression = convert_to_si(compression, "length")
         require_positive(compression=compression, unit=" m")
         law = self.elastic_law
         if law is None or law.kind == "linear":
@@ -246,7 +225,21 @@ class Fit(EqualByValue, Plottable, Serialisable):
             return self.model * float(law.path(compression) / compression)
         return self.model * float(law.factor(compression))
 
-    def _model_at_temperature(self, kelvin: float) -> GeneralizedMaxwell:
+    def at(self, temperature: Quantity) -> GeneralizedMaxwell:
+        r"""Return the model at another temperature: times a_T the times, times b_T the stiffnesses.
+
+        Parameters
+        ----------
+        temperature : float or str
+            K, or a text such as ``"-20degC"``.
+
+        Raises
+        ------
+        DataError
+            If the fit is of one temperature and this is another, if it is less than 10 K above
+            the glass transition that a WLF law implies, or where the law says nothing.
+        """
+        kelvin = convert_to_si(temperature, "temperature")
         require_positive(temperature=kelvin, unit=" K")
         if self.temperatures is not None:
             return self.temperatures.shift_model(self.model, kelvin)
@@ -265,10 +258,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
         Raises
         ------
         DataError
-            As :meth:`model_at`.
+            As :meth:`at`.
         """
         kelvin = convert_to_si(temperature, "temperature")
-        solid, shifts = self.model_at(temperature=kelvin), self.temperatures
+        solid, shifts = self.at(kelvin), self.temperatures
         if shifts is None or kelvin == shifts.reference:
             return self
         a_t, b_t = float(shifts.law.a_t(kelvin)), shifts.b_t(kelvin)
@@ -328,7 +321,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             estimate.errors_of_vibration(model, at)[0]
             for estimate, model, at in (
                 (here, self.model, s),
-                (there, self.model_at(temperature=kelvin), np.asarray(s / a_t, dtype=complex)),
+                (there, self.at(kelvin), np.asarray(s / a_t, dtype=complex)),
             )
         )
         if not np.isfinite(after):
@@ -355,7 +348,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         No test bounds k_inf from below, so it has no standard error (nan) but where it was given:
         :meth:`intervals` has what it is at most. Of a fractional solid, those of the arms that
         stand for it follow from its own four. Of relaxation tests they hold what their rigs may
-        have done unseen; without it they are those of `estimate.noise_alone`.
+        have done unseen; without it they are those of `estimate.noise_only`.
         """
         errors = self._arm_estimate.standard_errors(self.model)
         return {**errors, "k_inf": self._without_error(errors["k_inf"])}
@@ -394,7 +387,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def _compute_solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
         """Confidence intervals at `level` of the solid's own parameters by their names, SI units.
 
-        The names are those of `reported_values`.
+        The names are those of `facts`.
 
         Raises
         ------
@@ -405,7 +398,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return _drop_dashpots({**entries, "k_inf": self._k_inf_between(entries["k_inf"], level)})
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Every parameter of the solid with its standard error and 95 % interval.
 
         No test bounds k_inf from below: it is at most so much, and has no error.
@@ -450,7 +443,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return {
             "family": self.family,
             **{field.name: getattr(self.solid, field.name) for field in fields(self.solid)},  # type: ignore[arg-type]
-            "standard_error": {fact.name: fact.error for fact in self.reported_values},
+            "standard_error": {fact.name: fact.error for fact in self.facts},
             "interval_95": self._compute_solid_intervals(level=0.95),
         }
 
@@ -713,7 +706,7 @@ def list_known_values(fit: Fit) -> tuple[ReportedValue, ...]:
     The stiffness at the end of the hold, then every parameter; of a spectrum, whose single
     arms mean nothing, its ends.
     """
-    values, model, end = fit.reported_values, fit.model, fit.evidence.end_of_hold
+    values, model, end = fit.facts, fit.model, fit.evidence.end_of_hold
     if not fit.estimate.parameters:
         ends = [("k_inf", model.k_inf, fit.unit), ("k_0", model.k_0, fit.unit)]
         if model.arms:

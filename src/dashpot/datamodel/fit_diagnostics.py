@@ -43,7 +43,7 @@ class Alternative(Serialisable):
         What the two predict there, and what would tell them apart.
     """
 
-    keys = (
+    _keys = (
         "family", "*", "is_sufficient=explains", "differs_from_hz=parts_at", "message=says",
     )  # fmt: skip
 
@@ -103,7 +103,7 @@ class Certificate(Serialisable):
         The sentence printed with the fit.
     """
 
-    keys = ("*", "message=says")
+    _keys = ("*", "message=says")
 
     optimal: bool
     gap: float
@@ -184,7 +184,7 @@ class Explanation(Serialisable):
         With its value only where it explains both tests best: one quantity has one value.
     """
 
-    keys = (
+    _keys = (
         "*", "relative_deviation=departure", "deviance_fall=fall", "is_sufficient=explains",
         "message=says",
     )  # fmt: skip

@@ -155,7 +155,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     """
 
     schema = "dashpot/frf@2"
-    keys = (
+    _keys = (
         "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "shift_sd", "record",
         "pulse", "averages", "hits", "checks", "source", "steps",
     )  # fmt: skip
@@ -487,7 +487,7 @@ class Mode(Serialisable):
     0.724
     """
 
-    keys = ("frequency_hz=frequency", "damping_ratio")
+    _keys = ("frequency_hz=frequency", "damping_ratio")
 
     frequency: float
     damping_ratio: float
@@ -498,7 +498,7 @@ class Mode(Serialisable):
     method: str = "model"
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ReportedValue, ReportedValue]:
+    def facts(self) -> tuple[ReportedValue, ReportedValue, ReportedValue]:
         """Frequency, damping ratio and size of the residue, as tables have them."""
         frequency, damping_ratio, residue = (
             # the uncertainty of a model's phase is unknown, and not held

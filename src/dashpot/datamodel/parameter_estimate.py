@@ -86,7 +86,7 @@ class Residual(Serialisable):
         the scatter of each set; else that of the modulus.
     """
 
-    keys = ("*", "variance_inflation=kappa")
+    _keys = ("*", "variance_inflation=kappa")
 
     n: int
     sse: float

@@ -215,7 +215,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     """
 
     schema = "dashpot/ramp-hold@2"
-    keys = ("*", "machine_deflection=given")
+    _keys = ("*", "machine_deflection=given")
 
     time: FloatArray
     displacement: FloatArray

@@ -86,7 +86,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         of and with `slope`; empty where nothing is known of it.
     """
 
-    keys = ("reference", "*")
+    _keys = ("reference", "*")
 
     law: TemperatureLaw
     shifts: tuple[Shift, ...]

@@ -221,7 +221,7 @@ class ExpectedEnd(Serialisable):
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
 
-    keys = ("*", "if_machine_named=named")
+    _keys = ("*", "if_machine_named=named")
 
     time: float
     stiffness: float

@@ -255,7 +255,7 @@ class Plan(HasChecks, Serialisable):
     """
 
     schema = "dashpot/plan@2"
-    keys = ("verdict", "*")
+    _keys = ("verdict", "*")
 
     at: float
     model: GeneralizedMaxwell

@@ -130,7 +130,7 @@ class Installed(Serialisable):
     """The plug-ins of this environment, and the rows that hold none, each as a sentence."""
 
     schema = "dashpot/plugins@1"
-    keys = ("plugins", "refused?")
+    _keys = ("plugins", "refused?")
     _is_loadable = False
 
     plugins: tuple[Plugin, ...]

@@ -409,7 +409,7 @@ def _solid(recommendation: Recommendation) -> str:
 
 def _format_k_inf(fit: Fit) -> str:
     """k_inf with what it is at most."""
-    cells = next(fact for fact in fit.reported_values if fact.name == "k_inf").cells
+    cells = next(fact for fact in fit.facts if fact.name == "k_inf").cells
     return ", ".join(filter(None, (cells.with_unit, cells.interval)))
 
 

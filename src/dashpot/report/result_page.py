@@ -203,7 +203,7 @@ def kind_page(verdict: Any) -> KindPage:
     if value is not None:
         page: KindPage = value(verdict)
         return page if page.name else replace(page, name=_get_schema_name(verdict.schema))
-    facts = verdict.reported_values if isinstance(verdict, HasVerdict) else ()
+    facts = verdict.facts if isinstance(verdict, HasVerdict) else ()
     if not facts:
         raise TypeError(f"a {type(verdict).__name__} has no page")
     picture = verdict.plot()

@@ -53,7 +53,7 @@ _RESONANCE = frozenset({
 
 def mode_rows(mode: Any) -> Iterator[Row]:
     """The numbers of one mode."""
-    frequency, ratio, _ = mode.reported_values
+    frequency, ratio, _ = mode.facts
     yield row(frequency, "Natural frequency")
     yield row(ratio, "Damping ratio")
 
@@ -224,7 +224,7 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
     name = "The material" if material else "One seal"
     high = round_to_error(fit.band[1], digits=2)
     at_end = fit.evidence.end_of_hold
-    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.reported_values), None)
+    fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
     stiff = "" if fact is None else f"{fact.cells.value} {fact.word}"
     if shifts is None:
         topics = [Topic("Stiffness", OF_REST, stiff),

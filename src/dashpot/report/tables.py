@@ -379,7 +379,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
     mode = min(modes, key=lambda mode: abs(mode.frequency - c.measured_hz))
-    frequency, ratio, _ = (fact.cells.with_error for fact in mode.reported_values)
+    frequency, ratio, _ = (fact.cells.with_error for fact in mode.facts)
     return frequency, ratio
 
 

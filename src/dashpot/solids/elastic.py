@@ -60,7 +60,7 @@ class ElasticLaw(Serialisable):
         Standard error of :math:`t` at the knots; empty where nothing is known of it.
     """
 
-    keys = ("kind", "knots", "tangent=tangents", "ratio", "ratio_se", "stiffness")
+    _keys = ("kind", "knots", "tangent=tangents", "ratio", "ratio_se", "stiffness")
 
     knots: tuple[float, ...]
     ratio: tuple[float, ...]

@@ -189,7 +189,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     """
 
     schema = "dashpot/model@1"
-    keys = ("k_inf", "b", "arms=arms_list")
+    _keys = ("k_inf", "b", "arms=arms_list")
 
     k_inf: float
     k: tuple[float, ...] = ()

@@ -88,7 +88,7 @@ class WLF(TemperatureLaw):
     np.float64(1.498172)
     """
 
-    keys = ("kind", "c1", "c2")
+    _keys = ("kind", "c1", "c2")
 
     c1: float
     c2: float
@@ -160,7 +160,7 @@ class Arrhenius(TemperatureLaw):
         T_r, K.
     """
 
-    keys = ("kind", "energy")
+    _keys = ("kind", "energy")
 
     energy: float
     reference: float
@@ -197,7 +197,7 @@ class FreeShifts(TemperatureLaw):
         T_r, K.
     """
 
-    keys = ("kind", "temperatures", "log10_shifts")
+    _keys = ("kind", "temperatures", "log10_shifts")
 
     temperatures: tuple[float, ...]
     log10_shifts: tuple[float, ...]

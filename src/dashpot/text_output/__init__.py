@@ -39,7 +39,7 @@ def format_result(result: Any) -> str:
 
 def _teller(result: object) -> Callable[[Any], Text] | None:
     handler: Callable[[Any], Text] | None = find_handler("text", result)
-    if handler is None and isinstance(result, HasVerdict) and result.reported_values:
+    if handler is None and isinstance(result, HasVerdict) and result.facts:
         from dashpot.text_output.results import render_facts
 
         return render_facts

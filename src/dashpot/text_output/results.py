@@ -335,7 +335,7 @@ def impact(result: ImpactResult) -> Text:
     frf = result.frf
     lines = []
     for mode in result.modes:
-        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.reported_values)
+        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
         lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
@@ -535,7 +535,7 @@ def render_facts(verdict: HasVerdict) -> Text:
     """Return the numbers of a result with their intervals, and what the readers noticed."""
     sources = getattr(verdict, "sources", ())
     notes = [f"  read        {source.file}: {note}" for source in sources for note in source.notes]
-    return Text(facts(verdict.reported_values), ascii_only("\n".join(notes)).splitlines())
+    return Text(facts(verdict.facts), ascii_only("\n".join(notes)).splitlines())
 
 
 def render_summary(result: object) -> Text:

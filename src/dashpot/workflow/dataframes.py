@@ -71,8 +71,8 @@ def frame(result: object) -> UnitFrame:
     """Return the numbers of a result as columns: its own series, or its facts."""
     if isinstance(result, HasSummary) and result.table_columns:
         return _frame(**result.table_columns)
-    if isinstance(result, HasVerdict | HasReportedValues) and result.reported_values:
-        return _build_facts_frame(result.reported_values)
+    if isinstance(result, HasVerdict | HasReportedValues) and result.facts:
+        return _build_facts_frame(result.facts)
     raise DataError(f"a {type(result).__name__} is no table")
 
 
@@ -88,9 +88,7 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 @frame.register
 def _(result: Fit) -> UnitFrame:
     """Its facts, but for the dashpots that follow of k and tau."""
-    return _build_facts_frame(
-        [fact for fact in result.reported_values if not fact.name.startswith("b")]
-    )
+    return _build_facts_frame([fact for fact in result.facts if not fact.name.startswith("b")])
 
 
 def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:

@@ -97,7 +97,7 @@ class LeaveOneOut(Serialisable):
         And of its height, relative.
     """
 
-    keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
+    _keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
 
     error: float
     hits: int
@@ -142,7 +142,7 @@ class FRFComparison(HasVerdict, Serialisable):
     """
 
     # the verdict is of the measured FRF too, not of the comparison alone
-    keys = (
+    _keys = (
         "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unmeasured=unseen",
         "verdict",
         "*at_rest.summary",

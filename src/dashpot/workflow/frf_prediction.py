@@ -179,7 +179,7 @@ class ResponseLimits(Serialisable):
         By both kinds of ignorance, if the relaxation record is at hand.
     """
 
-    keys = ("kind", "frequency_hz=frequency", "parameter", "*admissible~")
+    _keys = ("kind", "frequency_hz=frequency", "parameter", "*admissible~")
 
     kind: Kind
     frequency: FloatArray
@@ -211,7 +211,7 @@ class ShakenMass(Serialisable):
         If the relaxation record is at hand.
     """
 
-    keys = ("*response", "of", "band_hz=band", "limits~?")
+    _keys = ("*response", "of", "band_hz=band", "limits~?")
 
     response: RandomResponse
     of: str
@@ -261,7 +261,7 @@ class Prediction(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/prediction@2"
-    keys: ClassVar[tuple[str, ...]] = (
+    _keys: ClassVar[tuple[str, ...]] = (
         "mass",
         "moving_mass",
         "seals",
@@ -301,9 +301,9 @@ class Prediction(HasVerdict, Serialisable):
     isolation: float | None = None
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self.modes for fact in mode.reported_values)
+        return tuple(fact for mode in self.modes for fact in mode.facts)
 
     @property
     def table_columns(self) -> Series:

@@ -48,7 +48,7 @@ class Changes(NamedTuple):
 class DirectStiffness(Serialisable):
     """Stiffness and damping of a seal from the FRF directly, each with all its errors."""
 
-    keys = (
+    _keys = (
         "frequency_hz=of.frequency", "stiffness=of.storage", "stiffness_sd=of.storage_sd",
         "of.damping", "of.loss_factor", "of.loss_factor_sd", "stiffness_band_hz=of.storage_band~",
         "loss_band_hz=of.loss_band~", "sensitivity",
@@ -96,7 +96,7 @@ class Identified(HasVerdict, Serialisable):
         The modes of what was measured, where nothing else was fitted.
     """
 
-    keys = (
+    _keys = (
         "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
         "*at_rest.summary",
     )  # fmt: skip
@@ -113,9 +113,9 @@ class Identified(HasVerdict, Serialisable):
         return add_checks(self.fit, self.checks)
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Those of the fit."""
-        return self.fit.reported_values
+        return self.fit.facts
 
     @property
     def checks(self) -> tuple[Check, ...]:

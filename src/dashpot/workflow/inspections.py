@@ -55,7 +55,7 @@ class InspectedFile(Inspection, Serialisable):
         Why a relaxation test cannot be prepared.
     """
 
-    keys = (*(field.name for field in fields(Inspection)), "preparation=account?")
+    _keys = (*(field.name for field in fields(Inspection)), "preparation=account?")
 
     preparation: Preparation | None = None
     refusal: str = ""

@@ -216,7 +216,7 @@ class Job(Serialisable):
     """
 
     schema = "dashpot/job@2"
-    keys = ("*", "time_limits=cuts", "other_tests=further")
+    _keys = ("*", "time_limits=cuts", "other_tests=further")
 
     relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
     impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)

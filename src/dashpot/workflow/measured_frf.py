@@ -300,7 +300,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self for fact in mode.reported_values)
+        return tuple(fact for mode in self for fact in mode.facts)
 
     @property
     def table_columns(self) -> Series:
@@ -313,7 +313,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def summary_lines(self) -> tuple[str, ...]:
         """The verdict, and each mode."""
-        rows = (mode.reported_values for mode in self)
+        rows = (mode.facts for mode in self)
         return (
             str(self.verdict),
             *(f"{hz.cells.with_unit}, damping {ratio.cells.with_unit}" for hz, ratio, _ in rows),
@@ -324,7 +324,7 @@ def format_modes_headline(modes: Sequence[Mode]) -> str:
     """Return frequency and damping of the first of some modes, and how many there are."""
     if not modes:
         return "0 modes were found"
-    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].reported_values)
+    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
     count = "" if len(modes) == 1 else f", the first of {format_count(len(modes), 'mode')}"
     return f"resonance at {frequency}, damping ratio {ratio}{count}"
 
@@ -348,7 +348,7 @@ class ImpactResult(Modes):
     """
 
     schema = "dashpot/impact@2"
-    keys = (
+    _keys = (
         "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks", "verdict",
         "frf.source", "file", "frf",
     )  # fmt: skip

@@ -162,7 +162,7 @@ class Study(Plottable, Serialisable):
     """
 
     schema = "dashpot/study@2"
-    keys = (
+    _keys = (
         "verdict", "*", "unmeasured=unseen", "static_equilibrium=at_rest", "other_tests=further",
     )  # fmt: skip
 

@@ -183,7 +183,7 @@ class TestSweep:
                 )
                 unseen = found.k3_unseen * Xs.max() ** 2
                 assert abs(k3) < unseen < 6 * abs(k3)
-                assert "No cubic spring is seen. One of up to" in " ".join(found.described)
+                assert "No cubic spring is seen. One of up to" in " ".join(found.summary_lines)
         found = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
         assert found.k3 > 0
         assert found.k3_unseen == 0
@@ -354,9 +354,9 @@ class TestLevels:
 
         for seed in range(12):
             found = fit_levels(three(nothing, seed=seed), LEVELS, mass=MASS)
-            assert found.beside == (), seed
+            assert found.rate_independent == (), seed
             assert "no change with amplitude is seen" in " ".join(
-                found.described + tuple(c.says for c in found.checks)
+                found.summary_lines + tuple(c.says for c in found.checks)
             )
 
     @pytest.mark.parametrize(("said", "use"), [(True, "use"), (False, "do not use")])

@@ -312,7 +312,7 @@ def test_tests_at_two_temperatures_share_one_model(store, at_home):
 def test_a_hammer_without_a_mass_is_no_verdict_yet(store, page_job):
     bare = {key: value for key, value in page_job.items() if key not in {"mass", "seals"}}
     head = ask("study", store, job=bare | {"joint": False})
-    assert "mass of the block" in head["hint"]
+    assert "test mass" in head["hint"]
     fit = from_json(ask("take", store, job=bare, what="fit")["text"])
     assert fit.verdict.use.capitalize() in head["verdict"]
     assert not ask("study", store, job=page_job | {"joint": False})["hint"]

@@ -90,7 +90,7 @@ class LevelResonance(Serialisable):
     frf : FRF
     """
 
-    keys = (
+    _keys = (
         "level",
         "unit",
         "peak",
@@ -157,7 +157,7 @@ class SweptPart(Serialisable):
         The samples behind the law.
     """
 
-    keys = (
+    _keys = (
         "sweep.file", "law.law", "laws=names", "*law.constants", "height",
         "strain_factors=factors", "fitted_at",
     )  # fmt: skip

@@ -206,7 +206,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     'Pa'
     """
 
-    keys = (
+    _keys = (
         "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "delay_sd",
         "linear=lines",
         "*numbers", "k3_detection_limit=k3_unseen", "orders=bic_by_law",

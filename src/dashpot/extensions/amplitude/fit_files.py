@@ -64,7 +64,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/levels@2"
-    keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=requested_levels?")
+    _keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=requested_levels?")
 
     fit: AmplitudeFit | LevelFit | HitLevels
     at: tuple[PeakAtLevel, ...]

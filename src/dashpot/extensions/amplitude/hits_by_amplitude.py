@@ -47,7 +47,7 @@ class HitLevels(HasChecks, Serialisable):
     checks : tuple of Check
     """
 
-    keys = ("hits", "per_doubling")
+    _keys = ("hits", "per_doubling")
 
     frf: FRF
     trend: Trend

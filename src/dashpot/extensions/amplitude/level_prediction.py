@@ -39,9 +39,9 @@ class LevelPrediction(Prediction):
         By an elastic law that bends.
     """
 
-    keys: ClassVar[tuple[str, ...]] = tuple(
+    _keys: ClassVar[tuple[str, ...]] = tuple(
         key
-        for old in Prediction.keys
+        for old in Prediction._keys
         for key in (
             ("levels=resonances?", "sweep=swept?", old) if old == "random=shaken?" else (old,)
         )
@@ -52,10 +52,10 @@ class LevelPrediction(Prediction):
     preloaded: tuple[PreloadedLevel, ...] = ()
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Those of each mode, and what each level makes of it."""
         return (
-            *super().reported_values,
+            *super().facts,
             *(fact for level in self.preloaded for fact in level.facts),
         )
 

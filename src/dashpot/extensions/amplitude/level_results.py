@@ -110,7 +110,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     """
 
     schema = "dashpot/levels@2"
-    keys = (
+    _keys = (
         "amplitudes", "verdict", "checks", "residual", "mass", "seals", "band_hz=band",
         "linear_residual", "model=solid", "sliders", "cubic", "orders=two_ln_l", "levels", "source",
         "at",

@@ -60,7 +60,7 @@ class LevelInterval(Serialisable):
         Of the response, at the lines of the FRF.
     """
 
-    keys = ("frequency_hz=frequency", "value", "mean_shift=shift", "harmonics")
+    _keys = ("frequency_hz=frequency", "value", "mean_shift=shift", "harmonics")
 
     frequency: Ends
     value: Ends | None
@@ -94,7 +94,7 @@ class PreloadedLevel(Serialisable):
         Where the errors of the fit are known.
     """
 
-    keys = (
+    _keys = (
         "level", "unit", "peak", "amplitude", "orbit.rest", "mean_shift=orbit.shift",
         "harmonics=orbit.harmonic_amplitudes", "phases=orbit.phases", "floquet=orbit.growth",
         "lost_contact=orbit.lost", "compression=deepest", "second_harmonic", "unsteady",

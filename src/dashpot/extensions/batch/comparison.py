@@ -35,7 +35,7 @@ class Compared(Serialisable):
         Records that both lots hold: the test wants lots that know nothing of each other.
     """
 
-    keys = (
+    _keys = (
         "quantity=quantity.name", "quantity.column", "different", "p_value_adjusted=p_value",
         "*difference",
     )  # fmt: skip
@@ -71,7 +71,7 @@ class LotComparison(HasChecks, Serialisable):
     """
 
     schema = "dashpot/lot-comparison@2"
-    keys = ("lots=names", "verdict", "differences=each", "checks")
+    _keys = ("lots=names", "verdict", "differences=each", "checks")
 
     names: tuple[str, str]
     each: tuple[Compared, ...]

@@ -47,7 +47,7 @@ def compare_with_hammer(
     origin = make_origin_column(*fit.source, *frf.source)
     if entry.hammer_temperature is not None:
         try:
-            fit.model_at(temperature=entry.hammer_temperature)
+            fit.at(entry.hammer_temperature)
         except DataError as error:
             return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
     on = MassOnSeals(mass, choices.seals)

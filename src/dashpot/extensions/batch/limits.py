@@ -31,7 +31,7 @@ class Limits(Serialisable):
         The least that is asked.
     """
 
-    keys = ("lower", "upper", "cpk")
+    _keys = ("lower", "upper", "cpk")
 
     quantity: Quantity
     lower: float | None = None

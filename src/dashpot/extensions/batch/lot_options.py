@@ -146,7 +146,7 @@ class LotOutput(Serialisable):
     """
 
     schema = "dashpot/batch@2"
-    keys = (
+    _keys = (
         "folder",
         "files",
         "found.lot.computed?",

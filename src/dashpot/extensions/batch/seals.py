@@ -30,7 +30,7 @@ class Seal(Serialisable):
         Of a quantity, SI.
     """
 
-    keys = ("lot", "seal=name", "tests", "mean", "repeats_sd=deviation")
+    _keys = ("lot", "seal=name", "tests", "mean", "repeats_sd=deviation")
 
     lot: str
     name: str

@@ -121,7 +121,7 @@ class LotControlCharts(NamedTuple):
 class LotCapability(Serialisable):
     """Process capability of one lot."""
 
-    keys = ("lot", "*capability")
+    _keys = ("lot", "*capability")
 
     lot: str
     capability: Capability
@@ -150,7 +150,7 @@ class OfQuantity(Serialisable):
         Of each seal, where there are limits.
     """
 
-    keys = (
+    _keys = (
         "quantity=quantity.name",
         "quantity.column",
         "seals",
@@ -254,7 +254,7 @@ class Summary(HasChecks, Serialisable):
     checks : tuple of Check
     """
 
-    keys = (
+    _keys = (
         "verdict",
         "summary=lights",
         "statistics=quantities~",

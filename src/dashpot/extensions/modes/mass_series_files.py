@@ -63,7 +63,14 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/modes-by-mass@2"
-    keys = ("tests=modes_by_mass", "stiffness", "model", "together.distance", "verdict", "checks")
+    _keys = (
+        "tests=modes_by_mass",
+        "stiffness",
+        "model",
+        "together.distance",
+        "verdict",
+        "checks",
+    )
 
     tests: tuple[MeasuredModes, ...]
     together: SeveralMasses

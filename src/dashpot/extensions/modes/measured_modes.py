@@ -119,7 +119,7 @@ class MeasuredModes(Modes):
     """
 
     schema = "dashpot/modes@2"
-    keys = ("frf.checks", "verdict", "frf.source", "*")
+    _keys = ("frf.checks", "verdict", "frf.source", "*")
 
     modes: tuple[MeasuredMode, ...]
     band: tuple[float, float]

@@ -83,7 +83,7 @@ def list_mode_facts(named: Iterable[tuple[str, Mode]]) -> tuple[ReportedValue, .
     """Return frequency and damping of every mode, each by the name that its mode has."""
     modes = tuple(named)
     return tuple(
-        replace(mode.reported_values[i], words=f"{sign}, {which}")
+        replace(mode.facts[i], words=f"{sign}, {which}")
         for i, sign in enumerate(("f", "ζ"))
         for which, mode in modes
     )
@@ -99,7 +99,7 @@ def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
         names = [f"{mode.modal_mass:.4g}"]
         if measured_modes.points:
             names = [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
-        residue = mode.mode.reported_values[2].cells.with_error
+        residue = mode.mode.facts[2].cells.with_error
         rows.append([str(i), round_to_error(mode.frequency_hz, digits=4), residue, *names,
                      f"{mode.orders} of {measured_modes.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]

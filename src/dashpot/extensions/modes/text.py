@@ -26,7 +26,7 @@ def modes(modes: MeasuredModes) -> Text:
         rows.append(
             [
                 str(number),
-                *(fact.cells.ascii.with_error for fact in mode.mode.reported_values),
+                *(fact.cells.ascii.with_error for fact in mode.mode.facts),
                 *(
                     [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
                     if several
@@ -95,7 +95,7 @@ def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
     )
     for mass, mode, k, se, solid in pairs:
         name = f"{convert_to_unit(mass, 'g'):.5g}"
-        modes.append([name, *(fact.cells.ascii.with_error for fact in mode.reported_values[:2])])
+        modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
         at_poles.append(
             [
                 name,

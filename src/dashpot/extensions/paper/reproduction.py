@@ -90,7 +90,7 @@ class Statement(Serialisable):
             return None
         return bool(self.off <= self.tolerance)
 
-    keys = (
+    _keys = (
         "part", "name", "paper", "reproduced=found", "difference=off", "tolerance",
         "within_interval=holds",
     )  # fmt: skip
@@ -110,7 +110,7 @@ class Coefficient(Serialisable):
         the paper does it.
     """
 
-    keys = ("*",)
+    _keys = ("*",)
 
     name: str
     unit: str
@@ -141,7 +141,7 @@ class HoldFit(Serialisable):
         What it leaves, N.
     """
 
-    keys = ("solid", "rms", "worst")
+    _keys = ("solid", "rms", "worst")
 
     solid: GeneralizedMaxwell
     time: FloatArray
@@ -176,7 +176,7 @@ class Reproduction(Serialisable):
     """
 
     schema = "dashpot/paper@2"
-    keys = (
+    _keys = (
         "seed",
         "reproduced=is_reproduced",
         "rows",

@@ -78,7 +78,7 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/plugged@2"
-    keys = ("verdict", "*", "values=found")
+    _keys = ("verdict", "*", "values=found")
 
     kind: str
     by: str

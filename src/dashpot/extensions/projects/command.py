@@ -27,7 +27,7 @@ class Verification(Serialisable):
     """Verification of a project: the hash of its history, and the findings on every result."""
 
     schema = "dashpot/verification@2"
-    keys = ("project", "ok", "head", "checks")
+    _keys = ("project", "ok", "head", "checks")
 
     project: str
     head: str

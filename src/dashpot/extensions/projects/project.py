@@ -213,7 +213,7 @@ class ResultNumbers(Serialisable):
     """Numbers of a study that verification recomputes and compares."""
 
     schema = "dashpot/result@2"
-    keys = ("study.mass", "fit", "alternatives", "*hammer_results")
+    _keys = ("study.mass", "fit", "alternatives", "*hammer_results")
 
     study: Study
 

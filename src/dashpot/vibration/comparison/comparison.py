@@ -80,7 +80,7 @@ class Comparison(Plottable, Serialisable):
     """
 
     schema = "dashpot/comparison@2"
-    keys = ("peak", "damping", "verdict", "*", "message=says")
+    _keys = ("peak", "damping", "verdict", "*", "message=says")
 
     predicted: FRF
     measured: FRF

@@ -44,7 +44,7 @@ class RegressionLine(Serialisable):
     dof : int
     """
 
-    keys = ("change=slope", "se", "found")
+    _keys = ("change=slope", "se", "found")
 
     slope: float
     sure: float

@@ -57,7 +57,7 @@ def test_a_fit_of_several_temperatures_is_that_of_their_reference(fitted):
 def test_it_foretells_a_temperature_that_was_not_tested(fitted):
     kelvin = 298.15
     frequency = np.geomspace(0.1, 10, 9)
-    found = fitted.model_at(temperature=kelvin).complex_stiffness(omega=2 * np.pi * frequency)
+    found = fitted.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
     assert np.abs(found / modulus(frequency, kelvin) - 1).max() < 0.02
     assert fitted.at_temperature(kelvin).specimen.temperature == kelvin
 

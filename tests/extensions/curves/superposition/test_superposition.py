@@ -84,8 +84,8 @@ def test_few_arms_or_the_spectrum_of_all_follow_a_master_curve_of_creep():
     curve = dp.solids.superpose(compliances(), reference=REFERENCE, vertical="T/T_r")
     dense, few = fit_creep(curve), fit_creep(curve, arms=5)
     assert dense.model.arms > 6
-    assert dense.creep is None
-    assert few.model.arms == len(few.creep.spectrum.d) == 5
+    assert dense.evidence.creep is None
+    assert few.model.arms == len(few.evidence.creep.spectrum.d) == 5
     assert few.temperatures == dense.temperatures == curve.temperatures
     b_t, a_t = TEMPERATURES[6] / REFERENCE, 10 ** wlf(TEMPERATURES[6])
     at = dense.at(TEMPERATURES[6]).creep(np.array([10.0]))

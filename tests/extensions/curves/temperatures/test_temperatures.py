@@ -91,7 +91,7 @@ def test_shift_and_stiffness_are_those_of_the_seal(pair):
     assert fridge.se < 0.005
     assert fridge.b_t == pytest.approx(273.15 / 296.15, abs=3 * fridge.b_t_se)
     assert get_temperature_law(pair).kind == "free"
-    chilled = pair.model_at(temperature="0degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
+    chilled = pair.at("0degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert chilled.real == pytest.approx(
         cold.complex_stiffness("hidden", celsius=FRIDGE).real, rel=2e-3
     )
@@ -235,8 +235,10 @@ def test_the_order_of_the_files_does_not_matter(pair):
     warm, chilled = cold.records("hidden", PAIR, 0)
     swapped = fit_tests([chilled, warm])
     assert swapped.model.tau == pytest.approx(pair.model.tau, rel=1e-4)
-    assert swapped.shifts[0].log10_a_t == pytest.approx(pair.shifts[0].log10_a_t, abs=1e-5)
-    names = {nuisance.name for nuisance in swapped.nuisance}
+    assert swapped.temperatures.shifts[0].log10_a_t == pytest.approx(
+        pair.temperatures.shifts[0].log10_a_t, abs=1e-5
+    )
+    names = {nuisance.name for nuisance in swapped.estimate.nuisance}
     assert {"delay of test 1", "warming of test 2", "shift slope"} <= names
 
 
@@ -259,7 +261,7 @@ def test_fit_reports_tests_that_share_no_model(seal, celsius, vertical, changes)
 
 def test_fit_reports_a_small_shift_slope_without_penalty():
     found = fitted("hidden", TRIPLE, apart=cold.further_when_slow(0.03))
-    slope = next(one for one in found.nuisance if one.name == "shift slope")
+    slope = next(one for one in found.estimate.nuisance if one.name == "shift slope")
     assert abs(slope.value - 0.03) < 3 * slope.standard_error < 0.03
     assert "thermorheologically_simple" not in failed(found)
     assert all(inside(found, "hidden"))
@@ -267,7 +269,7 @@ def test_fit_reports_a_small_shift_slope_without_penalty():
 
 def test_fit_distinguishes_warming_from_another_shift():
     found = fitted("hidden", warms=0.5)
-    warming = [one for one in found.nuisance if one.name.startswith("warming")]
+    warming = [one for one in found.estimate.nuisance if one.name.startswith("warming")]
     chilled = next(one for one in warming if one.name.endswith("2"))
     assert abs(chilled.value - 0.5) < 4 * chilled.standard_error < 0.2
     assert abs(off(found, "hidden")) < 0.03
@@ -290,9 +292,9 @@ def test_fit_of_tests_at_one_temperature_has_no_shifts():
 def test_fit_shares_the_shift_of_tests_at_one_temperature():
     tests = [*cold.records("hidden", PAIR, 0), cold.a_test("hidden", FRIDGE, 5)]
     found = fit_tests(tests)
-    assert len(found.shifts) == 2
+    assert len(found.temperatures.shifts) == 2
     assert abs(off(found, "hidden")) < 0.03
-    assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    assert found.temperatures.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
 
 
 def test_fit_asks_for_a_missing_temperature():
@@ -335,7 +337,7 @@ def test_twenty_pairs_find_the_shift_and_the_damping():
             records = [prepare(one) for one in cold.records(seal, PAIR, seed)]
             found = fit_tests(records)
             within.append(held(seal, unseen_arm_band(found, records, LINES)))
-            shift.append(abs(found.shifts[0].log10_a_t - cold.log10_a(273.15)))
+            shift.append(abs(found.temperatures.shifts[0].log10_a_t - cold.log10_a(273.15)))
             damping.append(abs(off(found, seal)))
             holds.append(inside(found, seal))
     assert np.sum(np.array(shift) < 0.01) >= 19

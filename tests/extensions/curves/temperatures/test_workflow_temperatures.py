@@ -83,7 +83,7 @@ def test_fit_files_uses_the_requested_reference_temperature(bench):
         bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=273.15)
     )
     assert found.temperatures.reference == 273.15
-    assert found.shifts[1].log10_a_t == pytest.approx(-cold.log10_a(273.15), abs=0.01)
+    assert found.temperatures.shifts[1].log10_a_t == pytest.approx(-cold.log10_a(273.15), abs=0.01)
     with pytest.raises(dp.FitError, match="no test is of the reference temperature 10 degC"):
         fit_files(bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=283.15))
     with pytest.raises(dp.FitError, match="--shifts are for sweeps"):
@@ -96,7 +96,7 @@ def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, pair_fit, cel
     made = predict_files(
         pair_fit, bench, block=BlockOnSeals(MASS, 2), band=BAND, temperature=kelvin
     )
-    assert made.document["temperature"] == pytest.approx(kelvin)
+    assert made.to_dict()["temperature"] == pytest.approx(kelvin)
     f = made.limits.frequency
     stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
     omega = 2 * np.pi * f
@@ -149,7 +149,7 @@ def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
     assert [one.specimen.temperature for one in study.further] == [pytest.approx(273.15)]
     assert study.fit.model.arms == 3
     page = html(study)
-    assert "One solid at several temperatures" in page
+    assert "One model at several temperatures" in page
     assert "three are needed" in page
     assert not [check for check in verify(project, page=html) if check.failed]
 
@@ -173,7 +173,7 @@ def test_a_hammer_joins_tests_at_several_temperatures():
 def test_characterise_shifts_a_hammer_test_at_another_temperature():
     tests = cold.records("hidden", (23.0, 0.0), 0)
     model = dp.GeneralizedMaxwell(*cold.HIDDEN)
-    there = model.shifted(10 ** cold.log10_a(283.15), 283.15 / cold.REFERENCE)
+    there = model.shift_to_temperature(10 ** cold.log10_a(283.15), 283.15 / cold.REFERENCE)
     hits = simulate_impact(there, mass=MASS, seals=2, seed=1).test
     study = characterise(
         tests[0],

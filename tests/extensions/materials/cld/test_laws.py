@@ -254,7 +254,7 @@ def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
     assert rate.k == pytest.approx([40.0, 25.0], rel=0.02)
     assert rate.tau == pytest.approx([0.1, 1.5], rel=0.02)
     assert rate.bic < -10
-    assert rate.at(4e-3).b == rate.c(4e-3)[0]
+    assert rate.model_at(4e-3).b == rate.c(4e-3)[0]
     assert {check.name for check in rate.checks if check.failed} == {
         "one_relaxation_explains_speeds"
     }

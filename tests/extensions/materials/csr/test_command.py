@@ -47,7 +47,7 @@ def test_a_document_is_predicted_from(folder):
     assert (folder / "aged.svg").stat().st_size > 1000
     again = dp.read(folder / "csr.json")
     aged = dp.predict(again, temperature="70degC")
-    assert aged.reported_values[0].value == pytest.approx(life["value"])
+    assert aged.facts[0].value == pytest.approx(life["value"])
     assert dp.read(dp.save(aged, folder / "aged.json") and folder / "aged.json").temperature
 
 

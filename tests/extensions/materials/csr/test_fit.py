@@ -362,7 +362,7 @@ def test_a_record_counts_from_zero(name):
 def test_a_fit_ages_as_the_force_does():
     aging, new = usual(), a_fit(PAPER, elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
     old = aging.age_fit(new, temperature="70degC", time="1000h")
-    left = predict_aging(aging, temperature="70degC", until="1000h").reported_values[0]
+    left = predict_aging(aging, temperature="70degC", until="1000h").facts[0]
     assert left.value == pytest.approx(0.896367, abs=4 * left.error)
     assert old.model.k == pytest.approx(left.value * np.array(PAPER.k))
     assert old.model.tau == PAPER.tau

@@ -67,7 +67,7 @@ def seal(law: ElasticLaw, *, g: tuple[float, ...] = (), tau: tuple[float, ...] =
 
 
 def numbers(one: Slam) -> list[float]:
-    named = {fact.name: fact.value for fact in one.reported_values}
+    named = {fact.name: fact.value for fact in one.facts}
     ms, mm = 1e3, 1e3
     return [
         named["peak_force"], ms * named["peak_time"], mm * named["compression"],

@@ -50,7 +50,7 @@ class Chart(Serialisable):
     signals : tuple of Signal
     """
 
-    keys = ("values", "lower", "upper", "centre", "signals")
+    _keys = ("values", "lower", "upper", "centre", "signals")
 
     kind: Kind
     values: FloatArray

@@ -145,7 +145,7 @@ class Cycle(EqualByValue, Serialisable):
         Standard error of `hysteresis`: by noise, the zero and a delay of the force.
     """
 
-    keys = (
+    _keys = (
         "number",
         "depth",
         "speed",
@@ -215,7 +215,7 @@ class AtCompression(Serialisable):
         Standard error of `unloading`, N.
     """
 
-    keys = ("*", "secant", "hysteresis")
+    _keys = ("*", "secant", "hysteresis")
 
     compression: float
     loading: float
@@ -241,7 +241,7 @@ class AtCompression(Serialisable):
 class Quoted(Serialisable):
     """Values of a cycle at one compression, also of 100 mm, where the length is known."""
 
-    keys = ("*at", "per_100mm?")
+    _keys = ("*at", "per_100mm?")
 
     at: AtCompression
     of: CLD
@@ -295,7 +295,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         Standard deviation of the delay of the force, s, or in samples without a clock.
     """
 
-    keys = (
+    _keys = (
         "source.file", "source.sha256", "specimen.length", "specimen", "contact", "contact_se",
         "preload", "drift", "delay_sd", "cycle=cycle.number", "softening", "set", "least=least_of",
         "nominal=nominal_of", "most=most_of", "cycles", "checks",
@@ -441,7 +441,7 @@ class RelaxedLaw(Serialisable):
         its covariance, first contact, and the zero of the force.
     """
 
-    keys = (
+    _keys = (
         "elastic_law=law.without_evidence", "force_se=knot_se", "residual", "hysteresis",
         "residual_hysteresis=left", "softening",
     )  # fmt: skip
@@ -501,7 +501,7 @@ class RateLaw(EqualByValue, Serialisable):
     checks : tuple of Check
     """
 
-    keys = (
+    _keys = (
         "elastic_law=law.without_evidence", "knots", "damping", "damping_se", "arms", "residual",
         "bic_over_relaxation=bic", "checks",
     )  # fmt: skip

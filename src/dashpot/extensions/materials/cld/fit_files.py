@@ -111,7 +111,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/cld@2"
-    keys = (
+    _keys = (
         "unit", "specimens=pieces", "scatter", "capability", "relaxed?", "rate?", "verdict",
         "checks", "fit?",
     )  # fmt: skip

@@ -152,7 +152,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/csr@2"
-    keys = ("verdict", "values=found", "*")
+    _keys = ("verdict", "values=found", "*")
 
     law: AgingLaw
     ovens: tuple[Oven, ...]

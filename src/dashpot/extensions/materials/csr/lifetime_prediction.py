@@ -48,7 +48,7 @@ class Aged(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/aged@2"
-    keys = ("verdict", "values=answers", "*", "latest_time=furthest")
+    _keys = ("verdict", "values=answers", "*", "latest_time=furthest")
 
     aging: Aging
     temperature: float
@@ -63,7 +63,7 @@ class Aged(HasVerdict, Serialisable):
         return tuple(fact for facts in every for fact in facts)
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
 

@@ -27,7 +27,7 @@ def page(aging: Aging) -> KindPage:
         answers="What is left of the force",
         picture=aging.plot(),
         told="The law of aging",
-        groups=(group("", aging.reported_values),),
+        groups=(group("", aging.facts),),
         sources=aging.sources,
         folds=(make_law_ranking(aging.orders),),
     )  # fmt: skip

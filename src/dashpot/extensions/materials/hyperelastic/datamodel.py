@@ -97,7 +97,7 @@ class StressStrainTest(EqualByValue, HasSummary):
     def _refuse_sideways(self, ratio: float) -> None:
         if self.mode != "uniaxial":
             raise DataError(
-                f"a strain sideways tells Poisson's ratio of a uniaxial test, and this one is "
+                f"a strain sideways gives Poisson's ratio of a uniaxial test, and this one is "
                 f"{self.mode}; leave it out"
             )
         if not 0 <= ratio <= MOST_POISSON:
@@ -206,7 +206,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     """
 
     schema = "dashpot/hyperelastic@2"
-    keys = ("verdict", "*", "values=found")
+    _keys = ("verdict", "*", "values=found")
 
     law: Hyperelastic
     found: tuple[ReportedValue, ...]
@@ -243,7 +243,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         rates = [curve.rate for curve in self.curves if curve.mode != "volumetric"]
         values = [rate for rate in rates if rate is not None]
         if not values:
-            return ", at the rate of the tests, which no clock tells: it is not the law at rest"
+            return ", at an unknown rate, not at rest"
         low, high = min(values), max(values)
         ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
         return (

@@ -154,7 +154,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     """
 
     schema = "dashpot/indentation@2"
-    keys = (
+    _keys = (
         "law", "of", "indenter", "*values", "intervals", "units", "orders=scores", "touch",
         "noise", "residual", "verdict", "checks", "source",
     )  # fmt: skip

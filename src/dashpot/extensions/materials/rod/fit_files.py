@@ -59,7 +59,7 @@ class Rod(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/rod@2"
-    keys = (
+    _keys = (
         "shape", "part.shape_factor", "bonded", "mass", "rod_mass=own_mass", "errors",
         "modulus.frequency",
         "modulus.storage", "modulus.loss_factor", "modulus.storage_sd", "modulus.loss_factor_sd",

@@ -113,7 +113,15 @@ class SlamHit(EqualByValue, Serialisable):
         s from the touch, and N.
     """
 
-    keys = ("name", "speed", "peak", "compression", "contact", "rebound", "lost_fraction=lost_part")
+    _keys = (
+        "name",
+        "speed",
+        "peak",
+        "compression",
+        "contact",
+        "rebound",
+        "lost_fraction=lost_part",
+    )
 
     name: str
     speed: ReportedValue
@@ -147,7 +155,16 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/slam@2"
-    keys = ("verdict", "frequency", "values=found", "mass", "hits", "checks", "sources", "fit")
+    _keys = (
+        "verdict",
+        "frequency",
+        "values=found",
+        "mass",
+        "hits",
+        "checks",
+        "sources",
+        "fit",
+    )
     _is_loadable = False
 
     frequency: float
@@ -169,7 +186,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return next(iter(self.sources), None)
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """What was found, and of every hit its speed, force, contact and rebound."""
         return (
             *self.found,

@@ -47,7 +47,7 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/slammed@2"
-    keys = (
+    _keys = (
         "verdict", "*approach", "mass", "seals", "values=answers", "time", "compression", "force",
         "checks",
     )  # fmt: skip
@@ -62,7 +62,7 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
     sources: tuple[Source, ...] = ()
 
     @property
-    def reported_values(self) -> tuple[ReportedValue, ...]:
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
 

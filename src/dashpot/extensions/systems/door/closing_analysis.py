@@ -51,7 +51,7 @@ class Share(Serialisable):
         The largest against closing, N m.
     """
 
-    keys = ("name", "work", "stored~", "lost=dissipated_energy~", "peak_moment=moment")
+    _keys = ("name", "work", "stored~", "lost=dissipated_energy~", "peak_moment=moment")
 
     name: str
     work: float
@@ -79,7 +79,7 @@ class Scatter(Serialisable):
         Least relaxed force of contact along the line, N/m.
     """
 
-    keys = (
+    _keys = (
         "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=share_above_limit",
         "share_leaking=leaking",
         "least_compression=least", "least_contact_force=contact",

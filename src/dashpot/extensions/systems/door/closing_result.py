@@ -29,7 +29,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/closing@2"
-    keys = (
+    _keys = (
         "closing.speed",
         "closing.door.edge",
         "closing.door.inertia",

@@ -40,7 +40,7 @@ class DoorMode(Serialisable):
         Frequency of the same motion without the seal, Hz; None if none is like it.
     """
 
-    keys = (
+    _keys = (
         "frequency_hz=mode.frequency", "mode.damping_ratio", "loss_factor",
         "without_seal_hz=without_seal", "shares",
     )  # fmt: skip

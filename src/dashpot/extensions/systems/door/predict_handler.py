@@ -25,7 +25,7 @@ from dashpot.text_output.layout import Text
 class DoorPrediction(Serialisable):
     """Prediction of a door: vibration and closing."""
 
-    keys = ("*found", "closing")
+    _keys = ("*found", "closing")
 
     found: DoorResult
     closing: ClosingResult

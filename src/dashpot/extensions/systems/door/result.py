@@ -35,7 +35,7 @@ class BaseResponse(Serialisable):
         None where nothing else damps what the base shakes.
     """
 
-    keys = ("point=name", "sealed", "bare")
+    _keys = ("point=name", "sealed", "bare")
 
     name: str
     sealed: RandomResponse
@@ -70,7 +70,7 @@ class SealOfDoor(Serialisable):
         Of the seal, at its temperature.
     """
 
-    keys = (
+    _keys = (
         "line.length",
         "closed=line.is_closed",
         "stations",
@@ -174,7 +174,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/door@2"
-    keys = (
+    _keys = (
         "seal", "modes", "without_seal_hz=bare", "frf=responses", "random=shaken", "verdict",
         "checks", "source=sources",
     )  # fmt: skip
