@@ -182,7 +182,7 @@ def known_answers(folder: Path) -> None:
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
         found, spent = timed(lambda t=t, m=modulus: master_curve(t, m))
         print(f"{name}: plateau {found.model.k_inf:.3f} [{plateau:g}], {found.model.arms} arms, "
-              f"max error {found.largest:.1e}, {spent:.1f} ms")  # fmt: skip
+              f"max error {found.max_error:.1e}, {spent:.1f} ms")  # fmt: skip
 
 
 def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell) -> None:

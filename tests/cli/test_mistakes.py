@@ -317,7 +317,6 @@ MISTAKES = (
     ("compare fit.json loops.csv", "loops.csv is a cyclic run", "compare fit.json hammer.csv"),
     ("report loops.csv hammer.csv", "Type: dashpot fit loops.csv", "fit loops.csv"),
     ("report creep.csv", "Type: dashpot fit creep.csv", "fit creep.csv --arms 1"),
-    ("report seal.csv --hammer hammer.csv", "Type: dashpot report seal.csv hammer.csv", ""),
     ("export law.json", ("add --bulk-modulus, 2000MPa is usual for solid rubber. The test "
      "temperature is not stated"), f"{LAW} --bulk-modulus 2000MPa"),
     (LAW, "add --bulk-modulus", f"{LAW} --bulk-modulus 2000MPa"),

@@ -243,7 +243,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         rates = [curve.rate for curve in self.curves if curve.mode != "volumetric"]
         values = [rate for rate in rates if rate is not None]
         if not values:
-            return ", at an unknown rate, not at rest"
+            return ", at an unknown rate"
         low, high = min(values), max(values)
         ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
         return (
