@@ -182,6 +182,7 @@ STANDARD = (
         "dropped",
         (
             "extensions/projects/document_versions.py",
+            "reading/readers/detect_kind.py",
             "reading/columns/kind_detection.py",
             "extensions/materials/slam/prediction.py",
         ),

@@ -72,8 +72,9 @@ def ask(verb, store, **request):
 @pytest.mark.parametrize(
     ("names", "more", "shown"),
     [
-        (["payne.csv"], {"law": "additive"}, (2, "E′, 10 Hz", "lost", "half lost, strain", "%")),
-        (["loops.csv"], {}, (3, "K′, 5 Hz", "half lost, amplitude", "mm")),
+        (["payne.csv"], {"law": "additive"},
+         (2, "E′, 10 Hz", "lost", "half of the softening, strain")),
+        (["loops.csv"], {}, (3, "K′, 5 Hz", "half of the softening, amplitude", "mm")),
         (["frf0.csv", "frf1.csv"], {"levels": FORCES, "at": ["0.1N"]},
          (3, "K′, ", "loss factor, ", "peak at 0.1 N", "motion at 0.1 N")),
         (["base0.csv", "base1.csv"], {"levels": BASES}, (3, "K′, ", "loss factor, ")),

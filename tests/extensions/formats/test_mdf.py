@@ -181,7 +181,7 @@ def test_mdf_takes_the_slower_clock_of_force_and_travel(
     assert any(note.startswith(says) for note in test.source.notes)
 
 
-def test_mdf_keeps_the_clock_of_force_and_travel_beside_a_slow_speed(tmp_path: Path) -> None:
+def test_mdf_reads_force_and_travel_on_their_clock_with_a_slow_speed(tmp_path: Path) -> None:
     slow = Group([clock(TIME[::9]), Channel("EngineSpeed", TIME[::9] + 800, "mm/s")], "engine")
     test = read_relaxation(save(tmp_path / "a.mf4", mdf4([slow], [bench()])))
     np.testing.assert_allclose(test.time, TIME)

@@ -205,7 +205,7 @@ def amplitude_in_tested_range(
         factor,
         instead=f"{says}, {factor:.3g} times outside the {range_}",
         because="Friction there was not measured",
-        remedy="Test at that level.",
+        remedy="Test at that amplitude.",
     )
 
 

@@ -68,7 +68,7 @@ def page(levels: AmplitudeResult) -> KindPage:
         frequencies = (("Frequency", f"{text} Hz"),)
     picture = plot.level(fit, levels.records)
     return KindPage(
-        about="levels of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
+        about="amplitudes of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
         strip=(
             *format_specimen_header(getattr(levels.records[0], "specimen", None)),
             *frequencies,
@@ -156,7 +156,7 @@ def format_residual_note(levels: AmplitudeResult) -> str:
             f"{round_to_error(100 * fit.linear_residual, digits=2)} %"
         )
     low, high = (round_to_error(scale * end) for end in fit.amplitudes)
-    return f"{text}. Nothing is known beyond {low} to {high} {word}."
+    return f"{text}. Nothing is known outside {low} to {high} {word}."
 
 
 def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
@@ -180,7 +180,7 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
     lost = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
     yield _make_fact("lost", fit.lost, error_of["lost"], *lost)
     text, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
-    yield _make_fact(f"half lost, {text}", fit.half_way, error_of["half_way"], si, word)
+    yield _make_fact(f"half of the softening, {text}", fit.half_way, error_of["half_way"], si, word)
     # one that was set is not known
     yield _make_fact("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dashpot.base.number_format import format_count
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, opt, verb
 from dashpot.cli._command_io import CommandResult
@@ -89,7 +90,8 @@ def _watch_folder(batch_job: BatchJob) -> CommandResult:
 
 def _format_plan(plan: BatchPlan) -> list[str]:
     count, seconds = plan.files - plan.done, plan.seconds
+    chunks = format_count(plan.chunks, "chunk")
     return [
         f"files       {plan.files}, {plan.done} of them done",
-        f"to do       {count} in {plan.chunks} chunks by {plan.jobs} processes, {seconds:.3g} s",
+        f"to do       {count} in {chunks} by {plan.jobs} processes, {seconds:.3g} s",
     ]

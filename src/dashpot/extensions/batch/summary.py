@@ -315,7 +315,7 @@ class Summary(HasChecks, Serialisable):
         fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
         text = f"{fitted} of {lot.table.height} fitted"
         if lot.unlike:
-            text += f", {len(lot.unlike)} unlike"
+            text += f", {len(lot.unlike)} dissimilar"
         return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property

@@ -167,8 +167,9 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
             advice = "Try another arm, or look at the residuals."
         else:
             cause, advice = "The record was filtered, or drifts", "Use the raw record."
+    count = "each sample counts" if kappa < 1.005 else f"{kappa:.3g} samples count"
     return Finding(
-        f"The {size}, and {kappa:.3g} samples count as one independent sample",
+        f"The {size}, and {count} as one independent sample",
         kappa,
         f"The intervals are wider for it. {cause}",
         advice,

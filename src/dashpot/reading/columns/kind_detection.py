@@ -159,7 +159,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
     "slam": KindOfFile(
-        "impacts (drop test) of a mass on a specimen", "use dashpot fit with its mass",
+        "a drop test of a mass on a specimen", "use dashpot fit with its mass",
         ("time", "force"), True,
     ),
     "stress-strain": KindOfFile(

@@ -102,7 +102,12 @@ def get_kind_label(kind: str) -> str:
     kinds = RECOGNISED if kind in RECOGNISED else OWN
     if kind in kinds:
         return kinds[kind].what
-    test = {"unclear": "no test that is known", "not-a-test": "no test"}
+    test = {
+        "unclear": "no test that is known",
+        "not-a-test": "no test",
+        "aged": "a predicted aging",
+        "slammed": "a predicted drop test",
+    }
     return test.get(kind, f"a stored {kind.replace('-', ' ')}")
 
 

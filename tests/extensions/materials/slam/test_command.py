@@ -63,7 +63,7 @@ def test_slams_are_recognised_fitted_and_predicted_from(folder: Path, tmp_path: 
         "fit", folder / "slam.csv", "--mass", "200g", "--drop", "0.3m/s", "--relaxation",
         folder / "law.json", "-o", kept,
     )  # fmt: skip
-    assert "recognised slam.csv: impacts (drop test) of a mass on a specimen" in done.stderr
+    assert "recognised slam.csv: a drop test of a mass on a specimen" in done.stderr
     assert "from three impacts" in done.stdout
     found = run_json("predict", kept, "--mass", "104g")
     assert found["schema"].startswith("dashpot/")

@@ -196,7 +196,10 @@ def test_slams_of_separates_impacts_of_one_record() -> None:
     ("how", "says"),
     [
         ({}, "--mass 200g"),
-        ({"mass": "200g", "slam": ("0.3m/s", "0.6m/s")}, "--drop was given 2 times, and 1 impact"),
+        (
+            {"mass": "200g", "slam": ("0.3m/s", "0.6m/s")},
+            "--drop was given 2 times, and the record has one impact",
+        ),
         ({"mass": "200g", "slam": "0.3"}, "expected the speed at the touch"),
     ],
 )

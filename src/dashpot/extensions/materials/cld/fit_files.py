@@ -162,7 +162,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         forces = [piece.per * piece.nominal.loading for piece in self.pieces]
         at = format_quantity(self.pieces[0].nominal.compression, "mm", ".3g")
         return (
-            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} pieces: "
+            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} specimens: "
             f"{min(forces):.3g} to {max(forces):.3g})"
         )
 

@@ -31,7 +31,7 @@ def cld(pieces: CLDResult) -> Text:
         lines += [f"{name}: cycle {piece.cycle.number} of {len(piece.cycles)}", *_piece(piece)]
         details += [f"{name}, every cycle", *_cycles(piece)]
     if pieces.scatter:
-        scatter = [f"{len(pieces.pieces)} pieces", *_scatter(pieces.scatter)]
+        scatter = [f"{len(pieces.pieces)} specimens", *_scatter(pieces.scatter)]
         # one piece a row says more than a block each
         lines = [*(_overview(pieces) if len(pieces.pieces) > _BLOCKS else lines), *scatter]
     lines += _capability(pieces.capability)
@@ -75,7 +75,7 @@ def _choice(rate: RateLaw) -> str:
     better = "better" if rate.bic < 0 else "worse"
     return (
         f"  A spring and a dashpot that depend on compression explain the speeds {better} than one "
-        f"memory (BIC {rate.bic:+.3g})."
+        f"relaxation function (BIC {rate.bic:+.3g})."
     )
 
 
@@ -115,7 +115,7 @@ def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
                 with_error(tangent, error, "N/m"),
             ]
         )
-    text = f"  softer than cycle 1 by {100 * curve.softening:.3g} % without the memory"
+    text = f"  softer than cycle 1 by {100 * curve.softening:.3g} % without relaxation"
     if curve.left is not None and curve.hysteresis is not None:
         text += f"; hysteresis {100 * curve.left:.2g} % instead of {100 * curve.hysteresis:.3g} %"
     return [*table(rows), text]

@@ -32,7 +32,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
         dots = Dots(convert_to_unit(item.time, "h"), 100 * item.retained, "measured", "measured")
         marks = (Line(hours, 100 * values, FIT, "law"), dots)
         panels.append(Panel(across, up, marks, title=format_quantity(item.temperature, "°C")))
-    caption = "Force that specimens kept in each oven: measured, and by the law of aging."
+    caption = "Retained force of the specimens in each oven: measured, and by the law of aging."
     origin = format_stamp(aging.sources) if aging.sources else ""
     return Picture("csr", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 

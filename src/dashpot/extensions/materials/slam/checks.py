@@ -49,7 +49,7 @@ def air_escapes(speed: float) -> Finding:
         "open ends or holes",
         speed,
         "It is not part of the law",
-        "Leave the ends of the specimen open, or say the vents of a door in its file.",
+        "Leave the ends of the specimen open, or give the vents of a door in its file.",
     )
 
 
@@ -207,7 +207,7 @@ def arms_agree_with_relaxation_test(change: float | None) -> Finding:
         f"The impacts move the arms of the other test by {change:.2g} of its standard deviations",
         change,
         "The two tests are not of one specimen at one temperature, or one is wrong",
-        "Test the specimen of the impacts, as warm.",
+        "Test the same specimen at the same temperature.",
     )
 
 
@@ -232,6 +232,6 @@ def loss_factors_agree(gap: float | None, value: float, before: float, *, within
         f"The loss factor by the impacts is {value:.3g}, where the other test has "
         f"{least}{before:.3g}",
         abs(gap),
-        "The two part by more than chance",
-        "Test the specimen of the impacts, as warm.",
+        "The two differ by more than their errors",
+        "Test the same specimen at the same temperature.",
     )

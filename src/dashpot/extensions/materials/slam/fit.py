@@ -21,6 +21,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Step, sources_of
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import Quantity, convert_to_si
@@ -112,8 +113,8 @@ def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatA
     stated = [slam] if isinstance(slam, str | float | int) else list(slam)
     if len(stated) > count:
         raise DataError(
-            f"--drop was given {len(stated)} times, and {count} impacts were found. Give the speed "
-            "of each impact, in their order"
+            f"--drop was given {len(stated)} times, and the record has "
+            f"{format_count(count, 'impact')}. Give the speed of each impact, in their order"
         )
     approaches = [Approach.from_quantity(item) for item in stated]
     pulls, free = [approach.pull for approach in approaches], count - len(approaches)
@@ -323,7 +324,7 @@ class _SlamsSolved:
         step = Step(
             "fit",
             (("slams", str(len(contact))), ("mass_kg", repr(slams.mass))),
-            f"fitted {len(contact)} impacts of {slams.mass:.4g} kg",
+            f"fitted {format_count(len(contact), 'impact')} of {slams.mass:.4g} kg",
         )
         model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
         return build_fit(
