@@ -17,7 +17,7 @@ import numpy as np
 from noises import NOISES, Noise, record
 
 from dashpot.datamodel.machine import Machine
-from dashpot.fitting.fit_data import NUISANCE
+from dashpot.fitting.data_blocks import NUISANCE
 from dashpot.fitting.relaxation import fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

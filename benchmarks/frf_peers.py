@@ -25,8 +25,8 @@ import numpy as np
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.impact.estimators import Spectra, estimate
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.impact.spectral_estimators import Spectra, estimate
 from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))

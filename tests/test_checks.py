@@ -88,9 +88,9 @@ from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
 from dashpot.vibration.impact.amplitude_trend import RegressionLine
-from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.rocking import Combination
+from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra
 from dashpot.vibration.mass_on_seals import OperatingPoint, moving_mass, predict_frf
 from dashpot.vibration.modal.peaks import Peak
 from dashpot.workflow import checks as workflow

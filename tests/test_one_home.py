@@ -49,7 +49,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "extensions/paper/exponential_sum.py": "errors of a sum of exponentials of arrays",
             "vibration/modal/peaks.py": "a complex parabola, whose covariance is complex",
             "vibration/modal/pole_fit.py": "the information of channels, the inverse of a triangle",
-            "extensions/systems/state_space.py": "a mass matrix",
+            "extensions/systems/time_response.py": "a mass matrix",
             "extensions/amplitude/preloaded_response.py": "a parabola through three points",
             "extensions/systems/multibody.py": "the FRF of a system is the inverse of its stiffness",
         },

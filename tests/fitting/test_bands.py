@@ -24,7 +24,7 @@ from dashpot.fitting.admissible_spectra import (
 )
 from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.motion import simulate_relaxation
 from dashpot.simulation.rig import Rig
@@ -126,7 +126,7 @@ LINES = np.geomspace(0.004, 50, 61)
 
 @pytest.fixture(scope="module")
 def spectra(broad_fit: Fit, broad_test: RampHold) -> AdmissibleSpectra:
-    data = [relaxation_data(broad_test, broad_fit)]
+    data = [build_relaxation_data(broad_test, broad_fit)]
     return AdmissibleSpectra(data, fastest=2 * np.pi * 50, limit=5.0, extra=broad_fit.model.tau)
 
 
@@ -139,7 +139,7 @@ def test_the_best_spectrum_is_no_worse_than_the_fit(
     spectra: AdmissibleSpectra, broad_fit: Fit, broad_test: RampHold
 ) -> None:
     """A ridge of .11 once put it at 876,906 where the fit left 162, and every limit with it."""
-    data = relaxation_data(broad_test, broad_fit)
+    data = build_relaxation_data(broad_test, broad_fit)
     assert 0.9 < (spectra.total + data.floor) / data.misfit < 1.001
     spectra.validate_misfit((spectra.total + data.floor) / (0.99 * FAR), data.floor)
     with pytest.raises(FitError, match=r"leaves 2\.02 times what the fit does"):
@@ -186,7 +186,7 @@ def test_confidence_region_reach_is_never_exceeded(spectra: AdmissibleSpectra) -
 def test_a_finer_grid_moves_no_limit(
     broad_fit: Fit, broad_test: RampHold, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    data = [relaxation_data(broad_test, broad_fit)]
+    data = [build_relaxation_data(broad_test, broad_fit)]
 
     def limits() -> np.ndarray:
         found = AdmissibleSpectra(data, fastest=320.0, limit=5.0, extra=broad_fit.model.tau)

@@ -24,8 +24,8 @@ from dashpot.fitting.nuisance_priors import priors, terms_of
 from dashpot.fitting.prediction_bounds import frf_band
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import (
+    build_relaxation_data,
     compute_unmeasured_effects,
-    relaxation_data,
     select_motion_samples,
 )
 from dashpot.numerics.design_matrices.displacement_correlation import upper_factor
@@ -294,7 +294,7 @@ def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHol
     """
     found = fit(record)
     wide = compute_end_limits(
-        [relaxation_data(record, found)],
+        [build_relaxation_data(record, found)],
         time=record.hold_time,
         own=found.model,
         dof=found.estimate.dof,
@@ -348,9 +348,11 @@ def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
 
 def test_several_tests_together_are_a_point(record: RampHold) -> None:
     found = fit(record)
-    names = relaxation_data(record, found, claimed=False).block.fixed_names
+    names = build_relaxation_data(record, found, claimed=False).block.fixed_names
     assert not {"give", "settling", "warming"} & set(names)
-    assert {"give", "settling", "warming"} < set(relaxation_data(record, found).block.fixed_names)
+    assert {"give", "settling", "warming"} < set(
+        build_relaxation_data(record, found).block.fixed_names
+    )
 
 
 # -- what is said of it ---------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.plain_text import sentences
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic, frequency_block
-from dashpot.fitting.fit_data import FitData, FitSetup, data_of
+from dashpot.fitting.data_blocks import FitData, FitSetup, data_of
 from dashpot.fitting.fractional_model.family_selection import (
     ArmColumns,
     divergence_frequency,
@@ -45,7 +45,7 @@ from dashpot.fitting.identification.prior_knowledge import KnownSolid
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.plot.picture import Tag
 from dashpot.preprocessing.prepare import prepare
@@ -515,7 +515,7 @@ def test_an_element_that_the_hammer_contradicts_says_so() -> None:
 
 
 def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
-    relaxation = relaxation_data(pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0]))
+    relaxation = build_relaxation_data(pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0]))
     lines = frf_data_of(hammered(), seals=2, band=None)
     priors = NuisancePriors(Prior(MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
     element = FractionalElement.from_relaxations([relaxation])

@@ -32,7 +32,7 @@ from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.identification.prior_knowledge import HammerRig
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.motion import simulate_relaxation
@@ -189,7 +189,7 @@ def test_fewer_arms_than_the_relaxation_shows_are_refused(
 def test_the_jacobian_is_the_slope_of_the_residual(
     broad_frf: FRF, broad_test: RampHold, broad_fit: Fit
 ) -> None:
-    relaxation = relaxation_data(broad_test, broad_fit)
+    relaxation = build_relaxation_data(broad_test, broad_fit)
     problem = IdentificationProblem(
         (relaxation,),
         frf_data_of(broad_frf, seals=2, band=None),

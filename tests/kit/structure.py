@@ -266,7 +266,7 @@ def count_tokens(files: Iterable[SourceFile]) -> int:
 
 EXTENSIONS = "dashpot.extensions"
 ROW_FILES = {"registry/core.py"}
-"""Their strings name modules of extensions; ``extensions/*/rows.py`` belong to no core anyway."""
+"""Their strings name modules of extensions; ``registration.py`` of one is no core anyway."""
 DISCOVERY = (f"{EXTENSIONS.partition('.')[0]}.registry", EXTENSIONS)
 """The registry names the package in which it looks for extensions, and none of them."""
 MODULE_IN_STRING = re.compile(r"^(?:dashpot\.)?(extensions(?:\.\w+)+)(?::\w+)?$")

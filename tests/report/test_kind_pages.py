@@ -25,7 +25,7 @@ from dashpot.plot.layout import arrange_sheet
 from dashpot.plot.picture import Tag
 from dashpot.report import html
 from dashpot.report.first_screen import ORDER
-from dashpot.report.page_frame import COLOURS
+from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import (
     Topic,
     build_page_contents,
@@ -68,7 +68,7 @@ def test_page_of_every_kind_has_the_same_structure(name):
         assert page.count(part) == 1, part
     assert f">{found.verdict.use.capitalize()}<" in page
     worst = max((one.mark for one in shown.lights), key=ORDER.index)
-    assert (COLOURS[found.verdict.use] == "good") == (worst in {"good", "note"})
+    assert (VERDICT_COLOURS[found.verdict.use] == "good") == (worst in {"good", "note"})
     (link,) = re.findall(
         rf'download="{shown.name}.json" href="data:application/json;base64,([^"]+)"', page
     )

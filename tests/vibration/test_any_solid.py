@@ -7,7 +7,7 @@ import pytest
 
 from dashpot.datamodel.frf import FRF
 from dashpot.extensions.systems.multibody import Mount, System, point_mass
-from dashpot.extensions.systems.state_space import complex_modes, newton_modes, respond
+from dashpot.extensions.systems.time_response import complex_modes, newton_modes, respond
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass

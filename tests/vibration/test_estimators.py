@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.vibration.impact.estimators import (
+from dashpot.vibration.impact.spectral_estimators import (
     Estimator,
     Spectra,
     coherence,

@@ -18,7 +18,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.parameter_estimate import Interval
-from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows, misfits
+from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows, misfits
 from dashpot.numerics.nonnegative_least_squares import NonnegativeConfidenceRegion
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

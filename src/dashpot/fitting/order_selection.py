@@ -15,8 +15,14 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
 from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
+from dashpot.fitting.data_blocks import (
+    FitData,
+    InitialFit,
+    max_determinable_arms,
+    solid_of,
+    weighed,
+)
 from dashpot.fitting.fit_construction import SolidEstimate, nuisances
-from dashpot.fitting.fit_data import FitData, InitialFit, max_determinable_arms, solid_of, weighed
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.parameter_errors import (
     Score,

@@ -13,8 +13,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.parameter_estimate import Profile, Residual
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import delay_prior, kind_of
-from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import compact_block
 from dashpot.numerics.exponential_fit import Jacobian, Solution, full_jacobian

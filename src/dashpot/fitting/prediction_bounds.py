@@ -25,8 +25,8 @@ from dashpot.fitting.admissible_spectra import (
     deviance_limit,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds
-from dashpot.fitting.relaxation_data import misfits
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.marginal_relaxation import misfits
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.mass_on_seals import MassOnSeals
@@ -396,7 +396,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
             f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
             "relaxation test alone; give the fit of that test"
         )
-    data = [relaxation_data(record, fit) for record in records]
+    data = [build_relaxation_data(record, fit) for record in records]
     spectra = AdmissibleSpectra(
         data,
         fastest=fastest,

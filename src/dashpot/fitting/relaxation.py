@@ -37,6 +37,16 @@ from dashpot.fitting.checks.solid import (
     order_agreed,
     valid_band_exists,
 )
+from dashpot.fitting.data_blocks import (
+    NUISANCE,
+    FitSetup,
+    InitialFit,
+    compress_tests,
+    data_of,
+    eq5_obstacle,
+    solid_of,
+    weighed,
+)
 from dashpot.fitting.fit_construction import (
     UNJUDGED,
     Residuals,
@@ -46,16 +56,6 @@ from dashpot.fitting.fit_construction import (
     point_estimate,
     provenance_of,
     run_relaxation_checks,
-)
-from dashpot.fitting.fit_data import (
-    NUISANCE,
-    FitSetup,
-    InitialFit,
-    compress_tests,
-    data_of,
-    eq5_obstacle,
-    solid_of,
-    weighed,
 )
 from dashpot.fitting.fit_options import (
     FitOptions,
@@ -78,6 +78,7 @@ from dashpot.fitting.input_tests import (
     ramp_holds,
     refuse_copies,
 )
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.linearity import (
     DelayedMotion,
@@ -86,17 +87,12 @@ from dashpot.fitting.nonlinear_ramp.linearity import (
     select_delayed_motion,
 )
 from dashpot.fitting.nuisance_priors import delay_prior, priors, significant_drift
-from dashpot.fitting.order_selection import (
-    SelectedModel,
-    select_order,
-    validate_arm_count,
-)
+from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import (
     SolutionEstimate,
     compute_clock_sensitivity,
     compute_rig_sensitivity,
 )
-from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
 from dashpot.fitting.valid_band import band_of_hold, informed_band
 from dashpot.numerics.exponential_fit import solve

@@ -15,7 +15,14 @@ from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.machine import USUAL
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
-from dashpot.fitting.fit_data import block_of, first_sample, motion
+from dashpot.fitting.data_blocks import block_of, first_sample, motion
+from dashpot.fitting.marginal_relaxation import (
+    DASHPOT,
+    LN_10,
+    RelaxationData,
+    ThermalShift,
+    UnmeasuredEffects,
+)
 from dashpot.fitting.nuisance_priors import (
     LINEAR_DELAY,
     Prior,
@@ -25,13 +32,6 @@ from dashpot.fitting.nuisance_priors import (
     priors,
     recorded_warming,
     terms_of,
-)
-from dashpot.fitting.relaxation_data import (
-    DASHPOT,
-    LN_10,
-    RelaxationData,
-    ThermalShift,
-    UnmeasuredEffects,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
@@ -69,7 +69,7 @@ _SURE = 3.0
 _GAIN = 0.02
 
 
-def relaxation_data(
+def build_relaxation_data(
     test: RampHold,
     fit: Fit,
     *,
@@ -240,7 +240,7 @@ def _shift_to_reference(
         0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
         0.0 if at_reference else _FREE * slope_sd,
     )
-    return relaxation_data(
+    return build_relaxation_data(
         test, here, single_fit=single_fit, claimed=claimed, shift=where, warms=rates
     )
 
@@ -283,7 +283,7 @@ def build_hold_data(
 def fitted_data(
     test: RampHold, block: DataBlock, answer: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
-    """As :func:`relaxation_data`, from the block of a recorded motion that a fit has at hand.
+    """As :func:`build_relaxation_data`, from the block of a recorded motion that a fit has at hand.
 
     What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
     ramp's corners is not in it, so it serves no question about fast arms.

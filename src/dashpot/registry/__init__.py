@@ -70,8 +70,8 @@ def _read_rows() -> Iterator[Extension]:
     yield CORE
     for folder in import_module(_PACKAGE).__path__:
         for name in sorted(os.listdir(folder)):
-            if os.path.exists(os.path.join(folder, name, "rows.py")):
-                yield import_module(f"{_PACKAGE}.{name}.rows").EXTENSION
+            if os.path.exists(os.path.join(folder, name, "registration.py")):
+                yield import_module(f"{_PACKAGE}.{name}.registration").EXTENSION
 
 
 def load_object(word: str) -> Any:

@@ -87,7 +87,7 @@ EXTENSION = Extension(
     solver_inputs=(
         SolverInput("nastran", "dashpot.export.decks.nastran", order=0),
         SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
-        SolverInput("statespace", "dashpot.export.decks.statespace", order=8),
+        SolverInput("statespace", "dashpot.export.decks.state_space_matrices", order=8),
         SolverInput("csv", "dashpot.export.decks.csv", order=9),
     ),
     fits=(

@@ -11,7 +11,7 @@ from dashpot.plot.picture import Picture
 from dashpot.registry import find_handler
 from dashpot.report import first_screen, result_page, tables
 from dashpot.report.figures import figures_of
-from dashpot.report.page_frame import COLOURS, environment, frame
+from dashpot.report.page_frame import VERDICT_COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
@@ -76,7 +76,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "title": first_screen.title(study),
         "header": first_screen.header(study),
         "verdict": study.verdict,
-        "colour": COLOURS[study.verdict.use],
+        "colour": VERDICT_COLOURS[study.verdict.use],
         "lights": first_screen.lights(study, new_recommendation),
         "found": new_recommendation,
         "heading": first_screen.heading(new_recommendation),

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 # Templates, filters, marks and security policy.
 
 
-COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
+VERDICT_COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
 """The style of each verdict; its words stand beside the colour."""
 
 

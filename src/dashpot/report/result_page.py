@@ -21,7 +21,7 @@ from dashpot.registry import page_of
 from dashpot.report import page_frame, tables
 from dashpot.report.figures import LEAD, RenderedFigure, render_figure
 from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
-from dashpot.report.page_frame import COLOURS, attachment, frame
+from dashpot.report.page_frame import VERDICT_COLOURS, attachment, frame
 from dashpot.report.tables import TextTable
 
 # Contents of a result's page.
@@ -292,7 +292,7 @@ def judgement(
     return {
         **frame(),
         "verdict": verdict,
-        "colour": COLOURS[verdict.use],
+        "colour": VERDICT_COLOURS[verdict.use],
         "weighty": (*verdict.because, *also),
         "tally": tally(every, every),
         "checks": tables.checks([(name, every)], every),

@@ -10,7 +10,7 @@ from kit.solvers import PULSE, run_opensees
 
 from dashpot.export import TARGETS
 from dashpot.extensions.systems.multibody import Mount, System, point_mass
-from dashpot.extensions.systems.state_space import respond
+from dashpot.extensions.systems.time_response import respond
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 

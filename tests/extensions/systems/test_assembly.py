@@ -22,7 +22,7 @@ from dashpot.extensions.systems.door.free_plate import free_plate
 from dashpot.extensions.systems.door.modes import basis_error, oscillations
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.extensions.systems.free_modes import FreeModes
-from dashpot.extensions.systems.state_space import complex_modes
+from dashpot.extensions.systems.time_response import complex_modes
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.systems.door.energy_shares import energy_shares
 from dashpot.extensions.systems.free_modes import FreeModes
 from dashpot.extensions.systems.multibody import Body, Mount, Point, System, planar_body
-from dashpot.extensions.systems.state_space import complex_modes, newton_modes
+from dashpot.extensions.systems.time_response import complex_modes, newton_modes
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -43,7 +43,7 @@ from dashpot.extensions.systems.door.read import read_door
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.extensions.systems.level_response import response_at_level
 from dashpot.extensions.systems.multibody import Body, System, planar_body
-from dashpot.extensions.systems.state_space import complex_modes
+from dashpot.extensions.systems.time_response import complex_modes
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -16,7 +16,7 @@ from dashpot.extensions.systems.level_response import (
     responses_at,
 )
 from dashpot.extensions.systems.multibody import Mount, System, point_mass
-from dashpot.extensions.systems.state_space import complex_modes, newton_modes, respond
+from dashpot.extensions.systems.time_response import complex_modes, newton_modes, respond
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell

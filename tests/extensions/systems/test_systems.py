@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.multibody import Body, Mount, Point, System, planar_body, point_mass
-from dashpot.extensions.systems.state_space import complex_modes, newton_modes, respond
+from dashpot.extensions.systems.time_response import complex_modes, newton_modes, respond
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -15,7 +15,7 @@ from dashpot.extensions.app.command_lines import line
 from dashpot.extensions.app.figure_cards import make_figure_cards
 from dashpot.extensions.app.request_parsing import build_from_request, sizes_of
 from dashpot.plot.picture import Picture
-from dashpot.report.page_frame import COLOURS
+from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import kind_page
 from dashpot.workflow.bench_tests import fit_files
 from dashpot.workflow.job import Job
@@ -57,7 +57,7 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.verdict(fit.verdict, page.lights),
-            "colour": COLOURS[fit.verdict.use],
+            "colour": VERDICT_COLOURS[fit.verdict.use],
             "solid": view_models.solid_table(fit),
             "arms": fit.model.arms,
             "checks": view_models.check_list(fit.checks),

@@ -39,7 +39,7 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
 from dashpot.report.first_screen import Light
-from dashpot.report.page_frame import COLOURS
+from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import Answer, Recommendation, recommendation
 from dashpot.workflow.study import Study
@@ -115,7 +115,8 @@ def _get_source_name(side: ComparedFit) -> str:
 
 def _lights(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
     return tuple(
-        Light(side.name, COLOURS[side.study.verdict.use], side.study.verdict.use) for side in (a, b)
+        Light(side.name, VERDICT_COLOURS[side.study.verdict.use], side.study.verdict.use)
+        for side in (a, b)
     )
 
 

@@ -16,7 +16,7 @@ from dashpot.extensions.app.request_parsing import build_from_request, get_list,
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.registry import find_handler
 from dashpot.report.first_screen import Light
-from dashpot.report.page_frame import COLOURS
+from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import JobPage, kind_page, text_of
 from dashpot.workflow.job import LevelJob, ModesJob
 
@@ -54,7 +54,7 @@ def _build_message(
     terms = [view_models.term(fact) for fact in page.facts]
     message = {
         "verdict": view_models.verdict(result.verdict, lights),
-        "colour": COLOURS[result.verdict.use],
+        "colour": VERDICT_COLOURS[result.verdict.use],
         "solid": view_models.term_table(page.title, terms, page.note),
         "arms": "",
         "checks": view_models.check_list(result.checks),

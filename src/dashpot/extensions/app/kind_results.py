@@ -25,7 +25,7 @@ from dashpot.extensions.app.request_parsing import get_list, mapping, part, size
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, asks_of, find_handler, load_object
-from dashpot.report.page_frame import COLOURS
+from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import KindPage, kind_page, text_of
 from dashpot.workflow.job import Job
 
@@ -102,7 +102,7 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.verdict(verdict, page.lights),
-            "colour": COLOURS[verdict.use],
+            "colour": VERDICT_COLOURS[verdict.use],
             "answers": view_models.groups(page.groups, page.told, page.note),
             "solid": "",
             "arms": "",

@@ -32,7 +32,7 @@ from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
 from dashpot.registry import KINDS, asks_of, find_handler
 from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
-from dashpot.report.page_frame import COLOURS
+from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.vibration.mass_on_seals import MassOnSeals, highest_peak, predict_frf
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
@@ -168,7 +168,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.verdict(fit.verdict, view_models.make_fit_lights(fit)),
-            "colour": COLOURS[fit.verdict.use],
+            "colour": VERDICT_COLOURS[fit.verdict.use],
             "solid": view_models.arms_table(fit),
             "checks": view_models.check_list(checks),
             "beside": view_models.render_template(
@@ -263,7 +263,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     by_eq5 = study.hold_fit if solid is study.fit and solid.family == "maxwell" else None
     head: dict[str, Any] = {
         "verdict": view_models.verdict(verdict, lights, mass=view_models.mass_that_explains(study)),
-        "colour": COLOURS[verdict.use],
+        "colour": VERDICT_COLOURS[verdict.use],
         "hint": HINT if asks else "",
         "answers": view_models.answers(study, final_recommendation),
         "solid": view_models.arms_table(solid, single=study.fit if study.joint else None),

@@ -69,7 +69,7 @@ from dashpot.registry import KINDS
 from dashpot.report import first_screen
 from dashpot.report.figures import chart_of
 from dashpot.report.first_screen import GRADE_MARKS, Light, Row
-from dashpot.report.page_frame import COLOURS, environment
+from dashpot.report.page_frame import VERDICT_COLOURS, environment
 from dashpot.report.result_page import Group
 from dashpot.vibration.impact.checks import high_frequency_mass_agrees
 from dashpot.vibration.impact.hits import cut_hits
@@ -452,7 +452,7 @@ def live_response(predicted: FRF) -> LiveCurves:
 def verdict(verdict: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
     """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
     return render_template(
-        "verdict", verdict=verdict, colour=COLOURS[verdict.use], lights=lights, mass=mass
+        "verdict", verdict=verdict, colour=VERDICT_COLOURS[verdict.use], lights=lights, mass=mass
     )
 
 

@@ -15,14 +15,12 @@ from dashpot.cli._command import group, opt, verb
 from dashpot.cli._command_io import CommandResult
 from dashpot.cli._options import RESULT
 from dashpot.extensions.batch.lot_options import (
-    LotOutput,
     build_fit_options,
-    job_of,
-    outcome,
-    rows,
+    build_job,
+    build_lot_options,
     summarise_lot,
-    write_lot,
 )
+from dashpot.extensions.batch.lot_output import LotOutput, make_command_result, write_lot
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -39,7 +37,7 @@ if TYPE_CHECKING:
 
 A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
     options.files("PATH...", "paths", least=0),
-    rows(
+    build_lot_options(
         opt("--watch", help="Go on as files are written; Ctrl-C ends it."),
         opt("--dry-run", help="Say what would be done."),
     ),
@@ -58,7 +56,7 @@ def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) 
         raise click.UsageError(
             "Give files, folders or patterns, and the folder to fill: dashpot batch tests/ -o LOT"
         )
-    batch_job = job_of(paths, **said)
+    batch_job = build_job(paths, **said)
     if watch:
         if dry_run:
             raise click.UsageError("--watch waits for files, --dry-run does nothing: leave one out")
@@ -70,7 +68,7 @@ def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) 
         return CommandResult(planned, Text(_format_plan(planned)))
     summary = summarise_lot(batch_job, run_batch(batch_job))
     write_lot(batch_job, summary)
-    return outcome(batch_job, summary)
+    return make_command_result(batch_job, summary)
 
 
 def _watch_folder(batch_job: BatchJob) -> CommandResult:
@@ -85,7 +83,7 @@ def _watch_folder(batch_job: BatchJob) -> CommandResult:
     if lot is None:
         text = "stopped before a table was made; the same command goes on from there"
         return CommandResult(LotOutput(str(batch_job.output)), Text([text]))
-    return outcome(batch_job, summarise_lot(batch_job, lot))
+    return make_command_result(batch_job, summarise_lot(batch_job, lot))
 
 
 def _format_plan(plan: BatchPlan) -> list[str]:

@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import isfinite
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 
 import dashpot as dp
-from dashpot.base.errors import DataError
-from dashpot.base.number_format import ascii_only, format_count
-from dashpot.base.progress import send_progress
-from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt
-from dashpot.cli._command_io import CommandResult, format_json, write
 from dashpot.cli._param_types import File, Folder
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
-from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.extensions.batch.batch_run import BatchJob
-    from dashpot.extensions.batch.statistics.variance_components import Component
     from dashpot.extensions.batch.summary import Summary
 
 
@@ -34,7 +26,7 @@ OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
 _ROWS, _EACH = "Rows and page", "Each test"
 
 
-def rows(*own: CommandOption) -> list[CommandOption]:
+def build_lot_options(*own: CommandOption) -> list[CommandOption]:
     """Return the options of the table and its page, after those of the verb itself."""
     return group(
         _ROWS,
@@ -69,7 +61,7 @@ def build_fit_options() -> list[CommandOption]:
     )
 
 
-def job_of(
+def build_job(
     paths: tuple[str, ...],
     *,
     output: str | None,
@@ -112,138 +104,3 @@ def summarise_lot(job: BatchJob, lot: dp.Lot) -> Summary:
     from dashpot.extensions.batch.summary import summary
 
     return summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
-
-
-def write_lot(job: BatchJob, summary: Summary) -> None:
-    """Write table, workbook and page beside the parts."""
-    from dashpot.extensions.batch.page import (
-        html,  # jinja and figures are not needed to list options
-    )
-    from dashpot.extensions.batch.workbook import workbook
-
-    send_progress("writing table, workbook and page")
-    write(f"{job.output}/lot.csv", summary.lot.csv())
-    write(f"{job.output}/lot.xlsx", workbook(summary))
-    quantity = job.quantity or summary.lot.main
-    write(
-        f"{job.output}/lot.json", format_json(LotOutput(str(job.output), summary, quantity)) + "\n"
-    )
-    write(
-        f"{job.output}/lot.html", html(summary.lot, title=job.output.resolve().name, found=summary)
-    )
-
-
-@dataclass(frozen=True)
-class LotOutput(Serialisable):
-    """Output of a lot: its folder, and the statistics of a quantity.
-
-    Attributes
-    ----------
-    folder : str
-    found : Summary or None
-        None where no table was made.
-    quantity : str
-    """
-
-    schema = "dashpot/batch@2"
-    _keys = (
-        "folder",
-        "files",
-        "found.lot.computed?",
-        "simulated=found.lot.simulated_count?",
-        "found.lot.outcomes?",
-        "found.lot.verdicts?",
-        "found.lot.agreements?",
-        "components?",
-        "outliers?",
-        "found.lot.short_holds?",
-        "*found",
-    )
-
-    folder: str
-    found: Summary | None = None
-    quantity: str = ""
-
-    @property
-    def files(self) -> int:
-        """How many."""
-        return 0 if self.found is None else self.found.lot.table.height
-
-    @property
-    def components(self) -> tuple[Component, ...] | None:
-        """The components of the relaxed stiffness, where lots or seals were named."""
-        try:
-            return None if self.found is None else self.found.lot.components()
-        except DataError:
-            return ()
-
-    @property
-    def outliers(self) -> tuple[Outlier, ...] | None:
-        """The tests that stand out."""
-        if self.found is None:
-            return None
-        away = self.found.lot.outliers(self.quantity)
-        return tuple(Outlier(file, value if isfinite(value) else None) for file, value in away)
-
-
-class Outlier(NamedTuple):
-    """Outlying test, and its distance from its lot."""
-
-    file: str
-    robust_deviations: float | None
-
-
-def outcome(job: BatchJob, found: Summary) -> CommandResult:
-    """Return what is printed of a lot."""
-    lot, quantity = found.lot, job.quantity or found.lot.main
-    filled = LotOutput(str(job.output), found, quantity)
-    lines = [
-        *(
-            f"{light.name:<12}{_LIGHTS[light.mark]}{ascii_only(light.message)}"
-            for light in found.lights
-        ),
-        *_format_lot_counts(lot),
-        *found.lines,
-        *_out(lot, quantity),
-    ]
-    none = not lot.outcomes.get("fitted")
-    reasons = _format_unfitted_files(lot)
-    text = Text([*lines, *reasons]) if none else Text(lines, reasons)
-    return CommandResult(filled, text, found.checks, verdict=found.verdict, nothing_done=none)
-
-
-_LIGHTS = {"good": "", "note": "", "care": "! ", "bad": "!! "}
-"""How a light is marked without colour, as a failed check of its grade is."""
-
-
-def _format_lot_counts(lot: dp.Lot) -> list[str]:
-    def format_counts(counts: dict[str, int]) -> str:
-        return ", ".join(f"{count} {name}" for name, count in counts.items())
-
-    files = lot.table.height
-    lines = [
-        f"files       {files}: {format_counts(lot.outcomes)}",
-        f"computed    {lot.computed} now, {files - lot.computed} taken from an earlier run",
-    ]
-    verdicts = {"verdicts": lot.verdicts, "hammers": lot.agreements}
-    if lot.simulated_count:
-        lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}, by simulation")
-    return [
-        *lines,
-        *(f"{name:<12}{format_counts(verdict)}" for name, verdict in verdicts.items() if verdict),
-    ]
-
-
-def _format_unfitted_files(lot: dp.Lot) -> list[str]:
-    """Return every file that was not fitted, with its sentence."""
-    columns = lot.table.select("file", "outcome", "reason").iter_rows()
-    return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
-
-
-def _out(lot: dp.Lot, quantity: str) -> list[str]:
-    """Return the tests to look at."""
-    away = [
-        f"  stands out  {file}: {value:+.1f} robust deviations from its lot"
-        for file, value in lot.outliers(quantity)
-    ]
-    return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]

@@ -34,7 +34,7 @@ from dashpot.extensions.batch.summary import OfQuantity, Summary, summary
 from dashpot.plot.picture import Picture
 from dashpot.report.figures import PAPER, RenderedFigure, render_figure
 from dashpot.report.first_screen import ORDER
-from dashpot.report.page_frame import COLOURS, digest, environment, frame
+from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
 ROWS = 50
 """Of a table or a list in the page: its height does not depend on how many tests there are."""
@@ -94,7 +94,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             policy=f"default-src 'none'; style-src {digest(style)}; script-src {digest(script)}; "
             "base-uri 'none'; form-action 'none'",
             verdict=verdict,
-            colour=COLOURS[verdict.use],
+            colour=VERDICT_COLOURS[verdict.use],
             lights=[
                 {"name": light.name.capitalize(), "mark": light.mark, "says": light.message}
                 for light in found.lights
@@ -505,7 +505,7 @@ def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
             "labels": of,
             "value": quantity.format_value(value),
             "verdict": (verdict or "point estimate") if outcome == "fitted" else outcome,
-            "mark": COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
+            "mark": VERDICT_COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
             "reason": reason or "",
         }
         for file, outcome, verdict, reason, value, *of in rows

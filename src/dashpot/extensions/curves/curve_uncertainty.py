@@ -17,10 +17,10 @@ from dashpot.fitting.admissible_spectra import (
     compute_upper_limit,
     deviance_limit,
 )
-from dashpot.fitting.fit_data import find_largest_target, max_determinable_arms, solid_of
+from dashpot.fitting.data_blocks import find_largest_target, max_determinable_arms, solid_of
+from dashpot.fitting.marginal_relaxation import RelaxationRows
 from dashpot.fitting.nuisance_priors import ROUNDING, NuisanceTerms
 from dashpot.fitting.parameter_errors import estimate_covariance
-from dashpot.fitting.relaxation_data import RelaxationRows
 from dashpot.fitting.valid_band import ErrorsAbout, find_loss_factor_band, has_loss_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve_orders

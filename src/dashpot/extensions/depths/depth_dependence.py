@@ -30,6 +30,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.checks.relaxation import depth_and_time_separable
 from dashpot.fitting.checks.solid import arms_enough
 from dashpot.fitting.input_tests import Tests, checked_temperatures, ramp_holds
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp.elastic_law import (
     RampLaw,
     select_elastic_law,
@@ -39,7 +40,6 @@ from dashpot.fitting.nonlinear_ramp.fit_construction import depth_error, held_ra
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS, fit_ramp_and_hold
 from dashpot.fitting.order_selection import validate_arm_count
 from dashpot.fitting.parameter_errors import compute_clock_sensitivity, compute_rig_sensitivity
-from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.numerics.inference.covariance_estimate import Estimate
 from dashpot.solids.elastic import ElasticLaw
 

@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.extensions.modes.checks import channels_not_clipped, segments_resolve
 from dashpot.vibration.impact.checks import resonance
-from dashpot.vibration.impact.estimators import Estimator, Spectra, coherence, estimate
+from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra, coherence, estimate
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import add_frf_checks, as_measured, refuse_choices_of_hits
 
@@ -41,10 +41,10 @@ def estimate_transmissibility(
     r"""Transmissibility from the base to the mass, by averages over segments (Welch).
 
     Segments under a Hann window, half of each shared with the next, their straight line taken off:
-    what hits are to :func:`~dashpot.vibration.impact.estimators.estimate`, with the base's motion
-    in place of the force. Coherence tells the scatter, each segment counted as the 0.95 that it is
-    worth beside its neighbours. Where the mass's motion is no acceleration the ratio is
-    differentiated; relative to the base it is a relative transmissibility.
+    what hits are to :func:`~dashpot.vibration.impact.spectral_estimators.estimate`, with the
+    base's motion in place of the force. Coherence tells the scatter, each segment counted as the
+    0.95 that it is worth beside its neighbours. Where the mass's motion is no acceleration the
+    ratio is differentiated; relative to the base it is a relative transmissibility.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from dashpot.extensions.systems.multibody import (
     point_mass,
     unit_vector,
 )
-from dashpot.extensions.systems.state_space import ComplexMode, complex_modes, state_space
+from dashpot.extensions.systems.time_response import ComplexMode, complex_modes, state_space
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import model_modes
 

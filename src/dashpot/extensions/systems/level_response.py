@@ -18,7 +18,7 @@ from dashpot.extensions.systems.harmonic_balance import (
     with_slope,
 )
 from dashpot.extensions.systems.multibody import Mount, Point, System, point_mass
-from dashpot.extensions.systems.state_space import newton_modes
+from dashpot.extensions.systems.time_response import newton_modes
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import AmplitudeDependent
 

@@ -16,7 +16,7 @@ from dashpot.base.plain_text import sentence
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Alternative, OrderScore
 from dashpot.datamodel.parameter_estimate import ELEMENT, Profile
-from dashpot.fitting.fit_data import FitData, solid_of
+from dashpot.fitting.data_blocks import FitData, solid_of
 from dashpot.fitting.fractional_model.checks import (
     HEARD,
     LOSS_MATTERS,

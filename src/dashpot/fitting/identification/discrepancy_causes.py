@@ -38,7 +38,7 @@ from dashpot.fitting.identification.likelihood import (
     Parameters,
     descend,
 )
-from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.numerics.inference.model_order import DECISIVE
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid

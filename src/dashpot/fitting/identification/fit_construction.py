@@ -45,7 +45,7 @@ from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agree
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms, FractionalElement, is_at_edge
 from dashpot.fitting.identification.prior_knowledge import HammerRig
-from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.valid_band import find_loss_factor_band
 from dashpot.numerics.inference.model_order import is_significant_fall
 from dashpot.numerics.least_squares import stack_real_rows

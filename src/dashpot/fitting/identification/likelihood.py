@@ -36,8 +36,8 @@ from dashpot.fitting.identification.parametrisation import (
     differentiate_poles,
     on_another_spring,
 )
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import Prior
-from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.numerics import least_squares
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import bic_of_deviance, deviance

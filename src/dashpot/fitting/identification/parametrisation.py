@@ -20,7 +20,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.fitting.fractional_model.checks import fractional_slope_determined
 from dashpot.fitting.fractional_model.family_selection import ALPHA, BEYOND, SOUGHT, STEP
-from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
+from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.fractional import FractionalZener, weights_at
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid

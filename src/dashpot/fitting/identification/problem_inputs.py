@@ -15,10 +15,10 @@ from dashpot.fitting.fit_options import FitOptions, require_maxwell_family
 from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.fitting.input_tests import temperatures_of
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.vibration.mass_on_seals import MassOnSeals, OperatingPoint, operating_point
 
 # a block on a workshop balance: 0.1 g of 100 g
@@ -80,7 +80,7 @@ def before_hammer(
     fits = [before] if same else [fit_tests(record, **alone) for record in records]
     relaxation_datasets, doubtful = (
         tuple(
-            relaxation_data(record, before, single_fit=fit, claimed=claimed)
+            build_relaxation_data(record, before, single_fit=fit, claimed=claimed)
             for record, fit in zip(records, fits, strict=True)
         )
         for claimed in (False, True)

@@ -17,6 +17,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.checks.solid import loss_factor_determined, valid_band_exists
+from dashpot.fitting.data_blocks import FitSetup, compress_tests
 from dashpot.fitting.fit_construction import (
     Residuals,
     SolidEstimate,
@@ -24,12 +25,11 @@ from dashpot.fitting.fit_construction import (
     provenance_of,
     run_relaxation_checks,
 )
-from dashpot.fitting.fit_data import FitSetup, compress_tests
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.elastic_law import RampLaw
 from dashpot.fitting.nuisance_priors import delay_prior, last_of_hold, significant_drift
 from dashpot.fitting.parameter_errors import compute_clock_sensitivity
-from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.relaxation_likelihood import build_hold_data
 from dashpot.fitting.valid_band import band_of_hold, informed_band
 from dashpot.solids.maxwell import GeneralizedMaxwell

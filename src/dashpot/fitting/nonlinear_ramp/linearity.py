@@ -14,7 +14,7 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
 from dashpot.fitting.checks.relaxation import slow_noise
-from dashpot.fitting.fit_data import (
+from dashpot.fitting.data_blocks import (
     FitData,
     FitSetup,
     InitialFit,

@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode
-from dashpot.vibration.impact.estimators import Spectra
+from dashpot.vibration.impact.spectral_estimators import Spectra
 
 FEWEST = 3
 """Hits that show no trend: a line through them leaves too little to judge it by."""

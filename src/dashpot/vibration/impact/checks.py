@@ -16,10 +16,10 @@ from dashpot.numerics.inference.covariance_estimate import estimate as estimate_
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
-from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.hits import HitQuality
 from dashpot.vibration.impact.rocking import Combination
+from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra, estimate, leave_one_out
 
 NO_TURN = 0.95
 """Part of the lines beyond which the highest is where they end, and no peak."""

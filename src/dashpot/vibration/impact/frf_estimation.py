@@ -18,14 +18,6 @@ from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.amplitude_trend import with_resonances
 from dashpot.vibration.impact.checks import agreement, checks_of, window_decay_determined
-from dashpot.vibration.impact.estimators import (
-    ChannelSpectra,
-    Estimator,
-    Spectra,
-    coherence,
-    estimate,
-    random_error,
-)
 from dashpot.vibration.impact.exponential_window import (
     NO_WINDOW,
     ExponentialWindow,
@@ -42,6 +34,14 @@ from dashpot.vibration.impact.hits import (
     remove_ringing,
 )
 from dashpot.vibration.impact.rocking import Combination, null_rocking
+from dashpot.vibration.impact.spectral_estimators import (
+    ChannelSpectra,
+    Estimator,
+    Spectra,
+    coherence,
+    estimate,
+    random_error,
+)
 from dashpot.vibration.modal.peaks import mount_band
 from dashpot.vibration.modal.pole_fit import FRFLines
 
@@ -325,7 +325,7 @@ def estimate_frf(
     tests : ImpactTest or sequence of ImpactTest
         With one or many hits in each continuous record.
     estimator : {"H1", "H2", "Hv", "Hs"}
-        See :func:`dashpot.vibration.impact.estimators.estimate`.
+        See :func:`dashpot.vibration.impact.spectral_estimators.estimate`.
     window : str
         ``"none"``, ``"force"``, ``"exponential"`` (as gentle as leaves 1 % at the end of the
         record), ``"exponential:0.01"`` (the window itself ends at 0.01), or

@@ -64,8 +64,8 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
     valid_band_exists,
 )
+from dashpot.fitting.data_blocks import NUISANCE, FitData, max_determinable_arms, regularise_clock
 from dashpot.fitting.fit_construction import build_fit
-from dashpot.fitting.fit_data import NUISANCE, FitData, max_determinable_arms, regularise_clock
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
 from dashpot.fitting.nuisance_priors import (
@@ -75,11 +75,7 @@ from dashpot.fitting.nuisance_priors import (
     delay_prior,
     estimate_channel_zero,
 )
-from dashpot.fitting.order_selection import (
-    SelectedModel,
-    select_order,
-    validate_arm_count,
-)
+from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding
 from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.valid_band import informed_band

@@ -56,8 +56,8 @@ from dashpot.fitting.checks.solid import (
     residuals_white,
     tau_inside_window,
 )
+from dashpot.fitting.data_blocks import FitData, FitSetup, compress_tests
 from dashpot.fitting.fit_construction import build_fit
-from dashpot.fitting.fit_data import FitData, FitSetup, compress_tests
 from dashpot.fitting.fit_options import FitOptions, checked_family, require_maxwell_family
 from dashpot.fitting.fractional_model.family_selection import (
     FractionalFit,
@@ -65,11 +65,7 @@ from dashpot.fitting.fractional_model.family_selection import (
     describe_fit,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
-from dashpot.fitting.order_selection import (
-    SelectedModel,
-    select_order,
-    validate_arm_count,
-)
+from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.valid_band import informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.preprocessing.checks import check_temperature

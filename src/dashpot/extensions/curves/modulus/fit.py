@@ -39,8 +39,8 @@ from dashpot.fitting.checks.solid import (
     residuals_white,
     tau_inside_window,
 )
+from dashpot.fitting.data_blocks import FitData
 from dashpot.fitting.fit_construction import build_fit
-from dashpot.fitting.fit_data import FitData
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.order_selection import select_order, validate_arm_count
 from dashpot.numerics.design_matrices.block import DataBlock

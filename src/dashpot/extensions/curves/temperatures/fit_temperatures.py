@@ -46,6 +46,7 @@ from dashpot.fitting.checks.solid import (
     order_agreed,
     valid_band_exists,
 )
+from dashpot.fitting.data_blocks import FitData, FitSetup, block_of, bound, data_of, weighed
 from dashpot.fitting.fit_construction import (
     RelaxationWindow,
     Residuals,
@@ -53,12 +54,11 @@ from dashpot.fitting.fit_construction import (
     build_fit,
     run_solid_checks,
 )
-from dashpot.fitting.fit_data import FitData, FitSetup, block_of, bound, data_of, weighed
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import end_stiffnesses
 from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks, assess_linearity
 from dashpot.fitting.order_selection import FURTHER, compute_certificate
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.fitting.valid_band import band_of_hold, find_single_test_band, informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import Solution, solve
@@ -178,7 +178,7 @@ def _find_loss_factor_band(
     tests = fit.best.tests
     if made.temperatures is None or any(test.law is not None for test in tests):
         return made.band, None
-    data = [relaxation_data(test.record, made) for test in tests]
+    data = [build_relaxation_data(test.record, made) for test in tests]
     spectra = spectra_of_holds(
         data,
         time=max(test.record.hold_time for test in tests),
@@ -198,7 +198,7 @@ def _end_of_hold(fit: MultiTemperatureFit, made: Fit) -> EndOfHold | None:
     if not records:
         return None
     return compute_end_limits(
-        [relaxation_data(record, made) for record in records],
+        [build_relaxation_data(record, made) for record in records],
         time=max(record.hold_time for record in records),
         own=made.model,
         dof=made.estimate.dof,

@@ -23,7 +23,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import shifted_log_tau
-from dashpot.fitting.fit_data import InitialFit, first_sample, motion
+from dashpot.fitting.data_blocks import InitialFit, first_sample, motion
 from dashpot.fitting.nuisance_priors import (
     NuisanceTerms,
     kind_of,

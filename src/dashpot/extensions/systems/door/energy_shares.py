@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.systems.multibody import System
-from dashpot.extensions.systems.state_space import ComplexMode
+from dashpot.extensions.systems.time_response import ComplexMode
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from dashpot.extensions.systems.door.assembly import DOOR, Assembly
 from dashpot.extensions.systems.door.energy_shares import EnergyShare, energy_shares
 from dashpot.extensions.systems.free_modes import FreeModes
 from dashpot.extensions.systems.multibody import System
-from dashpot.extensions.systems.state_space import ComplexMode, complex_modes, newton_modes
+from dashpot.extensions.systems.time_response import ComplexMode, complex_modes, newton_modes
 
 _STATES = 1200
 """Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""
