@@ -4,7 +4,7 @@ from typing import Any, Literal, TypeAlias, Unpack, overload
 
 from .api.fit import Arms, Elastic
 from .api.predict_compare import Records
-from .api.read_save import How, Place
+from .api.read_save import Place, ReadOptionKeywords
 from .base.units import Quantity, Range
 from .datamodel.fit import Fit
 from .datamodel.frf import FRF
@@ -59,10 +59,10 @@ def fit(
     /,
     *more: Vibration,
     levels: Sequence[Quantity],
-    mass: Quantity | None = ...,
-    seals: float = ...,
-    band: Range | None = ...,
-    resonance_at: Sequence[Quantity] = ...,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    band: Range | None = None,
+    resonance_at: Sequence[Quantity] = (),
 ) -> AmplitudeResult: ...
 @overload
 def fit(
@@ -72,12 +72,12 @@ def fit(
     mass: Quantity,
     density: Quantity,
     shape: str | Disc | Block,
-    arms: Arms = ...,
-    model: str = ...,
-    band: Range | None = ...,
-    lubricated: bool = ...,
-    mass_sd: Quantity | None = ...,
-    poisson: float | None = ...,
+    arms: Arms = "auto",
+    model: str = "maxwell",
+    band: Range | None = None,
+    lubricated: bool = False,
+    mass_sd: Quantity | None = None,
+    poisson: float | None = None,
 ) -> Fit: ...
 @overload
 def fit(
@@ -86,8 +86,8 @@ def fit(
     /,
     *more: Vibration,
     mass: list[Quantity] | tuple[Quantity, ...],
-    seals: float = ...,
-    band: Range | None = ...,
+    seals: float = 1.0,
+    band: Range | None = None,
 ) -> MassSeriesModes: ...
 @overload
 def fit(
@@ -95,133 +95,131 @@ def fit(
     /,
     *more: OnBench | Vibration | Fit,
     mass: Quantity,
-    seals: float = ...,
-    seal_mass: Quantity | None = ...,
-    arms: Arms = ...,
-    model: str = ...,
-    band: Range | None = ...,
-    compression: Quantity | None = ...,
-    prior: KnownSolid | None = ...,
-    rig: HammerRig | None = ...,
-    machine: Machine | None = ...,
-    impact_temperature: Quantity | None = ...,
-    hammer: HammerChoices | None = ...,
+    seals: float | None = None,
+    seal_mass: Quantity | None = None,
+    arms: Arms = "auto",
+    model: str = "maxwell",
+    band: Range | None = None,
+    compression: Quantity | None = None,
+    prior: KnownSolid | None = None,
+    rig: HammerRig | None = None,
+    machine: Machine | None = None,
+    impact_temperature: Quantity | None = None,
+    hammer: HammerChoices | None = None,
 ) -> Fit: ...
 @overload
 def fit(
     first: Vibration,
     /,
     *more: Vibration,
-    band: Range | None = ...,
-    hammer: HammerChoices | None = ...,
+    band: Range | None = None,
+    hammer: HammerChoices | None = None,
 ) -> Modes: ...
 @overload
 def fit(
     first: OnBench,
     /,
     *more: OnBench,
-    arms: Arms = ...,
-    model: str = ...,
-    elastic: Elastic = ...,
-    method: Literal["full", "hold"] = ...,
-    thorough: bool = ...,
-    filter: str | None = ...,
-    cuts: Cuts | None = ...,
-    machine: Machine | None = ...,
-    cycle: int | None = ...,
-    reference: Quantity | None = ...,
-    shift: str = ...,
-    vertical: str = ...,
-    temperature: Quantity | None = ...,
+    arms: Arms = "auto",
+    model: str = "maxwell",
+    elastic: Elastic = "auto",
+    method: Literal["full", "hold"] = "full",
+    thorough: bool = False,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    machine: Machine | None = None,
+    cycle: int | None = None,
+    reference: Quantity | None = None,
+    shift: str = "auto",
+    vertical: str = "auto",
+    temperature: Quantity | None = None,
 ) -> Fit: ...
 @overload
 def fit(
     first: CLDTest,
     /,
     *more: CLDTest,
-    compression: Quantity | None = ...,
-    between: Range | None = ...,
-    force_limits: Range | None = ...,
-    memory: Fit | Sequence[Fit] = ...,
-    cycle: int | None = ...,
+    compression: Quantity | None = None,
+    between: Range | None = None,
+    force_limits: Range | None = None,
+    memory: Fit | Sequence[Fit] = (),
+    cycle: int | None = None,
 ) -> CLDResult: ...
 @overload
 def fit(
     first: StressStrainTest,
     /,
     *more: StressStrainTest,
-    model: str = ...,
-    terms: int | Literal["auto"] = ...,
-    poisson: float | None = ...,
-    memory: Fit | None = ...,
-    stretches: tuple[float, float] | None = ...,
-    temperature: Quantity | None = ...,
-    cycle: int | None = ...,
+    model: str = "auto",
+    terms: int | Literal["auto"] = "auto",
+    poisson: float | None = None,
+    memory: Fit | None = None,
+    stretches: tuple[float, float] | None = None,
+    temperature: Quantity | None = None,
+    cycle: int | None = None,
 ) -> HyperelasticFit: ...
 @overload
-def fit(first: CSRTest, /, *more: CSRTest, machine: Machine | None = ...) -> Aging: ...
+def fit(first: CSRTest, /, *more: CSRTest, machine: Machine | None = None) -> Aging: ...
 @overload
 def fit(
     first: SlamTest,
     /,
     *more: SlamTest,
     mass: Quantity,
-    slam: Quantity | Sequence[Quantity] = ...,
-    memory: Fit | Sequence[Fit] = ...,
-    speed_sd: float = ...,
+    slam: Quantity | Sequence[Quantity] = (),
+    memory: Fit | Sequence[Fit] = (),
+    speed_sd: float = 0.05,
 ) -> SlamFit: ...
 @overload
-def fit(record: IndentationTest, /, *, model: str = ...) -> IndentationFit: ...
+def fit(record: IndentationTest, /, *, model: str = "auto") -> IndentationFit: ...
 @overload
-def fit(record: AmplitudeSweep, /, *, model: str = ...) -> AmplitudeFit: ...
+def fit(record: AmplitudeSweep, /, *, model: str = "auto") -> AmplitudeFit: ...
 @overload
 def predict(
     solid: Fit,
     /,
     *,
     mass: Quantity,
-    seals: float = ...,
-    seal_mass: Quantity | None = ...,
-    band: Range = ...,
-    lines: int = ...,
-    quantity: str = ...,
-    base: bool | str = ...,
-    relative: bool = ...,
-    compression: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    shape: str | Geometry | None = ...,
-    level: Quantity | Sequence[Quantity] = ...,
-    sweep: AmplitudeSweep | None = ...,
-    height: Quantity | None = ...,
-    record: Records = ...,
-    machine: Machine | None = ...,
+    seals: float = 1.0,
+    seal_mass: Quantity | None = None,
+    band: Range | None = None,
+    lines: int = 2001,
+    quantity: str | None = None,
+    base: bool | str = False,
+    relative: bool = False,
+    compression: Quantity | None = None,
+    temperature: Quantity | None = None,
+    shape: str | Geometry | None = None,
+    level: Quantity | Sequence[Quantity] = (),
+    sweep: AmplitudeSweep | None = None,
+    height: Quantity | None = None,
+    record: Records = (),
+    machine: Machine | None = None,
 ) -> Prediction: ...
 @overload
-def predict(solid: Fit, /, *, slam: Quantity, mass: Quantity, seals: float = ...) -> Slam: ...
+def predict(solid: Fit, /, *, slam: Quantity, mass: Quantity, seals: float = 1.0) -> Slam: ...
 @overload
 def predict(
     solid: Solid,
     /,
     *,
     mass: Quantity,
-    seals: float = ...,
-    band: Range = ...,
-    lines: int = ...,
-    quantity: str = ...,
+    seals: float = 1.0,
+    band: Range | None = None,
+    lines: int = 2001,
+    quantity: str = "accelerance",
 ) -> FRF: ...
 @overload
-def predict(
-    solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ...
-) -> Aged: ...
+def predict(solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ()) -> Aged: ...
 @overload
 def predict(solid: Aging, /, *, temperature: Quantity, until: str, new: Fit) -> Fit: ...
 @overload
 def predict(
-    solid: Door, /, *, close: Quantity, temperature: Quantity | None = ...
+    solid: Door, /, *, close: Quantity, temperature: Quantity | None = None
 ) -> ClosingResult: ...
 @overload
 def predict(
-    solid: Door, /, *, band: Range = ..., temperature: Quantity | None = ...
+    solid: Door, /, *, band: Range | None = None, temperature: Quantity | None = None
 ) -> DoorResult: ...
 @overload
 def compare(
@@ -229,91 +227,107 @@ def compare(
     other: Vibration,
     /,
     *,
-    mass: Quantity | None = ...,
-    seals: float | None = ...,
-    seal_mass: Quantity | None = ...,
-    band: Range | None = ...,
-    compression: Quantity | None = ...,
-    record: Records = ...,
-    hammer: HammerChoices | None = ...,
+    mass: Quantity | None = None,
+    seals: float | None = None,
+    seal_mass: Quantity | None = None,
+    band: Range | None = None,
+    compression: Quantity | None = None,
+    record: Records = (),
+    hammer: HammerChoices | None = None,
 ) -> FRFComparison: ...
 @overload
-def compare(one: FRF, other: FRF, /, *, band: Range | None = ...) -> Comparison: ...
+def compare(one: FRF, other: FRF, /, *, band: Range | None = None) -> Comparison: ...
 @overload
-def compare(one: Lot, other: Lot, /, *, quantities: Sequence[str] = ...) -> LotComparison: ...
-@overload
-def read(path: Place, *, kind: Literal["relaxation"], **how: Unpack[How]) -> RelaxationTest: ...
+def compare(one: Lot, other: Lot, /, *, quantities: Sequence[str] = ()) -> LotComparison: ...
 @overload
 def read(
-    path: Place, *, kind: Literal["creep"], **how: Unpack[How]
+    path: Place, *, kind: Literal["relaxation"], **options: Unpack[ReadOptionKeywords]
+) -> RelaxationTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["creep"], **options: Unpack[ReadOptionKeywords]
 ) -> CreepTest | CreepCompliance: ...
 @overload
 def read(
-    path: Place, *, kind: Literal["dma", "master-curve"], **how: Unpack[How]
+    path: Place, *, kind: Literal["dma", "master-curve"], **options: Unpack[ReadOptionKeywords]
 ) -> DynamicTest: ...
 @overload
-def read(path: Place, *, kind: Literal["modulus"], **how: Unpack[How]) -> RelaxationModulus: ...
+def read(
+    path: Place, *, kind: Literal["modulus"], **options: Unpack[ReadOptionKeywords]
+) -> RelaxationModulus: ...
 @overload
 def read(
-    path: Place | Sequence[Place], *, kind: Literal["impact"], **how: Unpack[How]
+    path: Place | Sequence[Place], *, kind: Literal["impact"], **options: Unpack[ReadOptionKeywords]
 ) -> ImpactTest: ...
 @overload
-def read(path: Place, *, kind: Literal["frf", "transmissibility"], **how: Unpack[How]) -> FRF: ...
-@overload
-def read(path: Place, *, kind: Literal["cld"], **how: Unpack[How]) -> CLDTest: ...
+def read(
+    path: Place, *, kind: Literal["frf", "transmissibility"], **options: Unpack[ReadOptionKeywords]
+) -> FRF: ...
 @overload
 def read(
-    path: Place, *, kind: Literal["stress-strain"], **how: Unpack[How]
+    path: Place, *, kind: Literal["cld"], **options: Unpack[ReadOptionKeywords]
+) -> CLDTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["stress-strain"], **options: Unpack[ReadOptionKeywords]
 ) -> StressStrainTest: ...
 @overload
-def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CSRTest: ...
-@overload
-def read(path: Place, *, kind: Literal["slam"], **how: Unpack[How]) -> SlamTest: ...
-@overload
-def read(path: Place, *, kind: Literal["indentation"], **how: Unpack[How]) -> IndentationTest: ...
+def read(
+    path: Place, *, kind: Literal["csr"], **options: Unpack[ReadOptionKeywords]
+) -> CSRTest: ...
 @overload
 def read(
-    path: Place, *, kind: Literal["strain-sweep", "cyclic"], **how: Unpack[How]
+    path: Place, *, kind: Literal["slam"], **options: Unpack[ReadOptionKeywords]
+) -> SlamTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["indentation"], **options: Unpack[ReadOptionKeywords]
+) -> IndentationTest: ...
+@overload
+def read(
+    path: Place, *, kind: Literal["strain-sweep", "cyclic"], **options: Unpack[ReadOptionKeywords]
 ) -> AmplitudeSweep: ...
 @overload
-def read(path: Place | Sequence[Place], *, kind: str | None = ..., **how: Unpack[How]) -> Any: ...
+def read(
+    path: Place | Sequence[Place], *, kind: str | None = ..., **options: Unpack[ReadOptionKeywords]
+) -> Any: ...
 @overload
 def simulate(
     what: Literal["relaxation"],
     *,
-    seal: str | Fit | Solid = ...,
-    depth: Quantity = ...,
-    ramp: Quantity = ...,
-    hold: Quantity = ...,
-    rate: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    noise_free: bool = ...,
-    seed: int = ...,
+    seal: str | Fit | Solid = "paper",
+    depth: Quantity | None = None,
+    ramp: Quantity | None = None,
+    hold: Quantity | None = None,
+    rate: Quantity | None = None,
+    temperature: Quantity | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
 ) -> RelaxationTest: ...
 @overload
 def simulate(
     what: Literal["creep"],
     *,
-    seal: str | Fit | Solid = ...,
-    load: Quantity = ...,
-    ramp: Quantity = ...,
-    hold: Quantity = ...,
-    rate: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    noise_free: bool = ...,
-    seed: int = ...,
+    seal: str | Fit | Solid = "paper",
+    load: Quantity | None = None,
+    ramp: Quantity | None = None,
+    hold: Quantity | None = None,
+    rate: Quantity | None = None,
+    temperature: Quantity | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
 ) -> CreepTest: ...
 @overload
 def simulate(
     what: Literal["impact"],
     *,
-    seal: str | Fit | Solid = ...,
-    mass: Quantity | None = ...,
-    seals: float = ...,
-    hits: int = ...,
-    hit_length: Quantity | None = ...,
-    rate: Quantity | None = ...,
-    temperature: Quantity | None = ...,
-    noise_free: bool = ...,
-    seed: int = ...,
+    seal: str | Fit | Solid = "paper",
+    mass: Quantity | None = None,
+    seals: float | None = None,
+    hits: int | None = None,
+    hit_length: Quantity | None = None,
+    rate: Quantity | None = None,
+    temperature: Quantity | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
 ) -> ImpactTest: ...

@@ -149,13 +149,13 @@ WRONG = {
         'units="s, mm, N"',
     ),
     "no such seal": (lambda test, hits: dp.simulate("impact", seal="x"), "paper, broad"),
-    "a load of hits": (lambda test, hits: dp.simulate("impact", load="1N"), "load= is not of"),
+    "a load of hits": (lambda test, hits: dp.simulate("impact", load="1N"), "load= does not suit"),
     "a batch of numbers": (lambda test, hits: dp.batch([[1.0, 2.0]]), r"dp\.batch\(forces"),
     "a file that is none": (lambda test, hits: dp.read("nowhere.csv"), "nowhere.csv"),
     "a role that is none": (
         lambda test, hits: dp.read("x.csv", columns={"forc": "F"}), "'forc' is no role",
     ),
-    "a word that is none": (lambda test, hits: dp.read("x.csv", colums={}), "colums= says nothing"),
+    "a word that is none": (lambda test, hits: dp.read("x.csv", colums={}), "colums= does not suit"),
 }  # fmt: skip
 
 

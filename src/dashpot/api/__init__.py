@@ -3,4 +3,161 @@
 Each verb takes records and results of any kind; which work they mean is decided where the command
 line asks, too (`dashpot.reading.readers.detect_kind`, `dashpot.workflow.fit_routing`). The public
 names stand in ``dashpot/__init__.pyi``.
+
+A function whose result depends on its arguments has one signature for each case, in the stub
+``dashpot/_signatures.pyi``; its run-time signature, which `help` shows, names the options of all.
 """
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, wraps
+from inspect import Parameter, Signature, signature
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, get_overloads
+
+from dashpot.base.errors import DashpotError, DataError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+F = TypeVar("F", bound=Callable[..., Any])
+
+_STUB = Path(__file__).parents[1] / "_signatures.pyi"
+
+
+@cache
+def read_overloads() -> Mapping[str, tuple[Signature, ...]]:
+    """Return the signatures of each function of the stub, with annotations as text."""
+    overloads: dict[str, tuple[Signature, ...]] = {}
+    for node in ast.parse(_STUB.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef):
+            overloads[node.name] = (*overloads.get(node.name, ()), _convert_to_signature(node))
+    return overloads
+
+
+def _convert_to_signature(node: ast.FunctionDef) -> Signature:
+    """Return the keyword-only parameters and the result of a definition."""
+    parameters = [
+        Parameter(
+            argument.arg,
+            Parameter.KEYWORD_ONLY,
+            default=Parameter.empty if default is None else ast.literal_eval(default),
+            annotation=ast.unparse(argument.annotation) if argument.annotation else Parameter.empty,
+        )
+        for argument, default in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+    ]
+    return Signature(parameters, return_annotation=ast.unparse(node.returns or ast.Constant(None)))
+
+
+def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -> Signature:
+    """Return the signature of a function with the keyword parameters of all its cases.
+
+    One that some cases do not have is optional; its type and default are those of the first case
+    that has it.
+    """
+    signatures = tuple(cases)
+    own = signature(function)
+    kept = (Parameter.KEYWORD_ONLY, Parameter.VAR_KEYWORD)
+    leading = [item for item in own.parameters.values() if item.kind not in kept]
+    options: dict[str, Parameter] = {
+        item.name: item for item in own.parameters.values() if item.kind is kept[0]
+    }
+    for case in signatures:
+        for name, item in case.parameters.items():
+            if item.kind is not Parameter.KEYWORD_ONLY:
+                continue
+            first = options.setdefault(name, item)
+            required = all(
+                name in other.parameters and other.parameters[name].default is Parameter.empty
+                for other in signatures
+            )
+            if first.default is Parameter.empty and not required:
+                options[name] = first.replace(
+                    default=None,
+                    annotation=f"{first.annotation} | None".replace("None | None", "None"),
+                )
+    results = dict.fromkeys(str(case.return_annotation) for case in signatures)
+    return own.replace(
+        parameters=[*leading, *options.values()], return_annotation=" | ".join(results)
+    )
+
+
+def show_stub_signature(function: F) -> F:
+    """Give a function the signature of its overloads in the stub, as a decorator."""
+    merged = merge_signatures(function, read_overloads()[function.__name__])
+    function.__signature__ = merged  # type: ignore[attr-defined]
+    return function
+
+
+def show_overloads(function: F) -> F:
+    """Give a function the signature of its overloads in the source, as a decorator."""
+    cases = (signature(case) for case in get_overloads(function))
+    function.__signature__ = merge_signatures(function, cases)  # type: ignore[attr-defined]
+    return function
+
+
+def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function refuse a keyword that it does not have in a sentence, as a decorator."""
+    names = [
+        item.name for item in signature(function).parameters.values()
+        if item.kind in {Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD}
+    ]  # fmt: skip
+
+    @wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        refuse_unknown_option(kwargs, names, f"dp.{function.__name__}")
+        return function(*args, **kwargs)
+
+    return call
+
+
+def refuse_unknown_option(
+    options: Iterable[str],
+    names: Iterable[str],
+    subject: str,
+    error: type[DashpotError] = DataError,
+) -> None:
+    """Refuse an option that is none of some names, and tell the nearest.
+
+    Raises
+    ------
+    DashpotError
+        Of the type `error`.
+    """
+    expected = sorted(names)
+    unknown = sorted(set(options) - set(expected))
+    if not unknown:
+        return
+    from difflib import get_close_matches  # where a word was misspelt
+
+    near = get_close_matches(unknown[0], expected, 1)
+    hint = f"Did you mean {near[0]}=? " if near else ""
+    takes = f"It takes {', '.join(expected)}" if expected else "It takes no options"
+    raise error(f"{unknown[0]}= does not suit {subject}. {hint}{takes}")
+
+
+def call_with_options(
+    function: Callable[..., R],
+    *args: Any,
+    options: Mapping[str, Any],
+    subject: str,
+    error: type[DashpotError] = DataError,
+) -> R:
+    """Call a function with options, and refuse in a sentence those that it lacks or needs.
+
+    Raises
+    ------
+    DashpotError
+        Of the type `error`.
+    """
+    parameters = list(signature(function).parameters.values())[len(args) :]
+    refuse_unknown_option(options, [item.name for item in parameters], subject, error)
+    missing = [
+        item.name
+        for item in parameters
+        if item.default is Parameter.empty and item.name not in options
+    ]
+    if missing:
+        raise error(f"{subject} needs {missing[0]}=: it was not given")
+    return function(*args, **options)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from inspect import signature
 from typing import Any, Literal, TypeAlias
 
+from dashpot.api import call_with_options, show_stub_signature
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
@@ -29,7 +29,8 @@ Elastic: TypeAlias = Literal["auto", "linear", "nonlinear", "by-depth"]
 Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
 
 
-def fit(*records: Any, **how: Any) -> Any:
+@show_stub_signature
+def fit(*records: Any, **options: Any) -> Any:
     """Fit the model that suits the records; several records are of one part.
 
     Parameters
@@ -82,19 +83,17 @@ def fit(*records: Any, **how: Any) -> Any:
     'joint'
     """
     kinds = identify_record_kinds(records)
-    mass, levels = how.get("mass"), how.get("levels") or ()
+    mass, levels = options.get("mass"), options.get("levels") or ()
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
-    rod = how.get("density") is not None or how.get("shape") is not None
+    rod = options.get("density") is not None or options.get("shape") is not None
     meant = route(kinds, masses=masses, levels=bool(levels), rod=rod)
     row = FITS.get(meant)
     word = row.records if row is not None else ""
     fitted = load_object(word or KINDS[next(iter(kinds.values()))].fits)
-    taken = signature(fitted).parameters.keys() - {"records"}
-    strange = sorted(how.keys() - taken)
-    if strange:
-        what, takes = row.title if row and word else meant, ", ".join(sorted(taken))
-        raise FitError(f"{strange[0]}= does not suit {what}. It takes {takes}")
-    return fitted(list(records), **how)
+    subject = row.title if row and word else meant
+    return call_with_options(
+        fitted, list(records), options=options, subject=subject, error=FitError
+    )
 
 
 def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from dashpot.api import refuse_unknown_option, refuse_wrong_options
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity, convert_to_si
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
+@refuse_wrong_options
 def plan(
     *,
     frequency: Quantity,
@@ -93,6 +95,7 @@ def plan(
     )
 
 
+@refuse_wrong_options
 def simulate(
     what: Literal["relaxation", "creep", "impact"],
     *,
@@ -101,7 +104,14 @@ def simulate(
     temperature: Quantity | None = None,
     noise_free: bool = False,
     rate: Quantity | None = None,
-    **how: Any,
+    depth: Quantity | None = None,
+    load: Quantity | None = None,
+    ramp: Quantity | None = None,
+    hold: Quantity | None = None,
+    mass: Quantity | None = None,
+    seals: float | None = None,
+    hits: int | None = None,
+    hit_length: Quantity | None = None,
 ) -> Any:
     """Simulate a test of a known seal; the record says that it is simulated.
 
@@ -139,13 +149,16 @@ def simulate(
     if what not in _TESTS:
         raise DataError(f"'{what}' is not simulated; expected one of {', '.join(_TESTS)}")
     instrument, words = _TESTS[what]
-    strange = sorted(how.keys() - words.keys())
-    if strange:
-        raise DataError(f"{strange[0]}= is not of a test of {what}. It takes {', '.join(words)}")
+    own = {
+        "depth": depth, "load": load, "ramp": ramp, "hold": hold, "mass": mass, "seals": seals,
+        "hits": hits, "hit_length": hit_length,
+    }  # fmt: skip
+    own = {name: value for name, value in own.items() if value is not None}
+    refuse_unknown_option(own, words, f"a test of {what}")
     solid, law, block = _get_seal_model(seal)
-    options = {words[name]: value for name, value in how.items()}
+    options: dict[str, Any] = {words[name]: value for name, value in own.items()}
     if what == "impact":
-        options = {"mass": block, "seals": 2.0} | options
+        options = {"mass": block, "seals": 2.0, **options}
         if options["mass"] is None:
             raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
         options["mass"] = convert_to_si(options["mass"], "mass")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from dashpot.api import call_with_options, refuse_wrong_options, show_stub_signature
 from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepare_ramp_hold, shape_words
 from dashpot.api.read_save import Place
 from dashpot.base.errors import DataError
@@ -30,6 +31,7 @@ from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, LevelChoices
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import Solid
     from dashpot.solids.part_geometry import Geometry
+    from dashpot.vibration.comparison.comparison import Comparison
     from dashpot.workflow.study import Study
 
 
@@ -40,7 +42,8 @@ To: TypeAlias = Literal[
 ]  # fmt: skip
 
 
-def predict(solid: Any, /, **how: Any) -> Any:
+@show_stub_signature
+def predict(solid: Any, /, **options: Any) -> Any:
     """Predict how a solid vibrates under a mass, on a moving base, at a level, or in a door.
 
     Parameters
@@ -79,16 +82,25 @@ def predict(solid: Any, /, **how: Any) -> Any:
     >>> round(predicted.modes[0].frequency, 1)
     12.2
     """
+    predict_result = _find_prediction(solid, options)
+    subject = f"the prediction of a {type(solid).__name__}"
+    return call_with_options(predict_result, solid, options=options, subject=subject)
+
+
+def _find_prediction(solid: Any, options: Iterable[str]) -> Callable[..., Any]:
+    """Return the function that predicts from a result, given the names of its options."""
     row = row_of(solid)
     if row is not None and row.predict:
-        return load_object(row.predict)(solid, **how)
+        function: Callable[..., Any] = load_object(row.predict)
+        return function
     special = find_handler("predict", solid)
     if special is None and isinstance(solid, Fit):
-        by_option = (find_handler("predict with option", option) for option in how)
+        by_option = (find_handler("predict with option", option) for option in options)
         special = next(filter(None, by_option), None)
     if special is not None:
-        return special(solid, **how)
-    return _under_mass(solid, **how) if isinstance(solid, Fit) else _predict_solid_frf(solid, **how)
+        answer: Callable[..., Any] = special
+        return answer
+    return _predict_under_mass if isinstance(solid, Fit) else _predict_solid_frf
 
 
 def _predict_solid_frf(
@@ -110,7 +122,7 @@ def _predict_solid_frf(
     return predict_frf(seals * solid, mass=kilograms, frequency=hertz, kind=quantity)
 
 
-def _under_mass(
+def _predict_under_mass(
     fit: Fit,
     *,
     mass: Quantity,
@@ -169,7 +181,8 @@ def _prepare_tests(record: Records, machine: Machine | None = None) -> list[Ramp
     return [prepare_ramp_hold(test, machine) for test in tests]
 
 
-def compare(first: Any, other: Any, /, **how: Any) -> Any:
+@show_stub_signature
+def compare(first: Any, other: Any, /, **options: Any) -> Any:
     """Hold a prediction against a measurement, an FRF against an FRF, or a lot against a lot.
 
     Parameters
@@ -196,26 +209,32 @@ def compare(first: Any, other: Any, /, **how: Any) -> Any:
     """
     special = find_handler("compare", first)
     if special is not None and type(first) is type(other):
-        return special(first, other, **how)
+        return call_with_options(special, first, other, options=options, subject="two lots")
     if isinstance(first, FRF) and isinstance(other, FRF):
-        from dashpot.vibration.comparison.compare import compare as compare_frfs
-
-        band = si_range(how.pop("band", None), "frequency")
-        return compare_frfs(first, other, band=band, **how)
+        return call_with_options(_compare_frfs, first, other, options=options, subject="two FRFs")
     measured = isinstance(other, ImpactTest | FRF) or (
         not isinstance(other, FRFSet)
         and find_handler("compare", other) is None
         and kind_of(other) == "impact"
     )
     if isinstance(first, Fit | Prediction) and measured:
-        return _agreement(first, other, **how)
+        subject = "a prediction and a measurement"
+        return call_with_options(
+            _compare_with_measurement, first, other, options=options, subject=subject
+        )
     raise DataError(
         f"a {type(first).__name__} is not compared with a {type(other).__name__}. Compare a fit or "
         "a prediction with hits or an FRF, an FRF with an FRF, or a lot with a lot"
     )
 
 
-def _agreement(
+def _compare_frfs(first: FRF, other: FRF, *, band: Range | None = None) -> Comparison:
+    from dashpot.vibration.comparison.compare import compare as compare_frfs
+
+    return compare_frfs(first, other, band=si_range(band, "frequency"))
+
+
+def _compare_with_measurement(
     first: Fit | Prediction,
     second: Any,
     *,
@@ -246,6 +265,7 @@ def _agreement(
     )
 
 
+@refuse_wrong_options
 def report(
     *records: RelaxationTest | Vibration,
     mass: Quantity | None = None,
@@ -321,6 +341,7 @@ def report(
     return replace(study, title=title)
 
 
+@refuse_wrong_options
 def export(
     solid: Fit | Solid | HasVerdict,
     path: Place | None = None,
@@ -336,7 +357,16 @@ def export(
     form: str | None = None,
     allow: str | Sequence[str] = (),
     mass: Quantity | None = None,
-    **of_solver: Any,
+    tolerance: float | None = None,
+    nominal: Quantity | None = None,
+    line: Any = None,
+    shear: Any = None,
+    first_id: int | None = None,
+    first_tag: int | None = None,
+    modulus: Quantity | None = None,
+    bulk_modulus: Quantity | None = None,
+    density: float | None = None,
+    points: int | None = None,
 ) -> str:
     """Write a solid as input for a solver, and return the deck.
 
@@ -355,6 +385,8 @@ def export(
         How many side by side, and about which compression they vibrate.
     band : (float, float) or str, optional
         Of a table, Hz.
+    tolerance, nominal, line, shear, first_id, first_tag, modulus, bulk_modulus, density, points
+        Of some solvers alone, as ``dashpot export --help`` has them.
     allow : str or sequence of str
         Problems to overlook, by their names, or ``"all"``; the deck says so.
 
@@ -386,7 +418,16 @@ def export(
         "mass": convert_to_si(mass, "mass"),
         "allow": (allow,) if isinstance(allow, str) else tuple(allow),
         "units": unit_system,
-        **of_solver,
+        "tolerance": tolerance,
+        "nominal": nominal,
+        "line": line,
+        "shear": shear,
+        "first_id": first_id,
+        "first_tag": first_tag,
+        "modulus": modulus,
+        "bulk_modulus": bulk_modulus,
+        "density": density,
+        "points": points,
     }
     if isinstance(contact_length, Solid):
         choices["specimen"] = Specimen(temperature=kelvin, length=metres)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar
 
+from dashpot.api import refuse_wrong_options
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.result_mixins import load_function
 from dashpot.base.units import Quantity, convert_to_si
@@ -22,7 +23,7 @@ Column: TypeAlias = str | int | Sequence[str | int]
 N = TypeVar("N")
 
 
-class How(TypedDict, total=False):
+class ReadOptionKeywords(TypedDict, total=False):
     """Keyword arguments of `read`: the reading options of the command line.
 
     Attributes
@@ -78,7 +79,28 @@ _TAKEN: Mapping[str, Callable[[Any], Any]] = {
 """What is said under the names that the reading options have, and what they take of it."""
 
 
-def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) -> Any:
+@refuse_wrong_options
+def read(
+    path: Place | Sequence[Place],
+    *,
+    kind: str | None = None,
+    columns: Mapping[str, Column] | None = None,
+    units: Mapping[str, str] | None = None,
+    text: Mapping[str, Any] | None = None,
+    part: Mapping[str, Any] | None = None,
+    rate: Quantity | None = None,
+    window_decay: Quantity | None = None,
+    calibration: Place | None = None,
+    axis: str | None = None,
+    profile: Place | None = None,
+    specimen: Specimen | None = None,
+    test: str | None = None,
+    mass: Quantity | None = None,
+    radius: Quantity | None = None,
+    radius_error: Quantity | None = None,
+    drop_height: Quantity | None = None,
+    impact_velocity: Quantity | None = None,
+) -> Any:
     """Read a record, or a stored result, as what it is.
 
     Parameters
@@ -88,8 +110,8 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
     kind : str, optional
         What the file is to be taken for, such as ``"relaxation"``; by default what it is
         recognised as.
-    **how
-        What the file leaves open; see :class:`How`.
+    columns, units, text, part, rate, ...
+        What the file leaves open; see :class:`ReadOptionKeywords`.
 
     Returns
     -------
@@ -111,9 +133,27 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
     >>> bool((again.force == test.force).all())
     True
     """
-    options = _options(how, kind)
+    keywords = _drop_unset(
+        columns=columns,
+        units=units,
+        text=text,
+        part=part,
+        rate=rate,
+        window_decay=window_decay,
+        calibration=calibration,
+        axis=axis,
+        profile=profile,
+        specimen=specimen,
+        test=test,
+        mass=mass,
+        radius=radius,
+        radius_error=radius_error,
+        drop_height=drop_height,
+        impact_velocity=impact_velocity,
+    )
+    options = _options(keywords, kind)
     if not isinstance(path, str | Path):
-        return _several([Path(name) for name in path], options, how)
+        return _several([Path(name) for name in path], options, keywords)
     detection = recognise(path, options)
     if detection.stored:
         from dashpot.workflow.json_archive import read_json_document
@@ -124,20 +164,20 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
     read_whole = find_handler("read", detection.kind)
     if read_whole is not None:
         return read_whole(path)
-    return _record(path, detection.kind, options, how)
+    return _record(path, detection.kind, options, keywords)
 
 
-def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
+def _drop_unset(**keywords: Any) -> dict[str, Any]:
+    """Return the keywords that were given."""
+    return {name: value for name, value in keywords.items() if value is not None}
+
+
+def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
     """Return the reading options that were said."""
-    unknown = sorted(how.keys() - How.__annotations__.keys())
-    if unknown:
-        raise DataError(
-            f"{unknown[0]}= says nothing of a file. Known are {', '.join(How.__annotations__)}"
-        )
-    columns = {role: _column(role, item) for role, item in (how.get("columns") or {}).items()}
-    stated: dict[str, Any] = {**columns, **(how.get("part") or {})}
-    stated |= {_TEXT.get(name, name): value for name, value in (how.get("text") or {}).items()}
-    stated |= {name: taken(how[name]) for name, taken in _TAKEN.items() if name in how}
+    columns = {role: _column(role, item) for role, item in (keywords.get("columns") or {}).items()}
+    stated: dict[str, Any] = {**columns, **(keywords.get("part") or {})}
+    stated |= {_TEXT.get(name, name): value for name, value in (keywords.get("text") or {}).items()}
+    stated |= {name: taken(keywords[name]) for name, taken in _TAKEN.items() if name in keywords}
     fields = ReadOptions.__dataclass_fields__
     strange = next((name for name in stated if name not in fields), None)
     if strange is not None:
@@ -145,7 +185,11 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
             f"'{strange}' is no role and no key of a file. Known are {', '.join(fields)}"
         )
     options = ReadOptions(**stated | {"kind": kind})
-    return options.with_defaults(load_profile(how["profile"])) if "profile" in how else options
+    return (
+        options.with_defaults(load_profile(keywords["profile"]))
+        if "profile" in keywords
+        else options
+    )
 
 
 def _column(role: str, stated: Any) -> str | tuple[str, ...]:
@@ -155,7 +199,7 @@ def _column(role: str, stated: Any) -> str | tuple[str, ...]:
     return (str(stated),) if role == "acceleration" else str(stated)
 
 
-def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]) -> Any:
+def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
     """Return the record in a file of one of the kinds of the register."""
     name = Path(path).name
     if kind not in KINDS or not KINDS[kind].reader:
@@ -166,9 +210,9 @@ def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]
     arguments: dict[str, Any] = {"options": options}
     special = _SPECIAL.get(kind) or find_handler("read record", kind)
     if special is not None:
-        return special(path, arguments, how)
-    if "specimen" in how:
-        arguments["specimen"] = how["specimen"]
+        return special(path, arguments, keywords)
+    if "specimen" in keywords:
+        arguments["specimen"] = keywords["specimen"]
     return load_object(KINDS[kind].reader)(path, **arguments)
 
 
@@ -186,7 +230,7 @@ _SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
 """Kinds whose readers want to know something else than the options and the specimen."""
 
 
-def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]) -> Any:
+def _several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
     """Files that are one record: hits of one hammer test, or points of one structure."""
     kinds = {path: recognise(path, options).kind for path in paths}
     have = set(kinds.values())
@@ -198,7 +242,7 @@ def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]
     if read_set is not None:
         return read_set(paths, options=options)
     if len(paths) == 1:
-        return read(paths[0], kind=options.kind, **how)
+        return read(paths[0], kind=options.kind, **keywords)
     text = "; ".join(f"{path.name} is {get_kind_label(kind)}" for path, kind in kinds.items())
     raise ReadError(
         f"only hits, or FRFs at several points, are one record in several files: {text}. Read "
@@ -206,13 +250,34 @@ def _several(paths: Sequence[Path], options: ReadOptions, how: Mapping[str, Any]
     )
 
 
-def inspect(path: Place, *, kind: str | None = None, **how: Unpack[How]) -> InspectedFile:
-    """Say what a file is and how it would be read: columns, units, sampling, open questions.
+@refuse_wrong_options
+def inspect(
+    path: Place,
+    *,
+    kind: str | None = None,
+    columns: Mapping[str, Column] | None = None,
+    units: Mapping[str, str] | None = None,
+    text: Mapping[str, Any] | None = None,
+    part: Mapping[str, Any] | None = None,
+    rate: Quantity | None = None,
+    window_decay: Quantity | None = None,
+    calibration: Place | None = None,
+    axis: str | None = None,
+    profile: Place | None = None,
+    specimen: Specimen | None = None,
+    test: str | None = None,
+    mass: Quantity | None = None,
+    radius: Quantity | None = None,
+    radius_error: Quantity | None = None,
+    drop_height: Quantity | None = None,
+    impact_velocity: Quantity | None = None,
+) -> InspectedFile:
+    """Say what a file is and keywords it would be read: columns, units, sampling, open questions.
 
     Parameters
     ----------
     path : path
-    kind, **how
+    kind, columns, units, text, part, rate, ...
         As :func:`read` takes them.
 
     Raises
@@ -228,9 +293,28 @@ def inspect(path: Place, *, kind: str | None = None, **how: Unpack[How]) -> Insp
     """
     from dashpot.workflow.inspections import inspect_files
 
-    return inspect_files([path], options=_options(how, kind)).files[0]
+    keywords = _drop_unset(
+        columns=columns,
+        units=units,
+        text=text,
+        part=part,
+        rate=rate,
+        window_decay=window_decay,
+        calibration=calibration,
+        axis=axis,
+        profile=profile,
+        specimen=specimen,
+        test=test,
+        mass=mass,
+        radius=radius,
+        radius_error=radius_error,
+        drop_height=drop_height,
+        impact_velocity=impact_velocity,
+    )
+    return inspect_files([path], options=_options(keywords, kind)).files[0]
 
 
+@refuse_wrong_options
 def save(noun: N, path: Place) -> N:
     """Write a record or a result to a file, and return it.
 
@@ -239,7 +323,7 @@ def save(noun: N, path: Place) -> N:
     noun : object
         A record or a result.
     path : path
-        How its name ends says how it is written: ``.json``, which :func:`read` takes back;
+        How its name ends says keywords it is written: ``.json``, which :func:`read` takes back;
         ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
 
     Raises

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.units import Quantity, parse_unit
+from dashpot.base.units import Quantity, Range, parse_unit
 
 if TYPE_CHECKING:
     from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
@@ -192,13 +192,24 @@ class FRF(EqualByValue, Plottable, Serialisable):
             frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
         )
 
-    def stiffness(self, *, mass: Quantity, seals: float = 1.0, **how: Any) -> DynamicStiffness:
+    def stiffness(
+        self,
+        *,
+        mass: Quantity,
+        seals: float = 1.0,
+        mass_sd: Quantity | None = None,
+        phase_sd: float | None = None,
+        band: Range | None = None,
+    ) -> DynamicStiffness:
         """Stiffness, damping and loss factor of one seal under a mass, line by line.
 
         As :func:`~dashpot.vibration.modal.dynamic_stiffness.dynamic_stiffness` finds them.
         """
         of = load_function("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
-        stiffness: DynamicStiffness = of(self, mass, seals=seals, **how)
+        errors = {} if phase_sd is None else {"phase_sd": phase_sd}
+        stiffness: DynamicStiffness = of(
+            self, mass, seals=seals, mass_sd=mass_sd, band=band, **errors
+        )
         return stiffness
 
     def _into_si(self) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.units import format_quantity
+from dashpot.base.units import Quantity, format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record, require_positive
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -88,13 +87,28 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
         hold_measured(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
 
-    def prepare(self, **how: Any) -> RampHold:
+    def prepare(
+        self,
+        *,
+        onset: Quantity | None = None,
+        ramp_end: Quantity | None = None,
+        hold_end: Quantity | None = None,
+        contact: Quantity | None = None,
+        cycle: int | None = None,
+        sign: int | None = None,
+        filter: str | None = None,
+        drift: float | str | None = None,
+        force_range: Quantity | None = None,
+        machine: Machine | None = None,
+    ) -> RampHold:
         """Cut, tare and judge the test, as :func:`~dashpot.preprocessing.prepare.prepare` does.
 
-        A fit does so by itself; `how` says it otherwise: ``filter``, ``machine``, ``onset``,
-        ``ramp_end``, ``hold_end``, ``cycle``.
+        A fit does so by itself; the arguments replace what it finds.
         """
-        ready: RampHold = load_function("preprocessing.prepare", "prepare")(self, **how)
+        ready: RampHold = load_function("preprocessing.prepare", "prepare")(
+            self, onset=onset, ramp_end=ramp_end, hold_end=hold_end, contact=contact, cycle=cycle,
+            sign=sign, filter=filter, drift=drift, force_range=force_range, machine=machine,
+        )  # fmt: skip
         return ready
 
     @property

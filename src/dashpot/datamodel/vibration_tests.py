@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dashpot.base.units import Quantity, Range
     from dashpot.datamodel.frf import FRF
 
 
@@ -200,13 +203,30 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
             ),
         )
 
-    def frf(self, **how: Any) -> FRF:
-        """The FRF of the hits: :func:`~dashpot.vibration.impact.frf_estimation.estimate_frf`.
+    def frf(
+        self,
+        *,
+        estimator: str = "H1",
+        window: str = "none",
+        accept: Sequence[str] = (),
+        reject: Sequence[str] = (),
+        record: Quantity | None = None,
+        pretrigger: Quantity | None = None,
+        combine: str = "mean",
+        mass: Quantity | None = None,
+        polarity: Sequence[int] | None = None,
+        band: Range | None = None,
+        resonance_band: Range | None = None,
+    ) -> FRF:
+        """Return the FRF of the hits.
 
-        `how` says it otherwise: ``estimator``, ``window``, ``combine``, ``accept``, ``reject``,
-        ``record``, ``mass``.
+        As :func:`~dashpot.vibration.impact.frf_estimation.estimate_frf` computes it.
         """
-        frf: FRF = load_function("vibration.impact.frf_estimation", "estimate_frf")(self, **how)
+        frf: FRF = load_function("vibration.impact.frf_estimation", "estimate_frf")(
+            self, estimator=estimator, window=window, accept=accept, reject=reject, record=record,
+            pretrigger=pretrigger, combine=combine, mass=mass, polarity=polarity, band=band,
+            resonance_band=resonance_band,
+        )  # fmt: skip
         return frf
 
     def records(self) -> tuple[slice, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, overload
 
+from dashpot.api import call_with_options, show_overloads
 from dashpot.api.fit import Arms
 from dashpot.api.read_save import Place
 from dashpot.base.errors import DataError
@@ -24,22 +25,22 @@ def batch(
     paths: Place | Sequence[Place],
     /,
     *,
-    to: Place | None = ...,
-    arms: Arms = ...,
-    method: Method = ...,
-    quick: bool = ...,
-    mass: Quantity | None = ...,
-    seals: float = ...,
-    frequency: Quantity | Sequence[Quantity] = ...,
-    compression: Quantity | Sequence[Quantity] = ...,
-    length: Quantity | None = ...,
-    radius: Quantity | None = ...,
-    by: str | None = ...,
-    manifest: Place | None = ...,
-    pair: str | None = ...,
-    joint: bool = ...,
-    jobs: int | None = ...,
-    scheduler: str | None = ...,
+    to: Place | None = None,
+    arms: Arms = "auto",
+    method: Method = "full",
+    quick: bool = False,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    frequency: Quantity | Sequence[Quantity] = (),
+    compression: Quantity | Sequence[Quantity] = (),
+    length: Quantity | None = None,
+    radius: Quantity | None = None,
+    by: str | None = None,
+    manifest: Place | None = None,
+    pair: str | None = None,
+    joint: bool = False,
+    jobs: int | None = None,
+    scheduler: str | None = None,
 ) -> Lot: ...
 @overload
 def batch(
@@ -47,14 +48,15 @@ def batch(
     /,
     *,
     time: npt.ArrayLike,
-    displacement: npt.ArrayLike | None = ...,
-    ramp: tuple[float, float] | None = ...,
+    displacement: npt.ArrayLike | None = None,
+    ramp: tuple[float, float] | None = None,
     units: str,
-    arms: int = ...,
-    method: Method = ...,
-    errors: bool = ...,
+    arms: int = 2,
+    method: Method = "full",
+    errors: bool = False,
 ) -> BatchFit: ...
-def batch(what: Any, /, **how: Any) -> Any:
+@show_overloads
+def batch(what: Any, /, **options: Any) -> Any:
     """Fit every test in files and folders, one row each; or many records on one clock at once.
 
     Parameters
@@ -92,29 +94,56 @@ def batch(what: Any, /, **how: Any) -> Any:
     >>> (many.k_inf[1] / many.k_inf[0]).round(6)
     np.float64(2.0)
     """
-    if "time" in how:
-        return _arrays(what, **how)
+    if "time" in options:
+        return call_with_options(_fit_arrays, what, options=options, subject="a batch of arrays")
     paths = [what] if isinstance(what, str) or hasattr(what, "__fspath__") else list(what)
     if not all(isinstance(path, str) or hasattr(path, "__fspath__") for path in paths):
         raise DataError(
             'a batch is of files, dp.batch("tests/", to="lot"), or of arrays on one clock: '
             'dp.batch(forces, time=t, displacement=x, units="s, mm, N")'
         )
+    return call_with_options(_fit_files, paths, options=options, subject="a batch of files")
+
+
+def _fit_files(
+    paths: Sequence[Place],
+    *,
+    to: Place | None = None,
+    arms: Arms = "auto",
+    method: Method = "full",
+    quick: bool = False,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    frequency: Quantity | Sequence[Quantity] = (),
+    compression: Quantity | Sequence[Quantity] = (),
+    length: Quantity | None = None,
+    radius: Quantity | None = None,
+    by: str | None = None,
+    manifest: Place | None = None,
+    pair: str | None = None,
+    joint: bool = False,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+) -> Lot:
     from dashpot.extensions.batch.batch_run import batch as run_batch
 
-    if "frequency" in how:
-        how["at"] = how.pop("frequency")
-    return run_batch(paths, output=how.pop("to", None), **how)
+    return run_batch(
+        paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
+        at=frequency, compression=compression, length=length, radius=radius, by=by,
+        manifest=manifest, pair=pair, joint=joint, jobs=jobs, scheduler=scheduler,
+    )  # fmt: skip
 
 
-def _arrays(
+def _fit_arrays(
     forces: Any,
     *,
     time: Any,
     units: str = "",
     displacement: Any = None,
     ramp: tuple[float, float] | None = None,
-    **how: Any,
+    arms: int = 2,
+    method: Method = "full",
+    errors: bool = False,
 ) -> BatchFit:
     from dashpot.base.arrays import arrays_in_si
     from dashpot.extensions.batch.arrays.fit_many import fit_many
@@ -122,7 +151,7 @@ def _arrays(
     t, x, F = arrays_in_si(
         units, time=(time, "time"), displacement=(displacement, "length"), force=(forces, "force")
     )
-    return fit_many(t, F, displacement=x, ramp=ramp, **how)
+    return fit_many(t, F, displacement=x, ramp=ramp, arms=arms, method=method, errors=errors)
 
 
 def compare_lots(first: Lot, second: Lot, /, *, quantities: Sequence[str] = ()) -> LotComparison:
