@@ -155,7 +155,9 @@ WRONG = {
     "a role that is none": (
         lambda test, hits: dp.read("x.csv", columns={"forc": "F"}), "'forc' is no role",
     ),
-    "a word that is none": (lambda test, hits: dp.read("x.csv", colums={}), "colums= does not suit"),
+    "a word that is none": (
+        lambda test, hits: dp.read("x.csv", colums={}), "colums= does not suit",
+    ),
 }  # fmt: skip
 
 

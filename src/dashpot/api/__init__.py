@@ -97,6 +97,28 @@ def show_overloads(function: F) -> F:
     return function
 
 
+def show_typed_keywords(keywords: type) -> Callable[[F], F]:
+    """Return a decorator that shows the keys of a typed dictionary as optional keywords."""
+    kinds = {
+        name: getattr(kind, "__forward_arg__", kind)
+        for name, kind in keywords.__annotations__.items()
+    }
+    case = Signature(
+        [
+            Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=f"{kind} | None")
+            for name, kind in kinds.items()
+        ]
+    )
+
+    def show(function: F) -> F:
+        result = signature(function).return_annotation
+        merged = merge_signatures(function, [case.replace(return_annotation=result)])
+        function.__signature__ = merged  # type: ignore[attr-defined]
+        return function
+
+    return show
+
+
 def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
     """Let a function refuse a keyword that it does not have in a sentence, as a decorator."""
     names = [

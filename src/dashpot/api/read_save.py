@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar
 
-from dashpot.api import refuse_wrong_options
+from dashpot.api import refuse_wrong_options, show_typed_keywords
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.result_mixins import load_function
 from dashpot.base.units import Quantity, convert_to_si
@@ -80,26 +80,12 @@ _TAKEN: Mapping[str, Callable[[Any], Any]] = {
 
 
 @refuse_wrong_options
+@show_typed_keywords(ReadOptionKeywords)
 def read(
     path: Place | Sequence[Place],
     *,
     kind: str | None = None,
-    columns: Mapping[str, Column] | None = None,
-    units: Mapping[str, str] | None = None,
-    text: Mapping[str, Any] | None = None,
-    part: Mapping[str, Any] | None = None,
-    rate: Quantity | None = None,
-    window_decay: Quantity | None = None,
-    calibration: Place | None = None,
-    axis: str | None = None,
-    profile: Place | None = None,
-    specimen: Specimen | None = None,
-    test: str | None = None,
-    mass: Quantity | None = None,
-    radius: Quantity | None = None,
-    radius_error: Quantity | None = None,
-    drop_height: Quantity | None = None,
-    impact_velocity: Quantity | None = None,
+    **keywords: Any,
 ) -> Any:
     """Read a record, or a stored result, as what it is.
 
@@ -133,24 +119,7 @@ def read(
     >>> bool((again.force == test.force).all())
     True
     """
-    keywords = _drop_unset(
-        columns=columns,
-        units=units,
-        text=text,
-        part=part,
-        rate=rate,
-        window_decay=window_decay,
-        calibration=calibration,
-        axis=axis,
-        profile=profile,
-        specimen=specimen,
-        test=test,
-        mass=mass,
-        radius=radius,
-        radius_error=radius_error,
-        drop_height=drop_height,
-        impact_velocity=impact_velocity,
-    )
+    keywords = _drop_unset(keywords)
     options = _options(keywords, kind)
     if not isinstance(path, str | Path):
         return _several([Path(name) for name in path], options, keywords)
@@ -167,7 +136,7 @@ def read(
     return _record(path, detection.kind, options, keywords)
 
 
-def _drop_unset(**keywords: Any) -> dict[str, Any]:
+def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keywords that were given."""
     return {name: value for name, value in keywords.items() if value is not None}
 
@@ -251,26 +220,12 @@ def _several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str,
 
 
 @refuse_wrong_options
+@show_typed_keywords(ReadOptionKeywords)
 def inspect(
     path: Place,
     *,
     kind: str | None = None,
-    columns: Mapping[str, Column] | None = None,
-    units: Mapping[str, str] | None = None,
-    text: Mapping[str, Any] | None = None,
-    part: Mapping[str, Any] | None = None,
-    rate: Quantity | None = None,
-    window_decay: Quantity | None = None,
-    calibration: Place | None = None,
-    axis: str | None = None,
-    profile: Place | None = None,
-    specimen: Specimen | None = None,
-    test: str | None = None,
-    mass: Quantity | None = None,
-    radius: Quantity | None = None,
-    radius_error: Quantity | None = None,
-    drop_height: Quantity | None = None,
-    impact_velocity: Quantity | None = None,
+    **keywords: Any,
 ) -> InspectedFile:
     """Say what a file is and keywords it would be read: columns, units, sampling, open questions.
 
@@ -293,24 +248,7 @@ def inspect(
     """
     from dashpot.workflow.inspections import inspect_files
 
-    keywords = _drop_unset(
-        columns=columns,
-        units=units,
-        text=text,
-        part=part,
-        rate=rate,
-        window_decay=window_decay,
-        calibration=calibration,
-        axis=axis,
-        profile=profile,
-        specimen=specimen,
-        test=test,
-        mass=mass,
-        radius=radius,
-        radius_error=radius_error,
-        drop_height=drop_height,
-        impact_velocity=impact_velocity,
-    )
+    keywords = _drop_unset(keywords)
     return inspect_files([path], options=_options(keywords, kind)).files[0]
 
 
