@@ -257,8 +257,8 @@ def compare(before: Path, after: Path, pattern: str, relative: float, worst: int
         same = same and not beyond
         word = "DIFFERS" if beyond else "within" if found else "identical"
         print(f"{word:10} {line}")
-        for _, _, says in (beyond or found[:1])[:worst]:
-            print(f"           {says}")
+        for _, _, message in (beyond or found[:1])[:worst]:
+            print(f"           {message}")
         if len(beyond) > worst:
             print(f"           and {len(beyond) - worst} more")
     print(f"CPU {spent[0]:.1f} s before, {spent[1]:.1f} s after")

@@ -132,7 +132,7 @@ def over_frequency(folder: Path) -> None:
         e_0, terms, spent = theirs
         storage, loss = prony_frequency(data.omega, terms)
         row("pyvisco", len(terms), data, 1e6 * e_0 * (storage + 1j * loss), spent)
-    print("  " + kramers_kronig(passive_misfit(data)).says)
+    print("  " + kramers_kronig(passive_misfit(data)).message)
 
 
 def row(

@@ -126,7 +126,7 @@ def judged(one: Record) -> dict[str, object]:
     try:
         found, limits = limits_of(one)
     except dp.DashpotError as error:
-        said: dict[str, object] = {"use": "refused", "because": [str(error)]}
+        said: dict[str, object] = {"use": "refused", "reason": [str(error)]}
     else:
         said = {
             **_said(found.verdict),
@@ -142,7 +142,7 @@ def judged_conditioned(one: conditioning.Conditioned) -> dict[str, object]:
         record = prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"))
         found = fit(record)
     except dp.DashpotError as error:
-        said: dict[str, object] = {"use": "refused", "because": [str(error)]}
+        said: dict[str, object] = {"use": "refused", "reason": [str(error)]}
     else:
         limits = conditioning.limits_of(one, found.stiffness_limits or {}, record.hold_time)
         said = {
@@ -264,17 +264,17 @@ def shown(rows: Iterable[Row], whole: Row) -> Iterator[str]:
 def goals(rows: list[Row], whole: Row) -> Iterator[tuple[str, bool]]:
     """Each goal with its figure, and whether it is met."""
     rate, sound = _part(whole.missed, whole.used), _part(whole.used_held, whole.held)
-    says = f'of {whole.used} called "use" {whole.missed} miss: {100 * rate:.1f} %'
-    yield f"{says} (goal <= {100 * MISSED:g} %)", rate <= MISSED
-    says = f'of {whole.held} sound ones {whole.used_held} are called "use": {100 * sound:.0f} %'
-    yield f"{says} (goal >= {100 * USED:g} %)", sound >= USED
-    for fault, says in (
+    message = f'of {whole.used} called "use" {whole.missed} miss: {100 * rate:.1f} %'
+    yield f"{message} (goal <= {100 * MISSED:g} %)", rate <= MISSED
+    message = f'of {whole.held} sound ones {whole.used_held} are called "use": {100 * sound:.0f} %'
+    yield f"{message} (goal >= {100 * USED:g} %)", sound >= USED
+    for fault, message in (
         ("misses", f'misses among "use": lower limit above {100 * SURE:g} %'),
         ("held", f"held: upper limit below {HELD:g}"),
         ("used", f'sound ones called "use" below {100 * USED_EACH:g} %'),
     ):
         names = [row.name for row in rows if fault in row.faults]
-        yield f"{says}, in {len(names)} disturbances (goal 0): {'; '.join(names)}", not names
+        yield f"{message}, in {len(names)} disturbances (goal 0): {'; '.join(names)}", not names
     none = next((row for row in rows if row.name == "none"), None)
     for name, goal in WIDTHS.items() if none is not None and none.widths else ():
         value = none.widths[name]
@@ -320,8 +320,8 @@ def report(lines: Iterable[Mapping]) -> Iterator[str]:
         yield ""
         if title == "relaxation":
             needless = [r.name for r in rows if r.doubted and most(r.held, r.answered) >= HELD]
-            for says, met in goals(rows, whole):
-                yield f"{'met    ' if met else 'NOT met'} {says}"
+            for message, met in goals(rows, whole):
+                yield f"{'met    ' if met else 'NOT met'} {message}"
             yield f"        doubted, though its limits may well hold: {'; '.join(needless)}"
         else:
             rate = _part(whole.missed, whole.used)
@@ -533,7 +533,7 @@ def judged_delayed(one: Sheet) -> dict[str, object]:
     try:
         verdict, error = DELAYED[one.kind](one)
     except dp.DashpotError as refusal:
-        said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+        said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
     else:
         said = {**_said(verdict), "error": float(error), "allowed": WITHIN}
     return {**said, "cpu": round(time.process_time() - start, 3)}
@@ -542,8 +542,8 @@ def judged_delayed(one: Sheet) -> dict[str, object]:
 def _said(verdict: dp.Verdict | Mapping) -> dict[str, object]:
     """What a verdict says, and because of which checks."""
     if isinstance(verdict, Mapping):
-        return {"use": verdict["verdict_grade"], "because": verdict["failed_checks"]}
-    return {"use": verdict.use, "because": list(verdict.reasons)}
+        return {"use": verdict["verdict_grade"], "reason": verdict["failed_checks"]}
+    return {"use": verdict.use, "reason": list(verdict.reasons)}
 
 
 def judged_sheet(one: Sheet) -> dict[str, object]:
@@ -555,7 +555,7 @@ def judged_sheet(one: Sheet) -> dict[str, object]:
         try:
             verdict, error = SHEETS[one.kind](one, path)
         except dp.DashpotError as refusal:
-            said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+            said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
             said = {**_said(verdict), "error": error, "allowed": ALLOWED}
     return {**said, "cpu": round(time.process_time() - start, 3)}
@@ -576,7 +576,7 @@ def judged_hammer(one: HammerRecord, head: str) -> dict[str, object]:
         try:
             found = dp.fit(dp.read(path), mass=one.truth["mass"], seals=one.truth["seals"])
         except dp.DashpotError as refusal:
-            said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+            said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
             K = found.solid.complex_stiffness(omega=omega)
             size, loss = found.estimate.errors_of_vibration(found.model, np.array([1j * omega]))
@@ -614,7 +614,7 @@ def judged_pair(pair: SlowPair, *, joint: bool) -> dict[str, object]:
         try:
             fit_ = dp.fit(*tests * joint, dp.read(path), mass=truth["mass"], seals=truth["seals"])
         except dp.DashpotError as refusal:
-            said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+            said: dict[str, object] = {"use": "refused", "reason": [str(refusal)]}
         else:
             low, high = fit_.intervals()["k_inf"]
             said = {
@@ -750,7 +750,7 @@ def judged_claim(claim: Callable[[], dict[str, object]]) -> dict[str, object]:
     try:
         said = claim()
     except dp.DashpotError as error:
-        said = {"use": "refused", "because": [str(error)]}
+        said = {"use": "refused", "reason": [str(error)]}
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 

@@ -2207,7 +2207,7 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
         found = case.judge(x)
         assert found.name == case.check
         assert found.passed is passed, found
-        assert found.says
+        assert found.message
 
 
 def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
@@ -2565,7 +2565,7 @@ def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None
         comparison.operating_point(OperatingPoint(2e-3, 1e-3), borne_out=True),
     ):
         assert found.passed, found
-        assert "bears" in found.says or "agrees" in found.says
+        assert "bears" in found.message or "agrees" in found.message
 
 
 def test_a_contradiction_too_small_to_matter_is_none() -> None:
@@ -2615,23 +2615,23 @@ def test_what_the_method_bears_is_excused() -> None:
 
 def test_advice_follows_only_where_a_check_fails() -> None:
     low = comparison.peak_agrees(held(predicted_peak=0.1 * agreeing().measured_peak))
-    assert low.says.endswith("(-20.0 dB). The model has too much damping there.")
+    assert low.message.endswith("(-20.0 dB). The model has too much damping there.")
     high = comparison.peak_agrees(held(predicted_peak=10 * agreeing().measured_peak))
-    assert high.says.endswith("(+20.0 dB). The model has too little damping there.")
+    assert high.message.endswith("(+20.0 dB). The model has too little damping there.")
     off = comparison.stiffness_agrees(held(predicted_hz=1.1 * agreeing().measured_hz))
-    assert off.says.endswith("differs by +21.0 %.")
+    assert off.message.endswith("differs by +21.0 %.")
     assert off.remedy is not None
     assert off.remedy.words.startswith("Check the mass, the number of seals")
-    assert comparison.stiffness_agrees(agreeing()).says.endswith("differs by +0.0 %.")
+    assert comparison.stiffness_agrees(agreeing()).message.endswith("differs by +0.0 %.")
     assert comparison.stiffness_agrees(agreeing()).remedy is None
     falling = replace(agreeing().predicted, value=1 / (1 + agreeing().predicted.frequency) + 0j)
     away = held(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)
-    assert comparison.stiffness_agrees(away).says.startswith("The prediction has no peak from")
+    assert comparison.stiffness_agrees(away).message.startswith("The prediction has no peak from")
     assert comparison.stiffness_agrees(away).message_with_remedy.endswith("length and the preload.")
-    assert "damping" not in comparison.peak_agrees(away).says
+    assert "damping" not in comparison.peak_agrees(away).message
     assert "ratio 1.5" in comparison.damping_agrees(
         held(predicted_damping=0.03, measured_damping=0.02), peak(10)
-    ).says  # fmt: skip
+    ).message  # fmt: skip
 
 
 # -- decisions of the engine ----------------------------------------------------------------------

@@ -206,7 +206,7 @@ def test_pipes(folder):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (("fit", "nowhere.csv"), "nowhere.csv"),
         (("fit",), "FILE"),
@@ -230,14 +230,14 @@ def test_pipes(folder):
         (("simulate", "impact", "--seal", "{fit}", "-o", "x.csv"), "--mass"),
     ],
 )
-def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words, says):
+def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words, message):
     monkeypatch.chdir(tmp_path)
     fit = folder / "fit.json"
     if not fit.exists():
         did("fit", folder / "seal_8mm.csv", "-o", fit)
     places = {"seal": folder / "seal_8mm.csv", "fit": fit, "folder": tmp_path}
     result = did(*(word.format(**places) for word in words), code=2)
-    assert says in result.stderr
+    assert message in result.stderr
     assert "Traceback" not in result.output
     assert result.stdout == ""
 

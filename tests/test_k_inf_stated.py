@@ -113,7 +113,7 @@ def test_an_arm_slower_than_the_tests_leaves_k_inf_inside_its_limit(number, tmp_
         )
         assert now.error is None
         assert now.high == pytest.approx(high)
-        assert not any("with a standard error" in one.says for one in fit.checks)
+        assert not any("with a standard error" in one.message for one in fit.checks)
 
 
 def test_a_fit_for_use_is_written_and_its_notes_are_no_failed_checks(results):
@@ -126,7 +126,7 @@ def test_a_fit_for_use_is_written_and_its_notes_are_no_failed_checks(results):
         assert "USE: " in deck
         notes = [one for one in fit.checks if one.failed]
         assert deck.count("NOTE: ") == len(notes)
-        counted = re.search(r"All \d+ checks passed|\d+ checks? passed", fit.verdict.says)
+        counted = re.search(r"All \d+ checks passed|\d+ checks? passed", fit.verdict.message)
         assert counted is None or counted[0] in deck
 
 

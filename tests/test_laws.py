@@ -171,7 +171,7 @@ def test_length_scales_stiffness(solid, length, measured):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "message"),
     [
         ((-1.0,), "k_inf = -1.0; a passive solid needs k_inf >= 0"),
         ((1.0, (2.0,), (0.1, 0.2)), "every arm needs a k and a tau, found 1 k and 2 tau"),
@@ -180,6 +180,6 @@ def test_length_scales_stiffness(solid, length, measured):
         ((1.0, (2.0,), (float("nan"),)), "tau_1 = nan"),
     ],
 )
-def test_what_no_passive_solid_can_be_is_refused(arguments, says):
-    with pytest.raises(DataError, match=says.replace("(", r"\(")):
+def test_what_no_passive_solid_can_be_is_refused(arguments, message):
+    with pytest.raises(DataError, match=message.replace("(", r"\(")):
         GeneralizedMaxwell(*arguments)

@@ -192,7 +192,7 @@ def test_plugin_format_fault_is_reported_in_a_sentence(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    code, says = MISBEHAVING[body]
+    code, message = MISBEHAVING[body]
     monkeypatch.setattr(
         raw_file, "compute_time_allowed", lambda _: 1.0 if body == "loops" else 30.0
     )
@@ -203,7 +203,7 @@ def test_plugin_format_fault_is_reported_in_a_sentence(
     done = ran("inspect", file, "--file-part", "format=odd")
     assert done.exit_code == 2, done.output
     (line,) = done.stderr.strip().splitlines()
-    assert says in line
+    assert message in line
     assert "bad 0.1.0" in line
     assert "Traceback" not in done.output
 
@@ -224,7 +224,7 @@ def test_plugin_format_units_and_blanks_are_checked(
 
 
 @pytest.mark.parametrize(
-    ("found", "says"),
+    ("found", "message"),
     [
         ("3", "returned a int; expected"),
         ("{}", "returned no numbers; expected"),
@@ -250,7 +250,7 @@ def test_plugin_format_units_and_blanks_are_checked(
     ],
 )
 def test_plugin_kind_fault_is_reported_in_a_sentence(
-    found: str, says: str, installed: Callable[..., None], tmp_path: Path
+    found: str, message: str, installed: Callable[..., None], tmp_path: Path
 ) -> None:
     module = f"def fit(columns, options):\n    return {found}\n"
     installed("odd", {f"oddly_{abs(hash(found))}": module}, {
@@ -260,7 +260,7 @@ def test_plugin_kind_fault_is_reported_in_a_sentence(
     file.write_text("time [s],force [N]\n" + "\n".join(f"{i},{i + 1}" for i in range(20)))
     done = ran("fit", file, "--kind", "odd")
     assert done.exit_code == 2, done.output
-    assert says in done.stderr
+    assert message in done.stderr
     assert "odd 0.1.0" in done.stderr
 
 
@@ -295,7 +295,7 @@ def test_plugin_name_of_two_packages_is_refused(
 
 
 @pytest.mark.parametrize(
-    ("row", "says"),
+    ("row", "message"),
     [
         ("[[formats]", "Expected ']]'"),
         ('[[commands]]\nname = "a"', "found 'commands'; expected formats, kinds, solver_inputs"),
@@ -310,7 +310,7 @@ def test_plugin_name_of_two_packages_is_refused(
     ],
 )
 def test_invalid_plugin_row_is_reported_in_a_sentence(
-    row: str, says: str, installed: Callable[..., None], tmp_path: Path
+    row: str, message: str, installed: Callable[..., None], tmp_path: Path
 ) -> None:
     installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
     installed("bad", {}, row)
@@ -318,7 +318,7 @@ def test_invalid_plugin_row_is_reported_in_a_sentence(
     assert [plugin["name"] for plugin in found["plugins"]] == ["good"]
     (sentence,) = found["refused"]
     assert sentence.startswith("bad 0.1.0 is not used: bad/dashpot_extension.toml: ")
-    assert says in sentence
+    assert message in sentence
     assert "Ask who maintains bad." in ran("inspect", "--plugins").stdout
     # what stands in another package is used all the same
     file = tmp_path / "seal.good"
@@ -373,7 +373,7 @@ def test_no_command_pays_for_what_it_does_not_name() -> None:
 
 
 @pytest.mark.parametrize(
-    ("code", "says"),
+    ("code", "message"),
     [
         (GOOD + "\n_read = read\ndef read(raw, *, name):\n    if not raw.startswith(b'G'):\n"
          "        raise ValueError\n    return _read(raw, name=name)\n", ""),
@@ -384,17 +384,17 @@ def test_no_command_pays_for_what_it_does_not_name() -> None:
          "    return"), "which dashpot does not know"),
     ],
 )  # fmt: skip
-def test_check_format_reports_a_fault_to_authors(code: str, says: str, tmp_path: Path) -> None:
+def test_check_format_reports_a_fault_to_authors(code: str, message: str, tmp_path: Path) -> None:
     from types import ModuleType
 
     module = ModuleType("theirs")
     exec(code, module.__dict__)  # noqa: S102  an author's module
     file = tmp_path / "sample.g"
     file.write_bytes(b"G" + bytes(20))
-    if not says:
+    if not message:
         assert check_format(module, file) == ["time [s]", "force [N]"]
         return
-    with pytest.raises(AssertionError, match=says):
+    with pytest.raises(AssertionError, match=message):
         check_format(module, file)
 
 

@@ -84,7 +84,7 @@ def test_a_bench_and_a_machine_in_their_words():
 
 
 @pytest.mark.parametrize(
-    ("call", "says"),
+    ("call", "message"),
     [
         (lambda: dp.systems.predict_frf(PAPER, mass="104"), "has no unit"),
         (lambda: dp.systems.predict_frf(PAPER, mass="104mm"), "is a unit of length"),
@@ -93,6 +93,6 @@ def test_a_bench_and_a_machine_in_their_words():
         (lambda: dp.Specimen(length="long"), "length|number"),
     ],
 )
-def test_a_wrong_quantity_is_refused_in_words(call, says):
-    with pytest.raises(dp.DataError, match=says):
+def test_a_wrong_quantity_is_refused_in_words(call, message):
+    with pytest.raises(dp.DataError, match=message):
         call()

@@ -79,8 +79,8 @@ def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
         found = fit(prepare(test))
     except DashpotError:
         return
-    yield from (check.says for check in found.checks)
-    yield found.verdict.says
+    yield from (check.message for check in found.checks)
+    yield found.verdict.message
 
 
 def wrong(sentences: Iterator[str]) -> list[str]:
@@ -122,9 +122,9 @@ def style(text: str) -> list[str]:
 def test_every_check_is_plain_english_with_a_remedy_that_begins_with_its_verb() -> None:
     faults, checks = [], [*of_cases(), *of_readers()]
     for check in checks:
-        faults += [f"{check.name}: {one}" for one in style(check.says)]
+        faults += [f"{check.name}: {one}" for one in style(check.message)]
         if check.failed and check.remedy is None:
-            faults.append(f"{check.name}: no remedy | {check.says}")
+            faults.append(f"{check.name}: no remedy | {check.message}")
         if check.remedy:
             faults += [f"{check.name}: {one}" for one in style(check.remedy.words)]
             if check.remedy.words.split()[0].rstrip(",") not in VERBS:
@@ -161,9 +161,9 @@ LISTS = {"export --to"}
 def test_help_of_every_option_is_a_short_phrase() -> None:
     each = dict(options())
     assert len(each) > 150
-    assert {name for name, says in each.items() if len(says) > 60} <= LISTS
-    assert not [name for name, says in each.items() if says.startswith(("Of ", "At which"))]
-    assert not [f"{name}: {says}" for name, says in each.items() if BANNED.search(says)]
+    assert {name for name, message in each.items() if len(message) > 60} <= LISTS
+    assert not [name for name, message in each.items() if message.startswith(("Of ", "At which"))]
+    assert not [f"{name}: {message}" for name, message in each.items() if BANNED.search(message)]
 
 
 STANDARD = (
@@ -295,19 +295,19 @@ def test_verdict_on_every_example_is_a_line_with_a_number(
 
 
 def test_every_check_speaks_in_words_passed_or_failed() -> None:
-    assert not wrong(check.says for check in of_cases())
+    assert not wrong(check.message for check in of_cases())
 
 
 @pytest.mark.parametrize("solid", sorted({kind.solid for kind in KINDS}))
 def test_every_simulated_kind_is_answered_in_words(solid: str) -> None:
     tests = [trial(kind, seed=2) for kind in KINDS if kind.solid == solid]
-    assert not wrong(says for one in tests for says in of_fit(relaxation_test(one)))
+    assert not wrong(message for one in tests for message in of_fit(relaxation_test(one)))
 
 
 def test_a_disturbed_record_is_answered_in_words() -> None:
     tests = [trial(KINDS[1], seed=3, bench=bench) for bench in DISTURBANCES.values()]
     tests += [trial(KINDS[1], seed=3, law=law) for law in LAWS]
-    assert not wrong(says for one in tests for says in of_fit(relaxation_test(one)))
+    assert not wrong(message for one in tests for message in of_fit(relaxation_test(one)))
 
 
 @pytest.mark.parametrize(("stiffer", "mass"), [(1.15, BROAD_MASS), (1.0, 1.1 * BROAD_MASS)])
@@ -319,9 +319,9 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
     # what the page shows of both tests is of the one cause that explains them
     assert study.joint.evidence.explanations[0].explains
     assert abs(study.joint_comparison.frequency_error) < 2e-3
-    assert not wrong(check.says for check in (*study.verdict_checks, *study.every_check))
-    said = [study.verdict.says, study.comparison.says]
-    said += [one.says for one in study.joint.evidence.explanations]
+    assert not wrong(check.message for check in (*study.verdict_checks, *study.every_check))
+    said = [study.verdict.message, study.comparison.message]
+    said += [one.message for one in study.joint.evidence.explanations]
     assert study.joint.evidence.explanations
     assert not [one for one in map(format_typographic, said) if CODE.search(one)]
 
@@ -331,7 +331,7 @@ def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
     follows = Check("mass_plausible", False, "the mass is off", grade="stop")
     study = handmade.study()
     joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(apart, follows)))
-    assert replace(study, joint=joint).verdict.says.startswith("The seals are 15 % stiffer")
+    assert replace(study, joint=joint).verdict.message.startswith("The seals are 15 % stiffer")
 
 
 def test_a_sentence_spells_powers_of_ten_that_people_write_out(
@@ -344,4 +344,4 @@ def test_a_sentence_spells_powers_of_ten_that_people_write_out(
         return Finding(f"{130.0:.2g} times, {2e-9:.2g} m")
 
     spelt.__module__ = "dashpot.nowhere.checks"
-    assert criterion(source="nowhere")(spelt)().says == "130 times, 2e-09 m."
+    assert criterion(source="nowhere")(spelt)().message == "130 times, 2e-09 m."

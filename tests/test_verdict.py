@@ -48,11 +48,11 @@ OPEN = Check("open", None, "not judged", grade="stop")
 
 def test_the_gravest_failure_decides() -> None:
     assert verdict([OPEN, NOTE]).use == "use"
-    assert verdict([OPEN, NOTE]).because == ()
+    assert verdict([OPEN, NOTE]).failed_checks == ()
     assert verdict([NOTE, LIMIT]).use == "use with care"
     found = verdict([NOTE, LIMIT, STOP])
-    assert (found.use, found.because) == ("do not use", (STOP, LIMIT))
-    assert found.says == "A stop. Do that. 1 more check failed."
+    assert (found.use, found.failed_checks) == ("do not use", (STOP, LIMIT))
+    assert found.message == "A stop. Do that. 1 more check failed."
 
 
 def test_select_gravest_check_of_several_tests() -> None:
@@ -60,7 +60,7 @@ def test_select_gravest_check_of_several_tests() -> None:
     assert select_gravest_check([OPEN]).passed is None
     assert select_gravest_check([LIMIT]) is LIMIT
     found = select_gravest_check([LIMIT, STOP, NOTE])
-    assert (found.grade, found.says) == ("stop", "In test 2 of 3, a stop.")
+    assert (found.grade, found.message) == ("stop", "In test 2 of 3, a stop.")
 
 
 # -- what must pass -------------------------------------------------------------------------------
@@ -86,9 +86,9 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(to_json(study))
     assert document["verdict"] == {
-        "verdict_grade": "use", "message": study.verdict.says, "failed_checks": [],
+        "verdict_grade": "use", "message": study.verdict.message, "failed_checks": [],
     }  # fmt: skip
-    assert document["comparison"]["verdict"]["message"] == study.comparison.says
+    assert document["comparison"]["verdict"]["message"] == study.comparison.message
     assert from_json(to_json(study)).verdict == study.verdict
 
 
@@ -118,7 +118,7 @@ def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     found = fit_tests(prepared(clean + wave), arms=2)
     assert found.estimate.residual.rms > 0.4
     assert found.verdict.use == "do not use"
-    assert "force_residual_small" in {check.name for check in found.verdict.because}
+    assert "force_residual_small" in {check.name for check in found.verdict.failed_checks}
     assert not found.ok
 
 
@@ -137,7 +137,7 @@ def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> 
     assert 0.9 * flowing.relaxation(4.0) < low < flowing.relaxation(4.0) < high
     assert high < 1.1 * flowing.relaxation(4.0)
     # of an arm of 60 s a hold of 4 s shows the loss nowhere: the stiffness alone is known
-    assert {check.name for check in found.verdict.because} == {"loss_factor_determined"}
+    assert {check.name for check in found.verdict.failed_checks} == {"loss_factor_determined"}
     assert found.band[0] > 0.03  # not at rest
     outside = {check.name for check in found.checks if check.passed is False}
     assert {"hold_long_enough", "k_inf_positive"} <= outside
@@ -147,7 +147,7 @@ def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:
     falling = dp.GeneralizedMaxwell(90.0, (120.0,), (5.0,))
     found = fit_tests(prepared(answer(falling)), arms=0)
     assert found.verdict.use == "do not use"
-    assert "arms_where_force_relaxes" in {check.name for check in found.verdict.because}
+    assert "arms_where_force_relaxes" in {check.name for check in found.verdict.failed_checks}
     assert not found.ok
     assert str(found).startswith("Do not use: ")
 
@@ -169,20 +169,20 @@ def test_study_verdict_is_that_of_its_final_model() -> None:
     study = handmade.study()
     spoilt = replace(study, joint=altered(study.joint, checks=(STOP,)))
     assert spoilt.verdict.use == "do not use"
-    assert STOP in spoilt.verdict.because
+    assert STOP in spoilt.verdict.failed_checks
     # what the relaxation test alone missed, the joint fit has mended
     missed = replace(study.comparison, checks=(STOP,))
-    assert STOP not in replace(study, comparison=missed).verdict.because
+    assert STOP not in replace(study, comparison=missed).verdict.failed_checks
     alone = replace(study, comparison=missed, joint=None, joint_comparison=None)
-    assert alone.verdict.because[0] is STOP
+    assert alone.verdict.failed_checks[0] is STOP
 
 
 def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     bench = simulate_relaxation(PAPER, hold_time=10.0, seed=1).test
     found = characterise(bench, block=BlockOnSeals(PAPER_MASS, 2)).verdict
     assert found.use == "use with care"
-    assert [check.name for check in found.because] == ["prediction_in_valid_band"]
-    assert "Measure it with a hammer" in found.says
+    assert [check.name for check in found.failed_checks] == ["prediction_in_valid_band"]
+    assert "Measure it with a hammer" in found.message
 
 
 # -- in words and in exit codes -------------------------------------------------------------------

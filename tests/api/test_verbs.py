@@ -168,8 +168,8 @@ def records(examples):
 
 @pytest.mark.parametrize("what", WRONG)
 def test_a_wrong_call_is_answered_in_a_sentence(records, what):
-    call, says = WRONG[what]
-    with pytest.raises(dp.DashpotError, match=says) as told:
+    call, message = WRONG[what]
+    with pytest.raises(dp.DashpotError, match=message) as told:
         call(*records)
     assert "Traceback" not in str(told.value)
     assert len(re.findall(r"[.:]", str(told.value))) >= 1

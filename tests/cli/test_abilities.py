@@ -140,14 +140,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-@pytest.mark.parametrize(("words", "says"), ROWS, ids=[one for one, _ in ROWS])
+@pytest.mark.parametrize(("words", "message"), ROWS, ids=[one for one, _ in ROWS])
 def test_command_refuses_invalid_input_in_one_sentence(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, words: str, says: str
+    folder: Path, monkeypatch: pytest.MonkeyPatch, words: str, message: str
 ) -> None:
     monkeypatch.chdir(folder)
     done = ran(*words.split())
     assert done.exit_code == 2, done.output
-    assert says in " ".join(done.stderr.split())
+    assert message in " ".join(done.stderr.split())
     assert "a fault in dashpot" not in done.stderr
 
 

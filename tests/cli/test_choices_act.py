@@ -193,7 +193,7 @@ def test_the_light_of_stiffness_sees_a_wrong_mass(
     study = workflow.run(Job(files[0], impact=files[1], mass=grams / 1000, seals=2))
     _, stiffness, _ = lights(study, recommendation(study, requested=True))
     assert {stiffness.mark} == marks, stiffness
-    assert stiffness.says.startswith("agrees" if marks == {"good"} else "misses")
+    assert stiffness.message.startswith("agrees" if marks == {"good"} else "misses")
 
 
 def test_predict_uses_the_elastic_law_of_load_deflection_unchanged(

@@ -100,11 +100,13 @@ def test_the_help_of_a_verb_fits_a_screen(name: str) -> None:
 @pytest.mark.parametrize("name", VERBS)
 def test_an_option_says_in_a_line_what_it_does(name: str) -> None:
     for one in verb(name).options:
-        says = one.help or ""
-        listed = set(re.findall(r"[a-z]+", says)) - {"or"} == set(getattr(one.type, "choices", ()))
-        assert 0 < len(says) <= 60 or listed, (one.flag, says)
-        assert not says.startswith("Of "), one.flag
-        assert says.endswith("."), (one.flag, says)
+        message = one.help or ""
+        listed = set(re.findall(r"[a-z]+", message)) - {"or"} == set(
+            getattr(one.type, "choices", ())
+        )
+        assert 0 < len(message) <= 60 or listed, (one.flag, message)
+        assert not message.startswith("Of "), one.flag
+        assert message.endswith("."), (one.flag, message)
         assert one.group, one.flag
 
 
@@ -292,14 +294,14 @@ SUITS = (
 
 
 @pytest.mark.usefixtures("at_lab")
-@pytest.mark.parametrize(("typed", "file", "says"), SUITS)
-def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, says: str) -> None:
-    assert says in refused("fit", file, *typed.split())
+@pytest.mark.parametrize(("typed", "file", "message"), SUITS)
+def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, message: str) -> None:
+    assert message in refused("fit", file, *typed.split())
 
 
 @pytest.mark.usefixtures("at_lab")
 @pytest.mark.parametrize(
-    ("typed", "says"),
+    ("typed", "message"),
     [
         ("inspct seal.csv", "There is no command 'inspct'. Did you mean 'inspect'?"),
         ("fti seal.csv", "Did you mean 'fit'?"),
@@ -325,8 +327,8 @@ def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, say
         ("fit seal.csv --column force", "write --column force=VALUE"),
     ],
 )  # fmt: skip
-def test_a_word_that_is_misspelt_is_answered_with_the_nearest(typed: str, says: str) -> None:
-    assert says in refused(*typed.split())
+def test_a_word_that_is_misspelt_is_answered_with_the_nearest(typed: str, message: str) -> None:
+    assert message in refused(*typed.split())
 
 
 def test_the_nearest_word_is_named_or_all_are() -> None:

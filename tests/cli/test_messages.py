@@ -14,7 +14,7 @@ import click
 import pytest
 
 import dashpot
-from dashpot.api.read_save import How
+from dashpot.api.read_save import ReadOptionKeywords
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Keyed
 from dashpot.export import TARGETS
@@ -310,7 +310,11 @@ def test_hints_for_python_name_real_arguments() -> None:
     for message in messages():
         for part in _PYTHON.findall(message.text):
             said |= set(_ARGUMENT.findall(part))
-    assert said <= arguments() | How.__annotations__.keys() | {"shift", "omega", "dashpot"}
+    assert said <= arguments() | ReadOptionKeywords.__annotations__.keys() | {
+        "shift",
+        "omega",
+        "dashpot",
+    }
     assert "length" in said
 
 

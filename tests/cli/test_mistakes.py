@@ -431,15 +431,15 @@ def test_there_are_many() -> None:
     assert len(MISTAKES) > 190
 
 
-@pytest.mark.parametrize(("typed", "says", "obeyed"), MISTAKES, ids=[one[0] for one in MISTAKES])
+@pytest.mark.parametrize(("typed", "message", "obeyed"), MISTAKES, ids=[one[0] for one in MISTAKES])
 def test_a_mistake_is_answered_with_what_to_do(
-    does: Callable[[str], Result], typed: str, says: str, obeyed: str
+    does: Callable[[str], Result], typed: str, message: str, obeyed: str
 ) -> None:
     wrong = does(typed)
     assert wrong.exit_code == 2, wrong.output
     assert wrong.stdout == ""
     assert "Traceback" not in wrong.stderr
-    assert says in " ".join(wrong.stderr.split())
+    assert message in " ".join(wrong.stderr.split())
     if obeyed:
         writes = any(word in obeyed for word in (" -o ", "--plot", "--save ", "--project"))
         more = " --overwrite" if writes and not obeyed.startswith("batch") else ""

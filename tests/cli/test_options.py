@@ -78,7 +78,7 @@ def test_help_tells_what_the_field_says():
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (("--kind", "gren"), "'gren' is unknown. Did you mean 'green'?"),
         (("--kind", "mud"), "Known are green and black."),
@@ -89,10 +89,10 @@ def test_help_tells_what_the_field_says():
         (("--pot", "time=3mm"), "expected a unit of time"),
     ],
 )
-def test_what_cannot_be_is_refused(words, says):
+def test_what_cannot_be_is_refused(words, message):
     result, got = brewed(*words)
     assert result.exit_code == 2
-    assert says in " ".join(result.output.split())
+    assert message in " ".join(result.output.split())
     assert not got
 
 
@@ -131,9 +131,9 @@ def test_a_rig_without_a_test_is_refused(tmp_path):
 
 def test_the_list_of_commands_needs_none_of_them():
     text = ran("--help").output
-    for name, says in COMMANDS.items():
+    for name, message in COMMANDS.items():
         assert f"  {name} " in text
-        assert says in " ".join(text.split())
+        assert message in " ".join(text.split())
 
 
 def test_the_next_command_says_each_of_several_temperatures() -> None:
@@ -208,6 +208,6 @@ def test_predict_takes_kind_for_frf_type(tmp_path):
 def test_suggestion_shows_the_present_spelling(words, shown):
     said = CliRunner().invoke(main, words.split(), standalone_mode=False).exception
     assert isinstance(said, click.NoSuchOption)
-    text = _failure(said).says
+    text = _failure(said).message
     assert shown in text
     assert not re.search(r"Did you mean.*--(between|level|memory|known)\b", text)

@@ -129,7 +129,7 @@ def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     assert "row 79" in long
     assert long[-1] == "  - A note. a_note"
     said = " ".join(line.strip() for line in long)
-    assert said.count(LONG.says.strip()) == 4
+    assert said.count(LONG.message.strip()) == 4
     alone = bare(format_for_screen(Text(["row"]), None, checks, verbose=False))
     assert sum(line.startswith("  ! ") for line in alone) == 4  # of weight, without a verdict, too
     assert not any("a_note" in line for line in alone)

@@ -45,7 +45,7 @@ def run(*words: str, code: int = 0) -> str:
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         ("fit trios.txt", "dashpot: trios.txt: no force is held: expected a load that rises"),
         ("fit creep.csv --elastic linear", "--elastic is for a relaxation test. creep.csv is a"),
@@ -74,10 +74,10 @@ def run(*words: str, code: int = 0) -> str:
     ],
 )  # fmt: skip
 def test_a_wrong_file_is_named_with_the_command_that_wants_it(
-    lab: Path, words: str, says: str
+    lab: Path, words: str, message: str
 ) -> None:
     printed = " ".join(run(*words.split(), code=2).split())
-    assert re.search(says, printed), printed
+    assert re.search(message, printed), printed
     assert "Traceback" not in printed
 
 
@@ -256,7 +256,7 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),
         ("report seal.csv hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),
@@ -286,10 +286,10 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
     ],
 )
 def test_command_answers_a_mistyped_word_with_a_suggestion(
-    lab: Path, words: str, says: str
+    lab: Path, words: str, message: str
 ) -> None:
     printed = " ".join(run(*words.split(), code=2).split())
-    assert re.search(says, printed), printed
+    assert re.search(message, printed), printed
     assert not (lab / "report.html").exists()
 
 

@@ -228,7 +228,7 @@ def test_a_fit_of_a_record_as_read_says_that_it_prepared_it():
     raw, prepared = fit_tests(test, arms=1), fit_tests(prepare(test), arms=1)
     assert raw.model == prepared.model
     assert raw.steps[0].name == "by_default"
-    assert "prepared by default" in raw.steps[0].says
+    assert "prepared by default" in raw.steps[0].message
     assert raw.steps[1:] == prepared.steps
     both = fit_tests(
         [test, prepare(simulate_relaxation(PAPER, hold_time=5.0, seed=2).test)], arms=1

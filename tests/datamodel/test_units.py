@@ -84,12 +84,12 @@ def test_sweeps_and_modulus_classes_accept_their_units():
 
 
 @pytest.mark.parametrize(
-    ("units", "says"),
+    ("units", "message"),
     [("Hz, N/m", "is a unit of dynamic_stiffness"), ("Hz, m", "no unit of accelerance"),
      ("Hz, g/g", "no unit of accelerance"), ("mm, g/N", "unit of length")],
 )  # fmt: skip
-def test_the_unit_of_an_frf_agrees_with_what_it_relates(units, says):
-    with pytest.raises(DataError, match=says):
+def test_the_unit_of_an_frf_agrees_with_what_it_relates(units, message):
+    with pytest.raises(DataError, match=message):
         FRF(F, F + 0j, units=units)
 
 
@@ -108,7 +108,7 @@ def test_no_document_holds_the_word():
 
 @pytest.mark.parametrize("cls", [RelaxationTest, CreepTest, CLDTest])
 @pytest.mark.parametrize(
-    ("name", "just", "beyond", "says"),
+    ("name", "just", "beyond", "message"),
     [
         ("displacement", 0.499 / 8e-3, 0.501 / 8e-3, "the travel is 501 mm"),
         ("displacement", 1.001e-9 / 8e-3, 0.99e-9 / 8e-3, "the travel is 9.9e-10 m"),
@@ -116,10 +116,10 @@ def test_no_document_holds_the_word():
         ("time", 2.99e7 / 19, 3.01e7 / 19, "the length of the record is 348 days"),
     ],
 )
-def test_arrays_refuse_implausible_values(cls, name, just, beyond, says):
+def test_arrays_refuse_implausible_values(cls, name, just, beyond, message):
     arrays = {"time": T, "displacement": 1e-3 * X, "force": F}
     cls(**{**arrays, name: just * arrays[name]}, units="SI")
-    with pytest.raises(DataError, match=says):
+    with pytest.raises(DataError, match=message):
         cls(**{**arrays, name: beyond * arrays[name]}, units="SI")
 
 

@@ -32,7 +32,7 @@ def test_the_fit_at_a_compression_is_the_tangent_solid() -> None:
     # it is a solid about that compression: no law bends it a second time
     assert there.elastic_law is None
     assert there.model_at(5e-3) == there.model
-    assert "0.85 times the secant" in there.steps[-1].says
+    assert "0.85 times the secant" in there.steps[-1].message
 
 
 def test_a_straight_law_changes_nothing() -> None:

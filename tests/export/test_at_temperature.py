@@ -112,7 +112,7 @@ def test_every_deck_says_the_law_and_its_constants(target):
 
 
 @pytest.mark.parametrize(
-    ("vertical", "says"),
+    ("vertical", "message"),
     [
         ("T/T_r", "stiffnesses with b_T = T/T_r"),
         ("free", "stiffnesses with b_T = 0.9223 at 0 degC to 1 at 23 degC"),
@@ -120,10 +120,10 @@ def test_every_deck_says_the_law_and_its_constants(target):
     ],
 )
 @pytest.mark.parametrize("target", ["abaqus", "ansys"])
-def test_prony_card_states_what_the_shift_cannot_carry(target, vertical, says):
+def test_prony_card_states_what_the_shift_cannot_carry(target, vertical, message):
     deck = prony(target, moving(vertical=vertical))
-    assert says in deck
-    assert ("the stiffness b_T above is not in it" in deck) == bool(says)
+    assert message in deck
+    assert ("the stiffness b_T above is not in it" in deck) == bool(message)
 
 
 @pytest.mark.parametrize("target", sorted(TARGETS))

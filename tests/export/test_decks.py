@@ -156,11 +156,11 @@ def test_an_arm_outside_the_band_is_marked(fit):
 @every_deck
 @pytest.mark.parametrize("missing", ["temperature", "length"])
 def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missing):
-    says = {
+    message = {
         "temperature": "the test temperature is not stated",
         "length": "the contact length is not stated",
     }
-    name, sentence = missing, says[missing]
+    name, sentence = missing, message[missing]
     bare = altered(fit, specimen=replace(SPECIMEN, **{missing: None}))
     with pytest.raises(ExportError, match=sentence) as refused:
         write(target, bare, form=form, **extra)
@@ -564,7 +564,7 @@ def test_every_deck_is_listed_in_the_export_page():
 def test_every_file_of_a_deck_is_offered():
     folders = (Path(decks.__file__).with_name("decks"), Path(solver_inputs.__file__).parent)
     files = {path.stem for folder in folders for path in folder.glob("*.py")}
-    assert files - {"__init__", "rows"} == set(SOLVER_INPUTS) == set(TARGETS)
+    assert files - {"__init__", "registration"} == set(SOLVER_INPUTS) == set(TARGETS)
 
 
 def test_forms_and_targets_are_the_same_list():

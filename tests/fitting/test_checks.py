@@ -55,7 +55,7 @@ def test_fit_passes_all_checks_for_a_valid_test(test: RampHold) -> None:
     assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
     assert found.verdict.use == "use"
     assert len({check.name for check in found.checks}) == len(found.checks)
-    assert all(check.says for check in found.checks)
+    assert all(check.message for check in found.checks)
     longer = record_of(GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 10.0)))
     assert fit(longer).ok
 
@@ -64,7 +64,7 @@ def test_a_clipped_force(test: RampHold) -> None:
     found = fit(replace(test, force=np.minimum(test.force, 1.9)), arms=2)
     check = named(found, "force_not_clipped")
     assert check.failed
-    assert "is clipped at 1.9 N" in check.says
+    assert "is clipped at 1.9 N" in check.message
     assert "Use a larger range of the sensor" in check.message_with_remedy
     assert not found.ok
     assert record_checks.force_not_clipped(test).passed
@@ -106,7 +106,7 @@ def test_a_plate_that_creeps(test: RampHold) -> None:
     creeping = replace(test, displacement=test.displacement * (1 + 1e-3 * test.time.clip(0)))
     check = named(fit(creeping, arms=2), "hold_is_still")
     assert check.passed  # the recorded motion is fitted
-    assert "The fit uses the recorded motion" in check.says
+    assert "The fit uses the recorded motion" in check.message
     assert record_checks.hold_is_still(creeping, method="hold").failed
 
 
@@ -122,7 +122,7 @@ def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) ->
     assert check.failed
     # 17.8 N/m at 16.4 s fall by 1/e of it per factor e of time, and a drift may add to it
     assert 17.8 * np.exp(-1) / 203 < check.value < 0.05
-    assert "k_inf is extrapolated" in check.says
+    assert "k_inf is extrapolated" in check.message
     assert named(fit(record_of(paper_seal, hold=15.0), arms=1), "hold_long_enough").failed
 
 
@@ -138,7 +138,7 @@ def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
         found = fit(swelling, method=method)  # type: ignore[arg-type]
         assert found.status is Status.FORCE_RISES
         assert not found.ok
-        assert "No relaxing part does that" in named(found, "force_relaxes").says
+        assert "No relaxing part does that" in named(found, "force_relaxes").message
         assert "no relaxing part does that" in found.status.value
 
 
@@ -152,7 +152,7 @@ def test_strain_check_fails_over_a_fifth_of_the_height(test: RampHold) -> None:
     check = named(fit(deep, arms=2), "strain_small")
     assert check.failed
     assert check.value == pytest.approx(0.4)
-    assert "k_inf is a secant stiffness" in check.says
+    assert "k_inf is a secant stiffness" in check.message
     assert record_checks.strain_small(replace(test, specimen=Specimen(height=0.05))).passed
     assert record_checks.strain_small(test).passed is None
 
@@ -172,7 +172,7 @@ def test_more_arms_than_the_data_support(test: RampHold) -> None:
     check = named(found, "arms_supported")
     if found.model.arms > 2:
         assert check.failed
-        assert "cannot be separated from noise" in check.says
+        assert "cannot be separated from noise" in check.message
         assert "Use fewer arms" in check.message_with_remedy
 
 
@@ -182,7 +182,7 @@ def test_an_arm_slower_than_the_hold() -> None:
     assert found.status is Status.TAU_AT_BOUND
     check = named(found, "tau_inside_window")
     assert check.failed
-    assert "outside what the record can show" in check.says
+    assert "outside what the record can show" in check.message
 
 
 def test_a_seal_that_flows_has_no_equilibrium() -> None:
@@ -190,17 +190,17 @@ def test_a_seal_that_flows_has_no_equilibrium() -> None:
     found = fit(record_of(fluid), arms=1)
     check = named(found, "k_inf_positive")
     assert check.failed
-    assert "It may be zero" in check.says
+    assert "It may be zero" in check.message
     assert found.status is not Status.CONVERGED
 
 
 def test_residuals_check_detects_a_remaining_curve(test: RampHold) -> None:
     check = named(fit(test, arms=1), "residuals_white")
     assert check.failed
-    assert "The model misses part of the curve" in check.says
+    assert "The model misses part of the curve" in check.message
     smooth = np.convolve(np.random.default_rng(1).standard_normal(len(test.time) + 80), np.ones(81))
     filtered = replace(test, force=test.force + 1e-3 * smooth[80:-80], force_noise=1e-2)
-    assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_white").says
+    assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_white").message
 
 
 def test_residuals_check_detects_slow_wandering(test: RampHold) -> None:
@@ -209,7 +209,7 @@ def test_residuals_check_detects_slow_wandering(test: RampHold) -> None:
     found = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)
     check = named(found, "residuals_steady")
     assert check.failed
-    assert "The force wanders slowly" in check.says
+    assert "The force wanders slowly" in check.message
     assert named(fit(test, arms=2), "residuals_steady").passed
 
 
@@ -217,14 +217,14 @@ def test_what_a_step_would_have_made_of_the_ramp(paper_seal: GeneralizedMaxwell)
     check = named(fit(record_of(paper_seal, noise=0.0), arms=2), "ramp_accounted_for")
     assert check.passed
     assert check.value == pytest.approx(-0.5664, abs=1e-4)
-    assert "k_1 by -57 %, k_2 by -3 %" in check.says
+    assert "k_1 by -57 %, k_2 by -3 %" in check.message
 
 
 def test_an_arm_lost_in_the_ramp() -> None:
     quick = GeneralizedMaxwell(196.5, (150.0, 20.0), (0.03, 5.0))
     check = named(fit(record_of(quick, rate=1000.0, noise=1e-3), arms=2), "fast_arm_visible")
     assert check.failed
-    assert "Only the product b = k tau is known" in check.says
+    assert "Only the product b = k tau is known" in check.message
 
 
 def test_drift_that_hides_a_slow_arm() -> None:
@@ -238,16 +238,16 @@ def test_drift_that_hides_a_slow_arm() -> None:
     alone = fit(record_of(slow), arms=1, method="hold", nuisance=())
     without = named(alone, "drift_distinguished_from_arm")
     assert without.passed is None
-    assert "No drift is fitted" in without.says
+    assert "No drift is fitted" in without.message
 
 
 def test_rules_that_disagree_say_so() -> None:
     agreed = solid.order_agreed(OrderChoice(2, 2, 2))
     assert agreed.passed
-    assert agreed.says == "Both rules choose 2 arms."
+    assert agreed.message == "Both rules choose 2 arms."
     torn = solid.order_agreed(OrderChoice(1, 3, 1))
     assert torn.failed
-    assert "BIC supports 3 arms, the significance of k and tau 1 arm; 1 arm taken" in torn.says
+    assert "BIC supports 3 arms, the significance of k and tau 1 arm; 1 arm taken" in torn.message
 
 
 def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
@@ -275,7 +275,7 @@ def test_the_worst_of_several_tests_speaks(test: RampHold, paper_seal: Generaliz
     clipped = replace(again, force=np.minimum(again.force, 1.9))
     check = named(fit([test, clipped], arms=2), "force_not_clipped")
     assert check.failed
-    assert check.says.startswith("In test 2 of 2, the force is clipped")
+    assert check.message.startswith("In test 2 of 2, the force is clipped")
 
 
 def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> None:
@@ -288,5 +288,5 @@ def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> Non
     whole = fit(test)
     assert (
         f"The valid band of this test is {whole.band[0]:.2g} to 0.32 Hz"
-        in named(whole, "valid_band_exists").says
+        in named(whole, "valid_band_exists").message
     )

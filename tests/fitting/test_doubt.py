@@ -433,8 +433,8 @@ def test_fit_reports_an_unstated_filter_with_a_valid_bound(
 ) -> None:
     """To first order of the delay the second is a bent law, and its contact is behind air."""
     one, record, found = foreign(truth_named(truth), rig)
-    says = [step.says for step in found.steps if step.name == "lag"]
-    assert [one.partition(",")[0] for one in says] == done
+    message = [step.message for step in found.steps if step.name == "lag"]
+    assert [one.partition(",")[0] for one in message] == done
     assert found.verdict.use == "use"
     assert found.elastic_law is not None
     assert found.elastic_law.kind == "linear"

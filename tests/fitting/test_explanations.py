@@ -77,7 +77,7 @@ def stiffer() -> Fit:
 
 
 def get_agreement_sentence(found: Fit) -> str:
-    return next(check.says for check in found.checks if check.name == "tests_agree")
+    return next(check.message for check in found.checks if check.name == "tests_agree")
 
 
 # -- laws -------------------------------------------------------------------------------------
@@ -118,7 +118,7 @@ def test_explanations_name_stiffer_seals_under_the_hammer(scale: float) -> None:
         if scale > 1
         else "softer" in get_agreement_sentence(found)
     )
-    assert not any("check the mass" in check.says for check in found.checks)
+    assert not any("check the mass" in check.message for check in found.checks)
 
 
 def test_intervals_hold_the_doubt_of_which_is_right() -> None:
@@ -135,7 +135,7 @@ def test_explanations_name_a_wrong_mass_and_a_wrong_gain() -> None:
     mass = found.evidence.explanations[0]
     assert (mass.name, mass.explains) == ("mass", True)
     # the cause leads, and what follows from it is no graver
-    lead, *others = found.verdict.because
+    lead, *others = found.verdict.failed_checks
     assert lead.name == "tests_agree"
     assert {one.grade for one in others} <= {lead.grade}
     assert mass.value == pytest.approx(1.05 * MASS, rel=2e-3)
@@ -149,12 +149,12 @@ def test_explanations_name_two_simultaneous_causes() -> None:
     lead, *others = found.evidence.explanations
     assert (lead.name, lead.explains) == ("mass and stiffness", True)
     # of lines alone a gain looks like a mass and a stiffness: both are named
-    assert "It is as well explained by another gain and stiffness of the seals" in lead.says
+    assert "It is as well explained by another gain and stiffness of the seals" in lead.message
     singles = [one for one in others if " and " not in one.name]
     assert len(singles) == 4
     assert not any(one.explains for one in singles)
     # one value: what else was tried is named alone
-    assert not [one.says for one in others if re.search(r"\d", one.says)]
+    assert not [one.message for one in others if re.search(r"\d", one.message)]
 
 
 @pytest.mark.parametrize(("seed", "said"), [(1, 0.9), (2, 1.1)])
@@ -173,7 +173,7 @@ def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, said: float)
         float(one)
         for one in re.findall(
             r"([\d.]+)(?: ± [\d.]+)? g\b",
-            " ".join([*text.lines, *text.details, *(check.says for check in found.checks)]),
+            " ".join([*text.lines, *text.details, *(check.message for check in found.checks)]),
         )
     }
     assert {one for one in printed if abs(one - 1e3 * lead.value) > 0.1} == {1e3 * MASS}

@@ -102,7 +102,7 @@ def test_fit_of_the_afm_record_uses_its_recorded_motion(afm_test: RampHold) -> N
     assert check.passed
     assert check.value is not None
     assert check.value > 0.01
-    assert "recorded motion" in check.says
+    assert "recorded motion" in check.message
 
 
 @pytest.mark.parametrize("ramp", [0.1, 1, 10, 100])

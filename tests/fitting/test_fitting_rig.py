@@ -164,12 +164,12 @@ def test_arms_as_fast_as_the_noise_are_counted_in_its_metric(seed: int) -> None:
     assert found.model.arms == 3
     check = {check.name: check for check in found.checks}
     assert check["order_agreed"].passed
-    assert "in its own metric" in check["order_agreed"].says
+    assert "in its own metric" in check["order_agreed"].message
     assert [score.significant for score in found.evidence.orders[1:4]] == [True] * 3
     # that an arm is needed is not that it is known
     located = bool(np.all(np.array(found.standard_error["tau"]) < 0.5 * np.array(found.model.tau)))
     assert check["arms_supported"].passed is located
-    assert located or "the record rejects fewer arms" in check["arms_supported"].says
+    assert located or "the record rejects fewer arms" in check["arms_supported"].message
 
 
 @pytest.mark.parametrize("name", ["white", "10hz"])
@@ -177,8 +177,8 @@ def test_even_noise_needs_no_metric(name: str) -> None:
     found = fit(
         coverage.record(order.SEALS[2], coverage.NOISES[name], 0, rate=200.0), method="hold"
     )
-    says = next(check.says for check in found.checks if check.name == "order_agreed")
-    assert "metric" not in says
+    message = next(check.message for check in found.checks if check.name == "order_agreed")
+    assert "metric" not in message
 
 
 @pytest.mark.parametrize("arms", [1, 2])
@@ -246,13 +246,13 @@ def test_in_parallel_doubles_stiffness_and_error() -> None:
     assert two.model == 2 * one.model
     assert two.standard_error["k"] == pytest.approx([2 * se for se in one.standard_error["k"]])
     assert two.standard_error["tau"] == pytest.approx(one.standard_error["tau"])
-    assert two.steps[-1].says == f"2 in parallel of fit {one.identity}"
+    assert two.steps[-1].message == f"2 in parallel of fit {one.identity}"
 
 
 def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
     prepared = prepare(simulate_relaxation(PAPER, hold_time=10.0, seed=0).test)
     (step,) = [step for step in fit(prepared, arms=1).steps if step.name == "motion"]
-    assert "counts of 20 um" in step.says
+    assert "counts of 20 um" in step.message
     assert not [s for s in fit(prepared, arms=1, method="hold").steps if s.name == "motion"]
 
 

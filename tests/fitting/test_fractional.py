@@ -115,10 +115,10 @@ def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
     assert 0.3 < other.parts_at < 12.71
     check = next(one for one in found.checks if one.name == "model_families_distinguished")
     assert check.failed
-    assert check.says == other.says
+    assert check.message == other.message
     # the verdict says it in short
-    assert sentences(other.says)[0] in found.verdict.says
-    assert "A faster ramp, a colder test or a hammer test separates them." in other.says
+    assert sentences(other.message)[0] in found.verdict.message
+    assert "A faster ramp, a colder test or a hammer test separates them." in other.message
 
 
 @pytest.mark.parametrize("seal", [PAPER, BROAD, *seals_of_arms(5)])
@@ -265,14 +265,14 @@ def test_fractional_fit_is_archived_with_its_parameters() -> None:
 
 
 @pytest.mark.parametrize(
-    ("choices", "says"),
+    ("choices", "message"),
     [
         ({"family": "prony"}, "family = 'prony'; expected"),
         ({"family": "fractional", "law": "nonlinear"}, "Leave out --model fractional"),
     ],
 )
-def test_what_makes_no_sense_is_refused(choices, says: str) -> None:
-    with pytest.raises(FitError, match=says):
+def test_what_makes_no_sense_is_refused(choices, message: str) -> None:
+    with pytest.raises(FitError, match=message):
         fit(pressed(Seal.of_arms(*PAPER)), **choices)
 
 
@@ -310,7 +310,7 @@ def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
     (asked,) = family_checks(found, rests.point, MassOnSeals(0.114, 2))
     assert asked.failed
     for mode in modes:
-        assert f"{mode.frequency:.4g} Hz with" in asked.says
+        assert f"{mode.frequency:.4g} Hz with" in asked.message
     assert "a hammer test or a colder test, or ramp faster" in asked.message_with_remedy
     alone = replace(found, evidence=replace(found.evidence, alternative=None))
     assert replace(study, fit=alone).rival is None
@@ -342,7 +342,7 @@ def test_a_sweep_of_a_fractional_rubber_is_called_so() -> None:
     assert found.evidence.alternative.family == "maxwell"
     coarse = fit_dynamic(sweep(RUBBER, noise=0.05, unit="N/m"), family="auto").evidence.alternative
     assert coarse.explains
-    assert "A sweep to higher frequencies or a colder one separates them." in coarse.says
+    assert "A sweep to higher frequencies or a colder one separates them." in coarse.message
 
 
 def test_a_sweep_of_arms_keeps_them() -> None:
@@ -402,7 +402,7 @@ def test_identify_distinguishes_fractional_from_arms_by_hammer_test() -> None:
     assert (other.family, other.explains) == ("maxwell", True)
     assert other.bic > 10
     assert other.solid.k_inf > 1.2 * TRUTHS[0][0]
-    assert "A relaxation test of the seal separates them." in other.says
+    assert "A relaxation test of the seal separates them." in other.message
     assert found.verdict.use == "use with care"
 
 

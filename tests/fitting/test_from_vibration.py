@@ -220,7 +220,7 @@ def test_another_mode_in_the_band_is_noticed(isolator_frf: FRF) -> None:
     found = identify(both, mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG)
     told = next(check for check in found.checks if check.name == "lines_explained")
     assert told.failed
-    assert "A second mode" in told.says
+    assert "A second mode" in told.message
 
 
 def test_arms_that_the_lines_reject_are_not_returned() -> None:

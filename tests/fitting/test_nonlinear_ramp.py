@@ -287,7 +287,7 @@ def test_an_offset_that_takes_stiffness_is_not_believed() -> None:
     test = qlv(linear, QUICK, seed=9)
     checks = {check.name: check for check in ramp_fit([test], select_elastic_law([test])).checks}
     for name in ("k_inf_plausible", "offset_plausible", "drift_plausible"):
-        assert checks[name].passed, checks[name].says
+        assert checks[name].passed, checks[name].message
 
 
 def test_a_k_inf_that_the_end_of_the_hold_denies_is_not_believed() -> None:

@@ -181,7 +181,7 @@ def test_fit_without_intervals_has_the_same_optimum(method: str) -> None:
     assert [n.value for n in alone.estimate.nuisance] == [n.value for n in whole.estimate.nuisance]
     assert alone.verdict.use == "use with care"
     # neither a band nor an error is reported where none was asked for
-    assert alone.verdict.says == (
+    assert alone.verdict.message == (
         "This fit has neither intervals nor checks. Fit with intervals before use."
     )
     assert alone.intervals()["k_inf"] == (0.0, np.inf)

@@ -88,7 +88,7 @@ def test_fit_tests_reports_two_lots_separately(baseline):
     check = next(check for check in fit.checks if check.name == "same_specimen")
     assert check.failed
     assert check.grade == "stop"
-    assert "differ by +50 % at one depth" in check.says
+    assert "differ by +50 % at one depth" in check.message
     assert fit.verdict.use == "do not use"
 
 

@@ -60,7 +60,7 @@ def test_a_seal_with_a_history_is_called_use_and_is_right(kind: str, bonded: boo
     # the zero of compression is the first contact of the first loading
     assert ready.depth == pytest.approx(one.depth, rel=1e-3)
     assert len(ready.time) == len(one.time)
-    assert "followed from the first sample on" in checks_of(ready)["single_loading"].says
+    assert "followed from the first sample on" in checks_of(ready)["single_loading"].message
 
 
 @pytest.mark.parametrize("rig", RIGS)

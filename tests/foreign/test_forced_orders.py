@@ -45,8 +45,8 @@ def test_fewer_arms_than_the_truth_are_no_use_and_as_many_are(kind: str) -> None
 def test_the_check_says_what_either_number_leaves_and_which_to_take() -> None:
     one = next(forced("ramp and hold", 1, seed=6))
     check = next(check for check in fitted(one, 1).checks if check.name == "arms_enough")
-    assert check.says.startswith("1 arm leaves ")
-    assert "2 arms leave " in check.says
+    assert check.message.startswith("1 arm leaves ")
+    assert "2 arms leave " in check.message
     assert check.remedy is not None
     assert check.remedy.words == "Use 2 arms."
 

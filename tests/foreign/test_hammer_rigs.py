@@ -80,7 +80,7 @@ def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
     assert frf.shift_sd < 0.06 / rig.window
     assert frf.shift == pytest.approx(1 / rig.window, abs=4 * frf.shift_sd)
     (step,) = [one for one in frf.steps if one.name == "recorded_window"]
-    assert "noise" in step.says
+    assert "noise" in step.message
     mode = frf.modes()[0]
     assert abs(mode.damping_ratio - damping(record)) < 4 * mode.damping_ratio_se + 5e-5
     found = solid_of(hits, record, machine=dp.Machine(cable=0))
@@ -110,7 +110,7 @@ def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
     assert dp.fit(hits).verdict.use != "use"
     (check,) = [one for one in found.checks if one.name == "window_decay_determined"]
     assert check.failed
-    assert "window" in check.says
+    assert "window" in check.message
 
 
 def test_frf_corrects_a_window_on_the_responses_only(tmp_path):
@@ -132,7 +132,7 @@ def test_what_is_stated_is_taken_and_what_the_noise_contradicts_is_no_use(tmp_pa
     for wrong in ("2s", "0s"):
         found = dp.fit(dp.read(path, window_decay=wrong))
         assert found.verdict.use == "use with care"
-        assert "window" in found.verdict.says
+        assert "window" in found.verdict.message
 
 
 def test_frf_estimates_an_unstated_window_decay_from_the_noise(tmp_path):
@@ -281,6 +281,6 @@ def test_fit_reports_an_unstated_number_of_seals(tmp_path):
     hits = dp.read(written(record, tmp_path))
     alone = dp.fit(hits, mass=record.truth["mass"])
     (check,) = [one for one in alone.checks if one.name == "seals_counted"]
-    assert "1 seal is assumed" in check.says
+    assert "1 seal is assumed" in check.message
     told = dp.fit(hits, mass=record.truth["mass"], seals=1)
     assert "seals_counted" not in {one.name for one in told.checks}

@@ -74,7 +74,7 @@ def test_the_check_names_the_channel(rig):
     check = checked(fitted(rig)[1], "readings_not_repeated")
     assert check.failed
     channel = "displacement" if rig.startswith("displacement") else "force"
-    assert check.says.startswith(f"The {channel} has one and the same value for ")
+    assert check.message.startswith(f"The {channel} has one and the same value for ")
 
 
 @pytest.mark.parametrize("truth", range(3))
@@ -101,7 +101,7 @@ def test_readings_check_detects_freezes_of_any_length(noise, rate, seconds):
     check = checked(prepare(test), "readings_not_repeated")
     assert check.failed
     # from .3 of the hold of 40 s on, which begins at 2 s
-    first = float(check.says.partition("from ")[2].split()[0])
+    first = float(check.message.partition("from ")[2].split()[0])
     assert first == pytest.approx(made.ramp_end + 0.3 * made.protocol.hold, abs=2 / rate)
 
 
@@ -109,7 +109,7 @@ def test_readings_check_detects_freezes_of_any_length(noise, rate, seconds):
 @pytest.mark.parametrize("rig", HUNTING)
 def test_a_servo_that_hunts_on_record_is_answered_by_the_seal(rig, truth):
     made, found = fitted(rig, truth)
-    assert not any("hum" in step.says for step in found.steps)
+    assert not any("hum" in step.message for step in found.steps)
     assert found.verdict.use == "use"
     assert limits_hold(made, found, found.evidence.end_of_hold.time)
 
@@ -117,7 +117,7 @@ def test_a_servo_that_hunts_on_record_is_answered_by_the_seal(rig, truth):
 @pytest.mark.parametrize("rig", PICKED_UP)
 def test_the_mains_in_both_channels_are_hum(rig):
     made, found = fitted(rig)
-    assert any("50.02 Hz" in step.says for step in found.steps)
+    assert any("50.02 Hz" in step.message for step in found.steps)
     assert found.verdict.use == "use"
     assert limits_hold(made, found, found.evidence.end_of_hold.time)
 

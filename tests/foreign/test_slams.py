@@ -56,7 +56,7 @@ def test_what_a_piece_or_a_sensor_adds_is_marked(way: str) -> None:
     assert check.passed is (way == "")
     assert (found.verdict.use == "use") is (way == "")
     if way:
-        assert f"is most like {SHAPES[way]}" in check.says
+        assert f"is most like {SHAPES[way]}" in check.message
 
 
 @pytest.mark.slow

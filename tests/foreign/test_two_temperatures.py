@@ -52,8 +52,10 @@ def test_fit_reports_shifts_that_differ_between_arms() -> None:
     assert off(found, HIDDEN) > 0.05
     (slope,) = [one for one in found.estimate.nuisance if one.name == "shift slope"]
     assert abs(slope.value) < 3 * slope.standard_error
-    (simple,) = [one for one in found.verdict.because if one.name == "thermorheologically_simple"]
-    assert "By the data alone slow arms shift" in simple.says
+    (simple,) = [
+        one for one in found.verdict.failed_checks if one.name == "thermorheologically_simple"
+    ]
+    assert "By the data alone slow arms shift" in simple.message
 
 
 @pytest.mark.slow

@@ -44,7 +44,7 @@ def evaluate_curve(one: Curve) -> dict[str, object]:
     true = one.truth(np.inf)
     return {
         "use": found.verdict.use,
-        "because": [check.name for check in found.verdict.because],
+        "reason": [check.name for check in found.verdict.failed_checks],
         "limits": limits,
         "off": bool(abs(found.model.k_inf - true) > OFF * true),
         "settled": bool(one.settled and true > 0),

@@ -105,14 +105,14 @@ class Fuzzer:
     def survives(self, task: str, content: bytes) -> None:
         """Fail unless a task ends in a value or a refusal, and soon."""
         self.tries += 1
-        says = self._tried(task, content, apart=False)
-        if says is None:
+        message = self._tried(task, content, apart=False)
+        if message is None:
             self.deaths += 1
-            says = self._tried(task, content, apart=True)
-        if says != "":
+            message = self._tried(task, content, apart=True)
+        if message != "":
             place = Path(tempfile.gettempdir()) / f"dashpot-{task}-{os.getpid()}"
             place.write_bytes(content)
-            raise AssertionError(f"{says or 'the process died, or was ended'}\n{place}")
+            raise AssertionError(f"{message or 'the process died, or was ended'}\n{place}")
 
     def close(self) -> None:
         if self._process is not None:
@@ -212,13 +212,13 @@ def main() -> None:
             path.write_bytes(asked[2])
             parsers.apart = bool(asked[1])
             parsers.kept.clear()
-            before, says = time.process_time(), ""
+            before, message = time.process_time(), ""
             try:
                 TASKS[asked[0].decode()](path)
             except BaseException:  # noqa: BLE001
-                says = traceback.format_exc()
+                message = traceback.format_exc()
             spent = time.process_time() - before
-            _put(out, (says or (f"took {spent:.0f} s" if spent > SECONDS else "")).encode())
+            _put(out, (message or (f"took {spent:.0f} s" if spent > SECONDS else "")).encode())
 
 
 if __name__ == "__main__":

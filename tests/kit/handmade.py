@@ -186,7 +186,7 @@ def unresolved_arm_band() -> StiffnessBounds:
         storage=np.array([storage - 0.5 * reach, storage + 90 * reach]),
         loss=np.array([loss * (1 - 0.5 * reach), loss + 45 * reach]),
         loss_factor=np.array([loss / storage * (1 - 0.5 * reach), loss / storage + 0.12 * reach]),
-        says="every non-negative spectrum that this test cannot reject lies between the limits",
+        message="every non-negative spectrum that this test cannot reject lies between the limits",
     )
 
 
@@ -201,7 +201,7 @@ def frf_limits() -> FRFBounds:
         magnitude=size,
         parameter=np.array([0.97 * size, 1.03 * size]),
         unseen=np.array([0.6 * np.minimum(size, near), 1.5 * np.maximum(size, near)]),
-        says="every spectrum that the relaxation test does not reject",
+        message="every spectrum that the relaxation test does not reject",
     )
 
 

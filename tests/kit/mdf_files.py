@@ -101,7 +101,7 @@ def _group(file: Writer, group: Group, following: int) -> int:
 
 
 def packed(
-    data: bytes, *, columns: int = 0, says: int | None = None, original: bytes = b"DT"
+    data: bytes, *, columns: int = 0, message: int | None = None, original: bytes = b"DT"
 ) -> bytes:
     """The data of a DZ block; `columns` transposes it."""
     whole = data
@@ -110,7 +110,7 @@ def packed(
         head = np.frombuffer(data, np.uint8, lines * columns).reshape(lines, columns)
         whole = head.T.tobytes() + data[lines * columns :]
     stored = zlib.compress(whole, 9)
-    size = len(data) if says is None else says
+    size = len(data) if message is None else message
     return struct.pack("<2sBxIQQ", original, bool(columns), columns, size, len(stored)) + stored
 
 

@@ -199,7 +199,7 @@ def test_plan_recommends_a_refrigerator_only_for_a_warm_room(celsius, offered):
 
 
 @pytest.mark.parametrize(
-    ("cold", "says"),
+    ("cold", "message"),
     [
         (
             "60degC",
@@ -209,9 +209,9 @@ def test_plan_recommends_a_refrigerator_only_for_a_warm_room(celsius, offered):
         ("26.4degC", "Repeat it at 26.4 degC and fit all together"),
     ],
 )
-def test_a_repeat_that_is_worth_nothing_is_not_advised(cold, says):
+def test_a_repeat_that_is_worth_nothing_is_not_advised(cold, message):
     words = make_plan(cold=cold).advice
-    assert says in words[0]
+    assert message in words[0]
     assert any("third" in line for line in words) == words[0].startswith("Repeat it")
     assert ("Test in the cold instead" in words[0]) == words[0].startswith("A repeat")
 

@@ -58,7 +58,7 @@ def test_the_command_writes_what_the_plan_is_of(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "says"),
+    ("wrong", "message"),
     [
         ({"interval": "3ms"}, "ramp of 1 s is no whole number .* 0.003 s apart; make it 0.999 s"),
         ({"interval": 0.0}, "expected a time > 0"),
@@ -68,8 +68,8 @@ def test_the_command_writes_what_the_plan_is_of(tmp_path):
         ({"interval": 1e-12, "hold_time": 1e9}, "expected at most"),
     ],
 )  # fmt: skip
-def test_what_is_no_plan_for_a_controller_is_refused(wrong, says: str):
-    with pytest.raises(DataError, match=says):
+def test_what_is_no_plan_for_a_controller_is_refused(wrong, message: str):
+    with pytest.raises(DataError, match=message):
         planned_trajectory(**USUAL | {"baseline": 0.0} | wrong)
 
 

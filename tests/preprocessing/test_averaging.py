@@ -56,7 +56,7 @@ def test_estimates_and_errors_stay(monkeypatch: pytest.MonkeyPatch, count: float
         *np.log(np.divide(other.model.tau, one.model.tau)),
     ]
     assert np.all(np.abs(away) < 0.5 * errors)
-    assert "averaged each 5 of 41001 samples" in few.steps[-1].says
+    assert "averaged each 5 of 41001 samples" in few.steps[-1].message
 
 
 def test_decimate_returns_short_uneven_or_coarse_records_unchanged(

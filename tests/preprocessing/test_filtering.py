@@ -88,7 +88,8 @@ def test_a_notch_takes_out_the_hum_and_a_median_the_glitch():
 def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: float, tau_1: float):
     check = check_filter_bias(filter_record(ideal, parse_filter(text)))
     found = dict(
-        part.rsplit(" by ", 1) for part in check.says.split("hold, ")[1].split(". ")[0].split(", ")
+        part.rsplit(" by ", 1)
+        for part in check.message.split("hold, ")[1].split(". ")[0].split(", ")
     )
     assert float(found["k_1"].strip(" %")) == pytest.approx(k_1, abs=0.3)
     assert float(found["tau_1"].strip(" %")) == pytest.approx(tau_1, abs=0.35)
@@ -102,10 +103,10 @@ def test_filter_bias_check_rejects_slow_and_causal_filters(ideal: RampHold):
     assert fast.value is not None
     assert fast.value < 0.003
     assert slow.failed
-    assert "The cut-off is below 5/tau_1 = 9.96 Hz" in slow.says
+    assert "The cut-off is below 5/tau_1 = 9.96 Hz" in slow.message
     assert "Fit the raw record." in slow.message_with_remedy
     assert late.failed
-    assert "A causal filter delays the force" in late.says
+    assert "A causal filter delays the force" in late.message
 
 
 def test_linear_filter_on_both_channels_preserves_the_response(ideal: RampHold, paper_seal):

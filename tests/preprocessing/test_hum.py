@@ -79,7 +79,7 @@ def test_prepare_keeps_the_raw_reading() -> None:
     raw = simulate_relaxation(PAPER, seed=2).test
     test = prepare(raw)
     np.testing.assert_allclose(np.diff(test.reading), np.diff(raw.force), atol=1e-12)
-    assert "hum taken off the force" in test.steps[-1].says
+    assert "hum taken off the force" in test.steps[-1].message
 
 
 @pytest.mark.once

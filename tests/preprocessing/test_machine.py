@@ -38,7 +38,7 @@ def test_the_give_of_the_machine_is_off_the_motion():
     travel = one.displacement[-len(test.time) :]
     np.testing.assert_allclose(test.travel[test.displacement > 0], travel[test.displacement > 0])
     said = next(step for step in test.steps if step.name == "machine")
-    assert "5e-05 m/N" in said.says
+    assert "5e-05 m/N" in said.message
 
 
 def test_encoder_step_is_detected_after_compliance_correction():
@@ -77,9 +77,9 @@ def test_force_filter_is_detected_as_delay_and_corrected_by_name():
     unnamed = fitted(bench)
     (late,) = [one.value for one in unnamed.estimate.nuisance if one.name == "delay"]
     assert late == pytest.approx(1 / (2 * np.pi * 10.0), rel=0.02)
-    (says,) = [step.says for step in unnamed.provenance.steps if step.name == "lag"]
+    (message,) = [step.message for step in unnamed.provenance.steps if step.name == "lag"]
     assert re.fullmatch(
-        r"put the motion behind a low-pass of 1\d(\.\d)? ms, as the force comes", says
+        r"put the motion behind a low-pass of 1\d(\.\d)? ms, as the force comes", message
     )
     assert "clocks_agree" in [check.name for check in unnamed.checks if check.failed]
     assert loss(unnamed) / sound == pytest.approx(1, abs=0.005)
@@ -113,7 +113,7 @@ def test_a_still_hold_is_named_as_a_doubt_and_not_as_a_fault():
     still = prepare(relaxation_test(record(PAPER, Bench(rate=RATE))))
     check = next(check for check in still.checks if check.name == "motion_measured")
     assert check.passed is None
-    assert "its step of 20 um hides the change" in check.says
+    assert "its step of 20 um hides the change" in check.message
 
 
 def test_motion_check_of_a_constant_negative_force_omits_the_share():
@@ -122,8 +122,8 @@ def test_motion_check_of_a_constant_negative_force_omits_the_share():
         ready, force=np.full_like(ready.force, -2.0),
         displacement=np.full_like(ready.displacement, ready.displacement[-1]),
     )  # fmt: skip
-    says = motion_measured(resting).says
-    assert "would change the force by 2 mN over" in says
+    message = motion_measured(resting).message
+    assert "would change the force by 2 mN over" in message
 
 
 @pytest.mark.parametrize(

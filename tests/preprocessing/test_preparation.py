@@ -46,7 +46,7 @@ def failed(prepared: RampHold) -> list[str]:
 
 
 def step(prepared: RampHold, name: str) -> str:
-    return next(found.says for found in prepared.steps if found.name == name)
+    return next(found.message for found in prepared.steps if found.name == name)
 
 
 def ideal(*, rate: float = 1000.0, force=None) -> RelaxationTest:
@@ -218,7 +218,7 @@ def test_prepare_removes_and_reports_an_air_gap():
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3))
     found = prepare(made.test)
     assert "an air gap of 0.5" in step(found, "contact")
-    assert "crosses an air gap of 0.5 mm" in check(found, "contact_found").says
+    assert "crosses an air gap of 0.5 mm" in check(found, "contact_found").message
     assert found.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
     # the way through the air lengthens the baseline
     assert check(found, "baseline_recorded").value > 1500
@@ -249,7 +249,7 @@ def test_prepare_accepts_a_contact(raw: RelaxationTest):
     found = prepare(raw, contact=1e-3)
     assert found.depth == pytest.approx(7e-3, abs=1e-6)
     assert found.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
-    assert "Contact was given" in check(found, "contact_found").says
+    assert "Contact was given" in check(found, "contact_found").message
     turned = replace(raw, displacement=-raw.displacement)
     assert prepare(turned, contact=-1e-3).depth == found.depth
 
@@ -259,7 +259,7 @@ def test_an_uncertain_contact_fails_its_check():
     found = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
     assert found.depth == pytest.approx(8e-3, abs=0.3e-3)
     assert check(found, "contact_found").failed
-    assert "The depth is known to" in check(found, "contact_found").says
+    assert "The depth is known to" in check(found, "contact_found").message
 
 
 def test_prepare_distinguishes_a_preload_from_a_small_offset(raw: RelaxationTest):
@@ -267,7 +267,7 @@ def test_prepare_distinguishes_a_preload_from_a_small_offset(raw: RelaxationTest
     found = prepare(replace(raw, force=raw.force + 0.3))
     assert found.preload == pytest.approx(0.35, abs=1e-3)
     assert failed(found) == ["preload_absent"]
-    assert "the stiffnesses are those about that preload" in check(found, "preload_absent").says
+    assert "the stiffnesses are those about that preload" in check(found, "preload_absent").message
 
 
 def test_a_record_that_starts_on_the_ramp_has_no_tare():
@@ -282,7 +282,7 @@ def test_a_record_that_starts_on_the_ramp_has_no_tare():
         )
     )
     assert failed(found) == ["baseline_recorded", "preload_absent"]
-    assert "The record has 1 sample before contact" in check(found, "baseline_recorded").says
+    assert "The record has 1 sample before contact" in check(found, "baseline_recorded").message
     assert step(found, "tare").startswith("no tare: the record starts on the ramp")
     assert found.onset == pytest.approx(1.5, abs=1e-6)
     assert found.preload == pytest.approx(0.2)
@@ -327,11 +327,11 @@ def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
     assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
     assert found.hold_end == pytest.approx(43.5)
     assert found.depth == pytest.approx(8e-3, abs=QUANTUM)
-    says = check(found, "single_loading").says
-    assert "It has 2 ramps. The fit of ramp and hold follows them all" in says
+    message = check(found, "single_loading").message
+    assert "It has 2 ramps. The fit of ramp and hold follows them all" in message
     first = prepare(test, hold_end=12.0)
     assert first.depth == pytest.approx(4e-3, abs=QUANTUM)
-    assert "ramps. The fit" not in check(first, "single_loading").says
+    assert "ramps. The fit" not in check(first, "single_loading").message
 
 
 @pytest.mark.parametrize("gap", [5e-3, 5.5e-3])
@@ -343,7 +343,7 @@ def test_an_approach_through_air_is_no_ramp(gap: float):
     assert found.onset == pytest.approx(1.5 + 6.0 + (gap - 5e-3) / 8e-3 + lag, abs=5e-3)
     assert found.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
     assert found.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
-    assert "ramps. The fit" not in check(found, "single_loading").says
+    assert "ramps. The fit" not in check(found, "single_loading").message
     assert failed(found) == []
     np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
 
@@ -378,10 +378,10 @@ def test_of_several_loadings_the_longest_hold_is_used_and_the_choice_listed(
     assert found.onset == pytest.approx(15.526, abs=3e-3)
     assert found.hold_time == pytest.approx(20.0, abs=0.05)
     assert failed(found) == ["single_loading"]
-    says = check(found, "single_loading").says
-    assert "The record has 3 loadings with a hold; cycle 3 is fitted" in says
-    assert "2 moves towards the seal before it" in says
-    assert "cycle 3 is fitted, because its hold is the longest" in says
+    message = check(found, "single_loading").message
+    assert "The record has 3 loadings with a hold; cycle 3 is fitted" in message
+    assert "2 moves towards the seal before it" in message
+    assert "cycle 3 is fitted, because its hold is the longest" in message
     second = prepare(cycles, cycle=2)
     assert second.onset == pytest.approx(7.526, abs=3e-3)
     assert failed(second) == []
@@ -413,7 +413,7 @@ def test_the_error_names_the_file(raw: RelaxationTest):
 def test_swapped_columns_are_noticed(raw: RelaxationTest):
     found = prepare(replace(raw, displacement=1e-3 * raw.force, force=1e3 * raw.displacement))
     assert "columns_plausible" in failed(found)
-    assert "Force and displacement look swapped" in check(found, "columns_plausible").says
+    assert "Force and displacement look swapped" in check(found, "columns_plausible").message
 
 
 # -- times given ----------------------------------------------------------------------------------
@@ -499,7 +499,7 @@ def test_a_force_that_does_not_answer_is_refused(raw: RelaxationTest):
 def test_prepare_reports_an_oversized_load_cell(raw: RelaxationTest):
     found = prepare(raw, force_range=70.0)
     assert failed(found) == ["load_cell_range_used"]
-    assert "3 % of the load cell's 70 N" in check(found, "load_cell_range_used").says
+    assert "3 % of the load cell's 70 N" in check(found, "load_cell_range_used").message
     assert failed(prepare(raw, force_range=10.0)) == []
     with pytest.raises(DataError, match=r"force_range = 0.*expected a number > 0"):
         prepare(raw, force_range=0.0)
@@ -519,7 +519,7 @@ def test_prepare_reports_a_gap_in_the_ramp(raw: RelaxationTest):
     assert failed(found) == ["samples_unbroken", "clock_steady"]
     assert (
         "The longest pause between samples, up to one ramp time after the ramp, is 0.6"
-        in check(found, "samples_unbroken").says
+        in check(found, "samples_unbroken").message
     )
     assert found.ramp_time == pytest.approx(1.0, abs=0.02)
 
@@ -574,7 +574,7 @@ def test_prepare_ignores_and_reports_single_spikes(raw: RelaxationTest):
     x[[2000, 9500]] += 5e-3
     found = prepare(replace(raw, force=force, displacement=x))
     assert failed(found) == ["spikes_absent"]
-    assert "3 are of the force, 2 of the displacement" in check(found, "spikes_absent").says
+    assert "3 are of the force, 2 of the displacement" in check(found, "spikes_absent").message
     assert found.onset == pytest.approx(expected.onset, abs=1e-3)
     assert found.ramp_end == pytest.approx(expected.ramp_end, abs=1e-3)
     assert found.force[5000] == pytest.approx(expected.force[5000], abs=1e-5)
@@ -658,4 +658,4 @@ def test_the_adhesive_climbs_in_steps(real_data: Path, name: str, columns, ramps
     rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
     time, force, x = (rows[:, i] for i in columns)
     found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="s, mm, N"))
-    assert f"It has {ramps} ramps" in check(found, "single_loading").says
+    assert f"It has {ramps} ramps" in check(found, "single_loading").message

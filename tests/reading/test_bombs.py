@@ -50,12 +50,12 @@ def test_a_bomb_costs_a_gibibyte_and_half_a_minute_at_most(
         [sys.executable, "-c", PROBE, path], capture_output=True, text=True, check=True, timeout=40,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )  # fmt: skip
-    says, own, child = json.loads(done.stdout)
+    message, own, child = json.loads(done.stdout)
     assert max(own, child) < 1 << 20
     expected = BOMBS[build]
-    assert says.startswith("ReadError: bomb: ") if expected else not says
+    assert message.startswith("ReadError: bomb: ") if expected else not message
     # readers of other versions find it out later
-    assert any(one in says for one in expected.split(" | "))
+    assert any(one in message for one in expected.split(" | "))
 
 
 @pytest.mark.parametrize("beyond", [0, 1])
@@ -107,7 +107,7 @@ def linked(file: h5py.File, kind: str, other: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "says"),
+    ("kind", "message"),
     [
         ("link", "'force_N' is a link into 'b.h5': it is data of another file"),
         ("group", "'run' is a link into 'b.h5'"),
@@ -116,17 +116,17 @@ def linked(file: h5py.File, kind: str, other: Path) -> None:
     ],
 )
 def test_data_of_another_file_is_refused(
-    tmp_path: Path, external_file: Path, kind: str, says: str
+    tmp_path: Path, external_file: Path, kind: str, message: str
 ) -> None:
     path = tmp_path / "a.h5"
     time, moved, _ = truth()
     with h5py.File(path, "w") as file:
         file["time_s"], file["displacement_mm"] = time, moved
         linked(file, kind, external_file)
-    with pytest.raises(ReadError, match=says):
+    with pytest.raises(ReadError, match=message):
         read_relaxation(path)
     if kind == "group":
-        with pytest.raises(ReadError, match=says):
+        with pytest.raises(ReadError, match=message):
             read_relaxation(path, options=ReadOptions(sheet="run"))
 
 

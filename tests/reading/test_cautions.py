@@ -86,7 +86,7 @@ def test_units_that_are_stated_do_not_tell_what_a_factor_is_of(tmp_path: Path) -
     path = tmp_path / "seal.csv"
     path.write_text(written(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
     fitted = dp.fit(dp.read(path, units={"force": "N"}))
-    assert {check.name for check in fitted.verdict.because} == {"numbers_unambiguous"}
+    assert {check.name for check in fitted.verdict.failed_checks} == {"numbers_unambiguous"}
 
 
 def test_page_and_lot_have_the_check(tmp_path: Path) -> None:

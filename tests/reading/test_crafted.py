@@ -36,12 +36,12 @@ def test_crafted_file_has_its_stated_outcome(tmp_path: Path, row: Row) -> None:
         found = inspect_file(path)
         assert found.kind == row.truth.kind
         assert not found.questions
-        assert all(word in notes(record) for word in row.says), notes(record)
+        assert all(word in notes(record) for word in row.message), notes(record)
         return
     with pytest.raises(ReadError) as caught:
         row.read(path)
     message = str(caught.value)
-    assert all(word in message for word in row.says), message
+    assert all(word in message for word in row.message), message
     if row.outcome == "asked":
         assert inspect_file(path).questions or row.by_size
         row.truth.holds(row.read(path, **row.answer), row)
@@ -55,5 +55,5 @@ def test_there_are_enough() -> None:
 
 def test_every_crafted_file_states_its_outcome() -> None:
     for row in TABLE:
-        assert bool(row.says) == (row.outcome != "right"), row.name
+        assert bool(row.message) == (row.outcome != "right"), row.name
         assert bool(row.answer) == (row.outcome == "asked"), row.name

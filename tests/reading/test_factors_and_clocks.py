@@ -127,7 +127,7 @@ def test_hdf5_asks_about_a_stated_factor(tmp_path: Path, name: str, value: Any) 
     path = hdf5(tmp_path / "a.h5", force={name: value})
     with pytest.raises(ReadError, match=rf"stated beside its numbers, {name} = "):
         read_relaxation(path)
-    assert any(name in question.says for question in inspect_file(path).questions)
+    assert any(name in question.message for question in inspect_file(path).questions)
     sure = ReadOptions(units={"force": "N"})
     np.testing.assert_allclose(read_relaxation(path, options=sure).force, FORCE)
     tenfold = ReadOptions(units={"force": "10N"})

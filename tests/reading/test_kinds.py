@@ -88,9 +88,9 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
         read(path)
     seen = "relaxation" if name in {"creep.csv", "triangle.csv", "fatigue.csv"} else kind
     what, command, *_ = RECOGNISED[seen]
-    says = str(caught.value)
-    assert says.startswith(f"{name}: this is {what} (")
-    assert says.endswith(command.replace("COLUMN", '"Relaxation modulus"'))
+    message = str(caught.value)
+    assert message.startswith(f"{name}: this is {what} (")
+    assert message.endswith(command.replace("COLUMN", '"Relaxation modulus"'))
 
 
 def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
@@ -206,9 +206,9 @@ def test_inspect_asks_for_all_that_a_hammer_file_leaves_open(tmp_path: Path) -> 
     path.write_text(hammer("ch1,ch2,ch3"))
     with pytest.raises(ReadError) as caught:
         read_impact(path)
-    says = str(caught.value)
+    message = str(caught.value)
     asked = '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"'
-    assert asked in says
+    assert asked in message
     named = ReadOptions(hammer="2", acceleration=("ch2", "ch3"))
     with pytest.raises(ReadError, match=r'"hammer=N,acceleration=m/s\^2"'):
         read_impact(path, options=named)

@@ -26,12 +26,12 @@ def test_read_logo_embeds_an_image_of_a_supported_kind(tmp_path, content, kind):
 
 
 @pytest.mark.parametrize(
-    ("content", "says"),
+    ("content", "message"),
     [(PNG + bytes(100_001 - len(PNG)), "logo is larger than 100000 bytes"),
      (b"GIF89a", "expected PNG, JPEG or SVG"), (b"<html><svg/></html>", "expected PNG"),
      (b"", "expected PNG"), (b"<!-- no image -->", "expected PNG")],
 )  # fmt: skip
-def test_anything_else_is_no_logo(tmp_path, content, says):
+def test_anything_else_is_no_logo(tmp_path, content, message):
     (tmp_path / "logo").write_bytes(content)
-    with pytest.raises(ReadError, match=says):
+    with pytest.raises(ReadError, match=message):
         read_logo(tmp_path / "logo")

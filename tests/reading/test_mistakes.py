@@ -310,9 +310,9 @@ def test_inspect_asks_as_the_reader_about_a_column_with_two_roles(
     place.write_text("t;x;F\n" + "".join(f"{i};{min(i, 2)};{2 - i / 9}\n" for i in range(9)))
     named = {"time": "t", "displacement": "x", "force": "F", roles[0]: "x", roles[1]: "x"}
     options = ReadOptions(**named, units={"time": "s", "displacement": "mm", "force": "N"})
-    says = f"'x' would be both {roles[0]} and {roles[1]}"
+    message = f"'x' would be both {roles[0]} and {roles[1]}"
     found = inspect_file(place, options=options)
-    assert says in [one.says.partition(";")[0] for one in found.questions]
+    assert message in [one.message.partition(";")[0] for one in found.questions]
     with pytest.raises(ReadError, match="'x' would be both"):
         read_relaxation(place, options=options)
 
@@ -321,5 +321,5 @@ def test_a_column_that_is_something_else_is_not_proposed(tmp_path: Path) -> None
     path = tmp_path / "half.csv"
     path.write_text("time [s],acceleration [g]\n" + "".join(f"{i},{i % 3}\n" for i in range(9)))
     (question,) = inspect_file(path).questions
-    assert "looks like hammer force. Export it beside them, or name" in question.says
-    assert question.says.endswith("misleads: --column hammer=NAME")
+    assert "looks like hammer force. Export it beside them, or name" in question.message
+    assert question.message.endswith("misleads: --column hammer=NAME")

@@ -75,7 +75,7 @@ def test_read_dynamic_asks_about_an_ambiguous_stiffness(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "angle", "says"),
+    ("unit", "angle", "message"),
     [
         ("deg", -ANGLES["deg"], "sign turned"),
         ("rad", ANGLES["deg"], "is the unit deg"),
@@ -84,10 +84,10 @@ def test_read_dynamic_asks_about_an_ambiguous_stiffness(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_no_loss_angle_is_refused(
-    tmp_path: Path, unit: str, angle: np.ndarray, says: str
+    tmp_path: Path, unit: str, angle: np.ndarray, message: str
 ) -> None:
     path = written(tmp_path, f"Frequency (Hz),|K*| (N/mm),Phase ({unit})", F, SIZE, angle)
-    with pytest.raises(ReadError, match=says):
+    with pytest.raises(ReadError, match=message):
         read_dynamic(path)
 
 

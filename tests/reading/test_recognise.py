@@ -205,13 +205,13 @@ def test_recognise_accepts_a_requested_kind(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "says"),
+    ("word", "message"),
     [("relaxtion", "Did you mean 'relaxation'"), ("zzz", f"Kinds are {', '.join(RECOGNISED)}")],
 )
 def test_a_kind_that_there_is_not_is_answered_with_the_nearest(
-    tmp_path: Path, word: str, says: str
+    tmp_path: Path, word: str, message: str
 ) -> None:
-    with pytest.raises(ReadError, match=says):
+    with pytest.raises(ReadError, match=message):
         recognise(written(tmp_path, both()), kind=word)
 
 

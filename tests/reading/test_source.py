@@ -123,6 +123,6 @@ def test_stdin_without_end_is_abandoned() -> None:
             [sys.executable, "-c", code], stdin=zeros, capture_output=True, text=True, check=True,
             env=ENVIRONMENT,
         )  # fmt: skip
-    says, peak = done.stdout.splitlines()
-    assert says.startswith("stdin brings more than 512 MiB through a pipe; save it as a file")
+    message, peak = done.stdout.splitlines()
+    assert message.startswith("stdin brings more than 512 MiB through a pipe; save it as a file")
     assert int(peak) < 1 << 20

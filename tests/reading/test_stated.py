@@ -128,7 +128,7 @@ def test_the_first_line_says_that_the_file_was_overruled() -> None:
     test = simulate_relaxation(PAPER, rig=Rig(rate=100.0)).test
     overruled = Specimen(temperature=346.55, stated_temperature=296.15)
     found = fit(prepare(replace(test, specimen=overruled)), arms=2, law="linear")
-    assert "The file says 23 degC, and 73.4 degC was given" in found.verdict.says
+    assert "The file says 23 degC, and 73.4 degC was given" in found.verdict.message
 
 
 def test_stated_temperature_keeps_other_specimen_data(tmp_path: Path) -> None:

@@ -142,7 +142,7 @@ def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
 @pytest.mark.parametrize("kind", ROWS)
 def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
     said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
-    asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.says}")
+    asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.lot_hint}")
     assert set(asked) <= set(COMMANDS)
     assert asked or not kind.meant or kind.name in SAID
     assert bool(kind.meant) == bool(kind.fit)

@@ -217,4 +217,4 @@ def test_paper_has_all_that_is_folded(browser, page, script):
         assert part in words, part
     assert handmade.SHA[:20] in words.replace(" ", "")
     for check in S.every_check:
-        assert unescape(check.says).split()[0] in words
+        assert unescape(check.message).split()[0] in words

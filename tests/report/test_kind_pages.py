@@ -85,14 +85,14 @@ def test_lights_are_as_bad_as_the_worst_check(name, grade):
     # whatever part asks a question, some light tells how it was answered
     checks = (Check("sound", True, "It is."), Check(name, False, "It is not.", grade=grade))
     said = "as it should be"
-    found = lights(checks, Topic("Test", says=said), Topic("Peak", {"asked"}, said))
+    found = lights(checks, Topic("Test", message=said), Topic("Peak", {"asked"}, said))
     marks = {one.name: one.mark for one in found}
     assert marks.pop("Peak" if name == "asked" else "Test") == {
         "note": "note", "limit": "care", "stop": "bad",
     }[grade]  # fmt: skip
     assert set(marks.values()) <= {"good", "note"}
     # what is sound may say so in words; what is not never does
-    said = next(one.says for one in found if (one.name == "Peak") == (name == "asked"))
+    said = next(one.message for one in found if (one.name == "Peak") == (name == "asked"))
     assert ("should" in said) == (grade == "note")
 
 
@@ -243,7 +243,7 @@ def test_constant_of_a_shift_law_shows_interval_or_noise_error():
 def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
     passed, noted = Check("a", True, ""), Check("b", False, "", grade="note")
     (light,) = lights([passed, noted], Topic("Records"))
-    assert (light.mark, light.says) == ("note", "1 check passed, 1 note")
+    assert (light.mark, light.message) == ("note", "1 check passed, 1 note")
 
 
 def test_numbers_are_grouped_by_record() -> None:

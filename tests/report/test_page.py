@@ -289,7 +289,7 @@ def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
     assert not set(missed) & set(S.verdict_checks)
     assert Page(whole).text.count("failed: mended by the joint fit") == len(missed)
     body = whole[whole.index('<section id="weighty">') : whole.index('<section id="summary">')]
-    assert not any(check.says in unescape(body) for check in missed)
+    assert not any(check.message in unescape(body) for check in missed)
 
 
 def test_report_counts_checks_consistently(whole):
@@ -493,7 +493,7 @@ def test_report_shows_a_shared_check_only_at_one_place(sketch):
     twice = replace(handmade.bench_only(), checks=S.fit.checks)
     text = sketch(twice)
     for check in S.fit.checks:
-        assert text.count(format_typographic(check.says)) == 1
+        assert text.count(format_typographic(check.message)) == 1
 
 
 def test_simulated_records_are_stamped_loudly(whole, sketch):
@@ -681,12 +681,12 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
         test=replace(S.test, source=source),
         prepared=replace(S.prepared, source=source, specimen=Specimen(notes=EVIL), checks=(check,)),
         fit=altered(
-            S.fit, steps=(step,), certificate=replace(S.fit.evidence.certificate, says=EVIL)
+            S.fit, steps=(step,), certificate=replace(S.fit.evidence.certificate, message=EVIL)
         ),
         measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
         impact=replace(S.impact, channels=(EVIL, EVIL)),
-        comparison=replace(S.comparison, says=EVIL),
-        unseen=replace(S.unseen, says=EVIL),
+        comparison=replace(S.comparison, message=EVIL),
+        unseen=replace(S.unseen, message=EVIL),
         checks=(check,),
     )
     text = html(study)
@@ -709,7 +709,7 @@ def test_two_tests_that_disagree_do_not_read_like_a_success():
     told = Explanation(
         "stiffness", 1.15, 0.002, "1", 0.15, 2800.0, True, "the seals are 15 % stiffer"
     )
-    rival = replace(told, name="k_inf", explains=False, says="k_inf is 24 % larger")
+    rival = replace(told, name="k_inf", explains=False, message="k_inf is 24 % larger")
     needed = (Nuisance("stiffness_factor", 1.15, 0.01, "1"),)
     joint = altered(S.joint, explanations=(told, rival), nuisance=needed)
     text = Page(html(replace(S, joint=joint))).text

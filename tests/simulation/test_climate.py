@@ -130,7 +130,7 @@ def test_a_hammer_file_states_it_too(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "says"),
+    ("given", "message"),
     [
         (("--wlf", "8,110K"), "expected C1,C2,T_r"),
         (("--wlf", "8,110K,20"), "has no unit"),
@@ -139,7 +139,7 @@ def test_a_hammer_file_states_it_too(tmp_path):
         (("--temperature", "-80degC", "--wlf", "8,50K,0degC"), "diverges"),
     ],
 )
-def test_what_is_no_law_is_refused(tmp_path, given, says):
+def test_what_is_no_law_is_refused(tmp_path, given, message):
     ended = ran("simulate", "relaxation", *given, "-o", tmp_path / "a.csv")
     assert ended.exit_code == 2
-    assert says in " ".join(ended.output.split())
+    assert message in " ".join(ended.output.split())

@@ -108,9 +108,9 @@ def test_the_broad_seal_shows_the_papers_damping_miss() -> None:
     assert check(story, "damping_tested").failed
     assert check(story, "inside_valid_band").failed
     assert check(story, "inside_valid_band").value == pytest.approx(12.71 / 0.32, rel=1e-3)
-    assert "The frequency agrees (-4.8 %)" in story.says
-    assert "The relaxation test cannot see" in story.says
-    assert "12.5 ms" in story.says
+    assert "The frequency agrees (-4.8 %)" in story.message
+    assert "The relaxation test cannot see" in story.message
+    assert "12.5 ms" in story.message
 
 
 def test_the_share_of_the_arms_in_the_loss() -> None:
@@ -144,8 +144,8 @@ def test_without_a_covariance_the_band_decides() -> None:
 def test_with_two_curves_only_there_are_no_arms() -> None:
     bare = compare(predicted(PAPER), predicted(BROAD))
     assert bare.arms == ()
-    assert bare.says.startswith("Damping ratio 0.")
-    assert "The frequency agrees (-4.8 %)" in bare.says
+    assert bare.message.startswith("Damping ratio 0.")
+    assert "The frequency agrees (-4.8 %)" in bare.message
     assert {c.name for c in bare.checks}.isdisjoint({"damping_tested", "operating_point"})
 
 
@@ -161,8 +161,8 @@ def test_the_weight_of_the_block_and_the_depth_of_the_test() -> None:
     sag = tested_to(8e-3)
     assert sag.value == pytest.approx(2.60e-3, abs=5e-6)
     assert sag.failed
-    assert "2.60 mm" in sag.says
-    assert "8 mm" in sag.says
+    assert "2.60 mm" in sag.message
+    assert "8 mm" in sag.message
     assert sag.grade == "note"
     assert tested_to(2.5e-3).passed
     assert tested_to(1e-3).grade == "limit"
@@ -173,8 +173,8 @@ def test_a_frequency_that_agrees_bears_out_the_other_operating_point() -> None:
     same = compare(frf, frf, fit=a_fit(PAPER), seals=2)
     assert not [found.name for found in same.checks if found.failed]
     assert same.verdict.use == "use"
-    assert same.verdict.says == same.says
-    assert same.says.startswith("The prediction matches the measurement: peak at 12.71 Hz")
+    assert same.verdict.message == same.message
+    assert same.message.startswith("The prediction matches the measurement: peak at 12.71 Hz")
 
 
 # -- windows and cut records ------------------------------------------------------------------
@@ -231,14 +231,14 @@ def test_grams_for_kilograms_are_noticed() -> None:
     heavy = FRF.from_receptance(lines, 1 / (104.0426 * s**2 + 2 * PAPER.stiffness_at(s)))
     slip = compare(heavy, predict_frf(2 * PAPER, mass=0.1040426, frequency=lines), band=(0.1, 60))
     assert check(slip, "no_unit_error").failed
-    assert "mass or stiffness by a factor 1000" in slip.says
+    assert "mass or stiffness by a factor 1000" in slip.message
 
 
 def test_acceleration_in_g_is_noticed() -> None:
     frf = predicted(BROAD)
     slip = compare(frf, replace(frf, value=frf.value / 9.80665))
-    assert "acceleration in g" in check(slip, "no_unit_error").says
-    assert slip.says.startswith("A unit looks wrong")
+    assert "acceleration in g" in check(slip, "no_unit_error").message
+    assert slip.message.startswith("A unit looks wrong")
 
 
 def test_compare_reports_a_peak_between_lines() -> None:

@@ -70,7 +70,7 @@ def test_the_exponential_window_is_as_gentle_as_the_decay_allows(strike, broad_s
     assert 0.003 < left < 0.02
     decayed = estimate_frf(strike(2 * broad_seal, 0.114829829, record=8.0), window="exponential")
     assert decayed.shift == 0
-    assert any("not needed" in step.says for step in decayed.steps)
+    assert any("not needed" in step.message for step in decayed.steps)
 
 
 @pytest.mark.parametrize("window", ["force+exponential:0.01", "none", "exponential:0.01", "force"])
@@ -193,7 +193,7 @@ def swaying(strike, hits=4):
 
 def test_frf_checks_use_the_resonance_in_the_requested_band(strike):
     frf = estimate_frf(swaying(strike), resonance_band=(5, 50), mass=MASS)
-    assert "(12.63 Hz)" in check(frf, "coherence").says
+    assert "(12.63 Hz)" in check(frf, "coherence").message
     assert check(frf, "coherence").passed
     assert check(frf, "resonance").value == pytest.approx(12.71, abs=0.02)
     assert frf.frequency[0] < 1  # the lines stay
@@ -225,7 +225,7 @@ def test_hits_of_all_heights_agree_on_a_linear_seal(strike, paper_seal):
 def test_amplitude_check_states_the_softening_per_doubling(strike, paper_seal):
     told = check(struck_alike(strike, paper_seal, softens=0.01), "amplitude_linear")
     assert told.failed
-    assert "change the stiffness by -1 % per doubling" in told.says
+    assert "change the stiffness by -1 % per doubling" in told.message
     damped = check(struck_alike(strike, paper_seal, softens=0.0, damps=0.2), "amplitude_linear")
     assert damped.failed
 
@@ -244,7 +244,7 @@ def test_frf_of_a_single_hit_has_no_coherence(strike):
     assert frf.coherence is None
     assert frf.sd is None
     assert check(frf, "coherence").passed is None
-    assert "single hit" in check(frf, "coherence").says
+    assert "single hit" in check(frf, "coherence").message
     assert check(frf, "hits_enough").failed
 
 
@@ -285,22 +285,22 @@ def test_excitation_check_reports_a_soft_tip(strike, paper_seal):
 
 def test_a_heavily_damped_seal_needs_no_more(strike, broad_seal):
     frf = estimate_frf(strike(2 * broad_seal, 0.114829829, hits=3, noise=NOISE), mass=0.114829829)
-    assert [c.says for c in frf.checks if c.failed] == []
+    assert [c.message for c in frf.checks if c.failed] == []
 
 
 @pytest.mark.parametrize(
-    ("gain", "says"),
+    ("gain", "message"),
     [
         (1 / 9.80665, "looks like g, not m/s"),
         (9.80665, "looks like m/s^2, not g"),
         (1.2, "is wrong by a factor of"),
     ],
 )
-def test_the_mass_line_finds_unit_slips(strike, gain, says):
+def test_the_mass_line_finds_unit_slips(strike, gain, message):
     test = strike(hits=3, noise=NOISE)
     frf = estimate_frf(replace(test, acceleration=gain * test.acceleration), mass=MASS)
     assert check(frf, "high_frequency_mass_agrees").failed
-    assert says in check(frf, "high_frequency_mass_agrees").says
+    assert message in check(frf, "high_frequency_mass_agrees").message
 
 
 def test_the_mass_line_confirms_a_good_calibration(strike):
@@ -313,7 +313,7 @@ def test_a_turned_sign_shows_in_the_mass_line(strike):
     frf = estimate_frf(strike(hits=3, noise=NOISE), mass=MASS, polarity=(-1,))
     assert (
         "polarity of the hammer or of the accelerometers is wrong"
-        in check(frf, "high_frequency_mass_agrees").says
+        in check(frf, "high_frequency_mass_agrees").message
     )
 
 
@@ -370,7 +370,7 @@ def test_a_rejected_hit_can_be_forced_in(strike, paper_seal):
 
 
 @pytest.mark.parametrize(
-    ("choice", "says"),
+    ("choice", "message"),
     [
         ({"estimator": "H3"}, "expected one of H1, H2, Hv, Hs"),
         ({"window": "hann"}, "does not suit a hammer test"),
@@ -386,8 +386,8 @@ def test_a_rejected_hit_can_be_forced_in(strike, paper_seal):
         ({"band": (12.0, 12.1)}, "lines between 12 and 12.1 Hz"),
     ],
 )
-def test_choices_that_cannot_be_are_refused(strike, choice, says):
-    with pytest.raises(DataError, match=says):
+def test_choices_that_cannot_be_are_refused(strike, choice, message):
+    with pytest.raises(DataError, match=message):
         estimate_frf(strike(), **choice)
 
 
@@ -435,8 +435,8 @@ def test_a_high_pass_in_the_hammer_is_noticed(strike):
         force[i] = (force[i - 1] + test.force[i] - test.force[i - 1]) / (1 + dt / tau)
     (hit,) = estimate_frf(replace(test, force=force)).hits
     assert hit.accepted
-    (says,) = [reason for reason in hit.reasons if "base line" in reason]
-    assert "high pass at 0.5 Hz" in says
+    (message,) = [reason for reason in hit.reasons if "base line" in reason]
+    assert "high pass at 0.5 Hz" in message
 
 
 def test_the_result_is_an_frf_with_its_story(strike):

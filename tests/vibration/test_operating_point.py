@@ -131,7 +131,7 @@ def test_operating_point_outside_the_test_extends_the_last_tangent() -> None:
     frf = predict_frf(hard(), mass=1.0, seals=SEALS, frequency=LINES)
     told = {c.name: c for c in compare(frf, frf, fit=hard(), mass=1.0, seals=SEALS).checks}
     assert told["operating_point"].failed
-    assert "last tangent" in told["operating_point"].says
+    assert "last tangent" in told["operating_point"].message
 
 
 def test_predict_frf_without_frequencies_covers_the_peak() -> None:

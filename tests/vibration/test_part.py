@@ -311,7 +311,7 @@ class TestCommand:
         assert said["failed_checks"][0] == "prediction_in_valid_band"
 
     @pytest.mark.parametrize(
-        ("words", "says"),
+        ("words", "message"),
         [
             (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both give the geometry"),
             (["--shape", "disc:20mm"], "has one length; expected 2"),
@@ -322,10 +322,10 @@ class TestCommand:
             ([], "in Pa"),
         ],
     )
-    def test_a_geometry_that_is_none(self, dma, words, says):
+    def test_a_geometry_that_is_none(self, dma, words, message):
         refused = ran("predict", dma, "--mass", "400g", *words)
         assert refused.exit_code == 2, refused.output
-        assert says in refused.stderr
+        assert message in refused.stderr
 
 
 def test_material_part_accepts_a_shape_in_words():
@@ -333,6 +333,6 @@ def test_material_part_accepts_a_shape_in_words():
     E = dp.GeneralizedMaxwell(1e6, k=(4e5,), tau=(0.02,)).complex_stiffness(frequency=f)
     material = dp.fit(dp.DynamicTest(f, E.real, E.imag, units="Hz, Pa, Pa"), arms=1)
     assert material.part("disc:20mm,10mm").solid == material.part(Disc("20mm", "10mm")).solid
-    for words, says in (("disk:1mm,1mm", "is no shape"), ("disc:1mm", "expected 2: diameter")):
-        with pytest.raises(DataError, match=says):
+    for words, message in (("disk:1mm,1mm", "is no shape"), ("disc:1mm", "expected 2: diameter")):
+        with pytest.raises(DataError, match=message):
             material.part(words)

@@ -91,21 +91,21 @@ def test_a_name_says_that_it_is_relative(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("head", "says"),
+    ("head", "message"),
     [
         ("Frequency [Hz],Transmissibility [-]", "a magnitude and no phase"),
         ("Frequency [Hz],Phase [deg]", "a phase and no magnitude"),
         ("Frequency [Hz],Transmissibility,Phase [deg]", '--units "magnitude=dB re g/g"'),
     ],
 )
-def test_fit_reports_missing_data_of_a_transmissibility(tmp_path, head, says):
+def test_fit_reports_missing_data_of_a_transmissibility(tmp_path, head, message):
     path = tmp_path / "t.csv"
     columns = (F, -np.linspace(1, 40, len(F)), np.linspace(-10, -170, len(F)))
     rows = np.column_stack(columns[: head.count(",") + 1])
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
     refused = ran("fit", path, *MASS)
     assert refused.exit_code == 2
-    assert says in " ".join(refused.output.split())
+    assert message in " ".join(refused.output.split())
 
 
 def test_square_seconds_are_a_displacement_over_an_acceleration(tmp_path):
@@ -255,7 +255,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("over", "header", "motion", "says"),
+    ("over", "header", "motion", "message"),
     [
         ("mm", "(mm/s)/(m/s^2)", "relative", "a quarter turn off"),
         ("mm", "mm/(m/s^2)", "relative", "Use with care: "),
@@ -265,7 +265,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
         ("mm", "", "relative", "no unit"),
     ],
 )
-def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, motion, says):
+def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, motion, message):
     path = tmp_path / "t.csv"
     exported(path, over_base(np.arange(3.0, 30.0, 0.1)), over, "m/s^2", header=header or "x")
     path.write_text(path.read_text().replace(" [x]", ""))
@@ -275,8 +275,8 @@ def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, mot
     fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": model}))
     over_what = ["--relative"] if motion == "relative" else []
     heard = ran("fit", path, *MASS, *over_what, "--arms", 1)
-    assert says in " ".join(heard.output.split())
-    if says == "Use with care: ":
+    assert message in " ".join(heard.output.split())
+    if message == "Use with care: ":
         compared = run_json("compare", fit, path, *MASS, *over_what)
         assert compared["frac"] > 0.99
         there = run_json("predict", fit, *MASS, "--base", *over_what)

@@ -92,7 +92,7 @@ def test_a_phase_that_cannot_be_is_noticed() -> None:
     # a wrong mass tilts the stiffness, and the tilt belongs to no damping
     bad = dynamic_stiffness(frf, 1.1 * BROAD_MASS, seals=2).checks[0]
     assert bad.failed
-    assert "Mass, gain or phase" in bad.says
+    assert "Mass, gain or phase" in bad.message
 
 
 def test_scatter_goes_into_the_bars() -> None:

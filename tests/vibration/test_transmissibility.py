@@ -244,7 +244,7 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, tol
     known = next(check for check in found.checks if check.name == "arms_identified")
     assert known.passed is told_apart
     # over a base the line at 1 Hz shows a 160th of the stiffness: of 1e-9 no arm so slow is known
-    assert told_apart or known.says.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
+    assert told_apart or known.message.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
     assert list_undetermined_times(found) == (() if told_apart else found.model.tau[1:])
     first = text.fit(found, asked=2).lines[0]
     assert ("relaxation time 16.4 s not determined" in first) is not told_apart
@@ -306,7 +306,7 @@ def test_valid_transmissibility_is_never_rejected_as_another_ratio(eta, ends):
         odd = gain * np.exp(1j * np.radians(turn))
         z = np.random.default_rng(seed).normal(size=(2, len(f)))
         T = lossy(eta, f) * odd * (1 + 0.007 * (z[0] + 1j * z[1]))
-        assert [one.name for one in first_words(T, f).because] == ["line_errors_stated"]
+        assert [one.name for one in first_words(T, f).failed_checks] == ["line_errors_stated"]
 
 
 @pytest.mark.parametrize("eta", ETA)
@@ -317,8 +317,8 @@ def test_fit_reports_another_ratio_first(name, ends, eta):
     f = 12.7 * np.linspace(*ends, 300)
     said = first_words(wrong(lossy(eta, f)), f)
     assert said.use == "do not use"
-    assert said.because[0].name == "mass_over_base"
-    assert cause in said.says
+    assert said.failed_checks[0].name == "mass_over_base"
+    assert cause in said.message
 
 
 def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):

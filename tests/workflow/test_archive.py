@@ -241,7 +241,7 @@ def test_a_fit_that_tells_no_errors_claims_none():
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "message"),
     [
         ("", "not a JSON document"),
         ("[1, 2]", '"schema" is None'),
@@ -277,8 +277,8 @@ def test_a_fit_that_tells_no_errors_claims_none():
         ),
     ],
 )
-def test_strangers_are_turned_away(text, says):
-    with pytest.raises(ReadError, match=re.escape(says)):
+def test_strangers_are_turned_away(text, message):
+    with pytest.raises(ReadError, match=re.escape(message)):
         from_json(text)
 
 

@@ -207,13 +207,13 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     assert found.mass == pytest.approx(0.104, rel=1e-2)
     (coherence,) = [check for check in found.noted if check.name == "coherence"]
     assert coherence.passed
-    assert "(12.6 Hz)" in coherence.says
+    assert "(12.6 Hz)" in coherence.message
     found = identify_files(
         [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID, band=(8, 40)
     )
     fit, straight, noted = found.fit, found.direct.of, found.noted
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
-    assert "It has coherence but no number of hits" in lines.says
+    assert "It has coherence but no number of hits" in lines.message
     assert lines.value < 0.1
     assert fit.model.storage(omega=80.0) == pytest.approx(PAPER.storage(omega=80.0), rel=0.01)
     assert "coherence" in [check.name for check in noted]

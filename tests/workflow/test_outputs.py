@@ -98,7 +98,7 @@ def test_a_link_is_followed(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("names", "says"),
+    ("names", "message"),
     [
         (["."], "is a folder"),
         (["mine.csv/out.json"], "Not a directory"),
@@ -106,9 +106,9 @@ def test_a_link_is_followed(tmp_path):
         (["new/../a", "a"], "two outputs"),
     ],
 )
-def test_what_cannot_be_written_is_refused_before_the_work(mine, monkeypatch, names, says):
+def test_what_cannot_be_written_is_refused_before_the_work(mine, monkeypatch, names, message):
     monkeypatch.chdir(mine.parent)
-    with pytest.raises(ExportError, match=says):
+    with pytest.raises(ExportError, match=message):
         Outputs(replace=True).claim(names)
     assert list(mine.parent.iterdir()) == [mine]
 

@@ -46,7 +46,7 @@ def test_options_select_the_fit(kinds: tuple[str, ...], said: dict[str, object],
 
 
 @pytest.mark.parametrize(
-    ("kinds", "said", "says"),
+    ("kinds", "said", "message"),
     [
         (("relaxation", HITS), {}, "under a mass. Give the test mass, such as --mass 104g"),
         (("fit", FRF), {"levels": True}, "Give the test mass"),
@@ -68,11 +68,11 @@ def test_options_select_the_fit(kinds: tuple[str, ...], said: dict[str, object],
     ],
 )
 def test_unfit_records_are_refused_in_a_sentence(
-    kinds: tuple[str, ...], said: dict[str, object], says: str
+    kinds: tuple[str, ...], said: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ReadError) as caught:
         meant(*kinds, **said)
-    assert says in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_every_bench_kind_is_fitted_by_fit_files() -> None:

@@ -133,7 +133,7 @@ def test_version_1_document_refuses_a_version_2_key() -> None:
 
 
 @pytest.mark.parametrize(
-    ("schema", "says"),
+    ("schema", "message"),
     [
         (
             "dashpot/fit@3",
@@ -144,10 +144,10 @@ def test_version_1_document_refuses_a_version_2_key() -> None:
         (None, "this version of dashpot reads dashpot/"),
     ],
 )
-def test_an_unknown_schema_is_refused_with_what_to_do(schema: str | None, says: str) -> None:
+def test_an_unknown_schema_is_refused_with_what_to_do(schema: str | None, message: str) -> None:
     with pytest.raises(dp.ReadError) as refusal:
         from_json(json.dumps({"schema": schema}))
-    assert says in str(refusal.value)
+    assert message in str(refusal.value)
 
 
 def test_version_1_digest_covers_its_content() -> None:

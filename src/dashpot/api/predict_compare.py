@@ -367,6 +367,7 @@ def export(
     bulk_modulus: Quantity | None = None,
     density: float | None = None,
     points: int | None = None,
+    specimen: Specimen | None = None,
 ) -> str:
     """Write a solid as input for a solver, and return the deck.
 
@@ -381,6 +382,8 @@ def export(
         Of the deck: ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     temperature, length : float or str
         Of the seal, K or ``"23degC"``, and its length in contact, m or ``"50mm"``.
+    specimen : Specimen, optional
+        In place of these two.
     seals, compression
         How many side by side, and about which compression they vibrate.
     band : (float, float) or str, optional
@@ -429,7 +432,9 @@ def export(
         "density": density,
         "points": points,
     }
-    if isinstance(contact_length, Solid):
+    if specimen is not None:
+        choices["specimen"] = specimen
+    elif isinstance(contact_length, Solid):
         choices["specimen"] = Specimen(temperature=kelvin, length=metres)
     deck = deck_for(
         to,

@@ -86,7 +86,7 @@ class Check(Serialisable):
         The answer; None if the record gives none: not judged.
     value, limit : float or None
         What was measured and what it was held against (None where there is no number).
-    says : str
+    message : str
         The sentences the user reads: what was found and what it means. They hold no option, so
         that terminal, page and app say the same.
     grade : str
@@ -106,11 +106,11 @@ class Check(Serialisable):
     (True, 'limit')
     """
 
-    _keys = ("name", "passed", "grade", "value", "limit", "message=says", "remedy")
+    _keys = ("name", "passed", "grade", "value", "limit", "message", "remedy")
 
     name: str
     passed: bool | None
-    says: str
+    message: str
     value: float | None = None
     limit: float | None = None
     grade: Grade = "limit"
@@ -125,7 +125,7 @@ class Check(Serialisable):
     @property
     def message_with_remedy(self) -> str:
         """What was found, and what to do about it."""
-        return paragraph(self.says, self.remedy.words if self.remedy else "")
+        return paragraph(self.message, self.remedy.words if self.remedy else "")
 
     @property
     def message_with_option(self) -> str:
@@ -135,7 +135,9 @@ class Check(Serialisable):
 
     def with_location(self, where: str) -> Check:
         """The check as one of several things that were asked the same says it: "in test 2"."""
-        return replace(self, says=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.says)}")
+        return replace(
+            self, message=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.message)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -146,10 +148,10 @@ class Verdict(Serialisable):
     ----------
     use : str
         ``"use"``, ``"use with care"`` or ``"do not use"``.
-    says : str
+    message : str
         The sentences that lead every report of the result: the number its reader came for and
         where it holds; or why not, and what to do.
-    because : tuple of Check
+    failed_checks : tuple of Check
         The failed checks that decided, the gravest first.
 
     Examples
@@ -159,23 +161,23 @@ class Verdict(Serialisable):
     'use'
     """
 
-    _keys = ("verdict_grade=use", "message=says", "failed_checks=reasons")
+    _keys = ("verdict_grade=use", "message", "failed_checks=reasons")
 
     use: Use
-    says: str
-    because: tuple[Check, ...] = ()
+    message: str
+    failed_checks: tuple[Check, ...] = ()
 
     @property
     def reasons(self) -> tuple[str, ...]:
         """The names of the checks that decided."""
-        return tuple(check.name for check in self.because)
+        return tuple(check.name for check in self.failed_checks)
 
     def is_milder_than(self, other: Verdict) -> bool:
         """Whether it holds less against the result."""
         return _CALMEST.index(self.use) < _CALMEST.index(other.use)
 
     def __str__(self) -> str:
-        return f"{self.use.capitalize()}: {decapitalise_sentence(self.says)}"
+        return f"{self.use.capitalize()}: {decapitalise_sentence(self.message)}"
 
 
 def format_check_tally(checks: Iterable[Check]) -> str:
@@ -208,19 +210,19 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     failed = [check for check in all_checks if check.failed]
     stops = tuple(check for check in failed if check.grade == "stop")
     limits = tuple(check for check in failed if check.grade == "limit")
-    because = stops + limits
-    if not because:
+    failed_checks = stops + limits
+    if not failed_checks:
         lines = [*sentences(sentence(headline)), format_check_tally(all_checks)]
         return Verdict("use", clip_sentences(MOST_WORDS - 1, [line for line in lines if line]))
     use: Use = "do not use" if stops else "use with care"
-    more = len(because) - 1
+    more = len(failed_checks) - 1
     others = f"{more} more check{'s' * (more > 1)} failed." if more else ""
-    says = format_short_message(because[0], VERDICT_WORDS, others)
-    if stops or re.search(r"\d", says):
-        return Verdict(use, says, because)
+    message = format_short_message(failed_checks[0], VERDICT_WORDS, others)
+    if stops or re.search(r"\d", message):
+        return Verdict(use, message, failed_checks)
     # the number is shown to a reader who may use it
     first = sentences(sentence(headline))[:1]
-    return Verdict(use, clip_sentences(VERDICT_WORDS, [*first, *sentences(says)]), because)
+    return Verdict(use, clip_sentences(VERDICT_WORDS, [*first, *sentences(message)]), failed_checks)
 
 
 def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = "") -> str:
@@ -229,8 +231,8 @@ def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = ""
     What explains it, and the second thing to do, give way first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
-    text = clip_sentences(most, sentences(sentence(check.says)), (*remedy[:1], then))
-    longer = clip_sentences(most, sentences(sentence(check.says)), (*remedy, then))
+    text = clip_sentences(most, sentences(sentence(check.message)), (*remedy[:1], then))
+    longer = clip_sentences(most, sentences(sentence(check.message)), (*remedy, then))
     return longer if len(longer.split()) <= most else text
 
 
@@ -284,17 +286,17 @@ class Finding(NamedTuple):
 
     Attributes
     ----------
-    says : str
+    message : str
         What was found, in a sentence.
     value : float or None
         What is held against the limit; None if nothing was measured: a criterion that has a
         measure then judges nothing.
-    because : str
-        What it means, if the check fails: sentences that follow `says`.
+    reason : str
+        What it means, if the check fails: sentences that follow `message`.
     remedy : Remedy or str
         What to do then.
     instead : str
-        What replaces `says` if it fails, where the same sentence cannot serve both.
+        What replaces `message` if it fails, where the same sentence cannot serve both.
     limit : float or None
         The limit where the record sets it; by default that of the criterion.
     excused : bool
@@ -305,9 +307,9 @@ class Finding(NamedTuple):
         What a failure means where the record decides it; by default that of the criterion.
     """
 
-    says: str
+    message: str
     value: float | None = None
-    because: str = ""
+    reason: str = ""
     remedy: Remedy | str = ""
     instead: str = ""
     limit: float | EllipsisType | None = ...
@@ -372,10 +374,10 @@ class Criterion(Generic[P]):
         finding = self.judge(*args, **kwargs)
         limit = self.limit if isinstance(finding.limit, EllipsisType) else finding.limit
         passed = self._evaluate_rule(finding, limit)
-        text, remedy = finding.says, None
+        text, remedy = finding.message, None
         if passed is False:
             text, remedy = (
-                paragraph(finding.instead or finding.says, finding.because),
+                paragraph(finding.instead or finding.message, finding.reason),
                 finding.advice,
             )
         return Check(

@@ -99,11 +99,11 @@ def describe_record_source(source: Source | None, samples: int) -> str:
 class Step(Serialisable):
     """Processing step: its name, its parameters as text, and a sentence on its effect."""
 
-    _keys = ("*", "message=says")
+    _keys = ("*", "message")
 
     name: str
     parameters: tuple[tuple[str, str], ...] = ()
-    says: str = ""
+    message: str = ""
 
 
 class Read(Protocol):

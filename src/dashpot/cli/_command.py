@@ -169,9 +169,9 @@ def _make_option(
     (field, *_), name = fills.fields, f"{fills.receives}_{fills.fields[0].name}"
     how: dict[str, Any] = {}
     if "under" in field.metadata or len(fills.fields) > 1:
-        metavar, says = KEYED[flag]
+        metavar, message = KEYED[flag]
         how = {"type": Keyed(flag, fills.fields), "multiple": True, "metavar": metavar}
-        how["help"] = says
+        how["help"] = message
     else:
         how = {key: field.metadata[key] for key in _PASSED if key in field.metadata}
         how["default"] = _get_default(field)
@@ -204,12 +204,12 @@ def _get_default(field: Field[Any]) -> Any:
     return field.metadata.get("word") if field.default is None else field.default
 
 
-def _with_default(says: str, default: Any) -> str:
+def _with_default(message: str, default: Any) -> str:
     """Say what is usual, where that is a word or a number."""
-    if default in (None, "", False, ()) or says.endswith(")."):
-        return says
+    if default in (None, "", False, ()) or message.endswith(")."):
+        return message
     shown = f"{default:g}" if isinstance(default, float) else str(default)
-    return f"{says.rstrip('.')} ({shown})."
+    return f"{message.rstrip('.')} ({shown})."
 
 
 def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
@@ -370,7 +370,7 @@ def _with_profile(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]
 
 
 def verb(
-    name: str, says: str, *params: click.Parameter | Iterable[click.Parameter], **how: Any
+    name: str, message: str, *params: click.Parameter | Iterable[click.Parameter], **how: Any
 ) -> Callable[[Callable[..., Any]], DashpotCommand]:
     """Make a verb of a function that receives its arguments and options."""
     flat = list(
@@ -380,7 +380,7 @@ def verb(
     )
 
     def make_command(function: Callable[..., Any]) -> DashpotCommand:
-        return DashpotCommand(name, params=flat, help=says, callback=function, **how)
+        return DashpotCommand(name, params=flat, help=message, callback=function, **how)
 
     return make_command
 
@@ -446,9 +446,9 @@ def _format_option_name(option: CommandOption) -> str:
     return f"{lead}{flags} {option.metavar}" if option.metavar else f"{lead}{flags}"
 
 
-def _row(name: str, says: str, width: int) -> list[str]:
+def _row(name: str, message: str, width: int) -> list[str]:
     space = WIDTH - width - 4
-    lines = click.formatting.wrap_text(says, space).splitlines() or [""]
+    lines = click.formatting.wrap_text(message, space).splitlines() or [""]
     if len(name) <= width:
         first = [f"  {name:<{width}}  {lines[0]}"]
     else:

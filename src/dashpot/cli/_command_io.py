@@ -77,7 +77,7 @@ class CommandResult(NamedTuple):
     @property
     def weighty(self) -> list[Check]:
         """The checks that failed and are more than a note."""
-        checks = self.checks if self.verdict is None else self.verdict.because
+        checks = self.checks if self.verdict is None else self.verdict.failed_checks
         return [check for check in checks if check.failed and check.grade != "note"]
 
 

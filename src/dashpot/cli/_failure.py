@@ -34,10 +34,10 @@ class Failure(Serialisable):
     """Failure of a command: its kind, sentence, exit code, output and place."""
 
     schema = "dashpot/error@2"
-    _keys = ("kind", "message=says", "exit_code=code", "traceback?")
+    _keys = ("kind", "message", "exit_code=code", "traceback?")
 
     kind: str
-    says: str
+    message: str
     shown: str
     code: int
     traceback: str | None = None
@@ -69,14 +69,16 @@ def _failure(error: BaseException) -> Failure:
     if isinstance(error, click.ClickException):
         if isinstance(error, click.NoSuchOption):
             similar = " or ".join(_find_similar_options(error))
-            message = f"{error.message} Did you mean {similar}?" if similar else error.message
-            error = click.NoSuchOption(error.option_name, message, ctx=error.ctx)
+            correction = f" Did you mean {similar}?" if similar else ""
+            error = click.NoSuchOption(
+                error.option_name, f"{error.message}{correction}", ctx=error.ctx
+            )
         page = io.StringIO()
         error.show(page)
         hint = _hint(error)
-        says = _plainly(error.format_message()) + hint
+        message = _plainly(error.format_message()) + hint
         shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n"))) + hint
-        return Failure("UsageError", says, shown, error.exit_code)
+        return Failure("UsageError", message, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
         text = str(error.__cause__ or error)  # click aborts because of the interrupt
         return _sentence("Interrupted", text or "interrupted", INTERRUPTED)
@@ -85,25 +87,25 @@ def _failure(error: BaseException) -> Failure:
     if isinstance(error, FileNotFoundError) and error.filename:
         from dashpot.reading.raw_file import missing
 
-        says = missing(os.fsdecode(error.filename)) + _format_example_hint(error)
-        return _sentence("OSError", says, BAD)
+        message = missing(os.fsdecode(error.filename)) + _format_example_hint(error)
+        return _sentence("OSError", message, BAD)
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return _sentence("OSError", f"{where}{error.strerror or error}", BAD)
     if isinstance(error, MemoryError):
         return _sentence(kind, "there is not enough memory for this; give a shorter record", BAD)
     what = ": ".join((kind, *str(error).splitlines()[:1]))
-    says = (
+    message = (
         f"a fault in dashpot {__version__} itself, not in what you typed: {what}. Please report "
         f"it, with the command and, if it may be shown, the file, to {WHERE}; --traceback shows "
         "where it happened"
     )
-    return _sentence("InternalError", says, FAULT)
+    return _sentence("InternalError", message, FAULT)
 
 
-def _plainly(says: str) -> str:
+def _plainly(message: str) -> str:
     """Return a refusal of click in words that no programmer is needed for."""
-    whole = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", says)
+    whole = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
     return whole.replace("is not a valid float", "is no number")
 
 
@@ -163,5 +165,5 @@ def _format_example_hint(cause: BaseException | None) -> str:
     return ""
 
 
-def _sentence(kind: str, says: str, code: int) -> Failure:
-    return Failure(kind, says, f"dashpot: {says}", code)
+def _sentence(kind: str, message: str, code: int) -> Failure:
+    return Failure(kind, message, f"dashpot: {message}", code)

@@ -120,7 +120,7 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
 
 
 def result(
-    says: str = "",
+    message: str = "",
     *suffixes: str,
     plot: bool = True,
     checked: bool = True,
@@ -131,10 +131,12 @@ def result(
 ) -> list[CommandOption]:
     """Return the options on the output files and the format of a result."""
     options: list[CommandOption] = []
-    if says:
+    if message:
         how: dict[str, Any] = {"required": True} if required else {"default": default}
         options.append(
-            CommandOption("-o", "--output", type=Output(suffixes), metavar="FILE", help=says, **how)
+            CommandOption(
+                "-o", "--output", type=Output(suffixes), metavar="FILE", help=message, **how
+            )
         )
     if plot:
         options.append(opt("--plot", "picture", type=Figure(), metavar="FILE",
@@ -162,9 +164,9 @@ def result(
 
 def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> list[CommandOption]:
     """Return the options of a mass on its seals; `name` says what goes without it."""
-    says = f"Test mass, e.g. 104g.{name}"
+    message = f"Test mass, e.g. 104g.{name}"
     return [
-        *build_options(Job, "mass", kinds=kinds, help=says, required=required),
+        *build_options(Job, "mass", kinds=kinds, help=message, required=required),
         *build_options(Job, "seals", kinds=kinds, metavar="N"),
         *mark_advanced(
             build_options(Job, "seal_mass", kinds=kinds),
@@ -220,8 +222,8 @@ def piece(*, flag: bool = False, more: bool = True) -> list[CommandOption]:
 
 def wlf() -> CommandOption:
     """Return the option of how a seal follows temperature."""
-    says = "How the seal follows temperature: 6.94,129.6K,23degC."
-    return opt("--wlf", type=Wlf(), metavar="C1,C2,T", help=says)
+    message = "How the seal follows temperature: 6.94,129.6K,23degC."
+    return opt("--wlf", type=Wlf(), metavar="C1,C2,T", help=message)
 
 
 def get_typed_options(*titles: str, but: Container[str] = ()) -> list[str]:

@@ -211,8 +211,8 @@ class ChoiceWithSuggestion(click.Choice[str]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if value not in self.choices and not self._is_plugin(str(value)):
-            says = f"'{value}' is unknown. {format_suggestion(str(value), self.choices)}"
-            self.fail(says + self._more(), param, ctx)
+            message = f"'{value}' is unknown. {format_suggestion(str(value), self.choices)}"
+            self.fail(message + self._more(), param, ctx)
         return str(value)
 
     def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:

@@ -86,12 +86,12 @@ def _no_pair(kinds: Mapping[str, str]) -> str:
     """Why files of these kinds are not compared, and what would be."""
     first, *others = kinds
     text = "; ".join(f"{path} is {get_kind_name(kind)}" for path, kind in kinds.items())
-    says = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+    message = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
     if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
-        says += (
+        message += (
             f" Type: {format_command('compare', others[-1], first, *options.get_typed_options())}"
         )
-    return says
+    return message
 
 
 def _place(path: str) -> str:

@@ -124,7 +124,7 @@ def _answer(inspection: InspectedFile, path: str = "") -> list[str]:
 
     Of those the first question alone is shown, with the `path` by which the rest are asked for.
     """
-    requested = [f"  ASK       {question.says}" for question in inspection.questions]
+    requested = [f"  ASK       {question.message}" for question in inspection.questions]
     if path and requested[1:]:
         requested[1:] = [
             f"  ASK       {len(requested) - 1} more: {format_command('inspect', path)}"
@@ -170,7 +170,7 @@ def _columns(inspection: InspectedFile) -> list[str]:
     lines = [f"  format    {', '.join(part for part in how if part)}"]
     if inspection.header:
         lines.append(f"  header    {format_count(len(inspection.header), 'line')} above the table")
-    rows = [["  #", "column", "unit", "role", "because"]]
+    rows = [["  #", "column", "unit", "role", "reason"]]
     rows += [
         [
             f"  {column.number}",

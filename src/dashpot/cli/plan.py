@@ -135,8 +135,8 @@ def command(
         count = byline(f"planned test, {len(motion.time)} set-points")
         rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
         timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
-        says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
-        write(setpoints, write_trajectory(motion, comments=says))
+        message = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
+        write(setpoints, write_trajectory(motion, comments=message))
     rehearsed = format_command(
         "simulate",
         "relaxation",

@@ -146,14 +146,14 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
     text, truth, *more = made(**choices)
     write(output, text)
     write(extra, truth)
-    says = [f"{output}: a simulated {what} test; what is true stands in {extra}"]
+    message = [f"{output}: a simulated {what} test; what is true stands in {extra}"]
     reading = ["inspect", output]
     if more:
         calibration, stated = more
         write(beside[0], calibration)
-        says += [f"! {item}" for item in stated]
+        message += [f"! {item}" for item in stated]
         reading = ["fit", output, "--calibration", beside[0]]
-    story = Text(says)
+    story = Text(message)
     return CommandResult(Simulated(what, output, extra), story, follow=format_command(*reading))
 
 

@@ -262,17 +262,17 @@ class StiffnessBounds(EqualByValue, Serialisable):
         Lowest and highest storage and loss stiffness at each frequency, N/m.
     loss_factor : array, shape (2, n)
         Lowest and highest loss factor, dimensionless.
-    says : str
+    message : str
         What the limits hold for, in one sentence.
     """
 
-    _keys = ("*", "message=says")
+    _keys = ("*", "message")
 
     frequency: FloatArray
     storage: FloatArray
     loss: FloatArray
     loss_factor: FloatArray
-    says: str = ""
+    message: str = ""
 
     def __post_init__(self) -> None:
         frequency = increasing("frequency", samples("frequency", self.frequency))
@@ -304,7 +304,7 @@ class FRFBounds(FrozenArrays, Serialisable):
     unseen : array, shape (2, n)
         Lowest and highest magnitude over all non-negative spectra that the relaxation tests
         do not reject; infinite, unlimited, where one of them resonates there without loss.
-    says : str
+    message : str
     peak_frequency : (float, float) or None
         Where one of them may resonate, Hz; an upper end of infinity if nothing limits it. None if
         it was not sought or not found.
@@ -314,13 +314,13 @@ class FRFBounds(FrozenArrays, Serialisable):
         Accelerance or transmissibility.
     """
 
-    _keys = ("*", "unmeasured=unseen", "message=says")
+    _keys = ("*", "unmeasured=unseen", "message")
 
     frequency: FloatArray
     magnitude: FloatArray
     parameter: FloatArray
     unseen: FloatArray
-    says: str = ""
+    message: str = ""
     peak_frequency: tuple[float, float] | None = None
     peak_height: tuple[float, float] | None = None
     kind: Kind = Kind.ACCELERANCE

@@ -753,7 +753,7 @@ def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
     """Return the fit with the failed checks of a verdict, where its own verdict is milder."""
     if not fit.verdict.is_milder_than(verdict):
         return fit
-    return add_checks(fit, verdict.because)
+    return add_checks(fit, verdict.failed_checks)
 
 
 def apply_elastic_law(

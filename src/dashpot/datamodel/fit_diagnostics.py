@@ -39,19 +39,19 @@ class Alternative(Serialisable):
     parts_at : float or None
         From which frequency on the two differ by more than data of this kind are worth, Hz;
         None if nowhere that a part vibrates.
-    says : str
+    message : str
         What the two predict there, and what would tell them apart.
     """
 
     _keys = (
-        "family", "*", "is_sufficient=explains", "differs_from_hz=parts_at", "message=says",
+        "family", "*", "is_sufficient=explains", "differs_from_hz=parts_at", "message",
     )  # fmt: skip
 
     solid: Solid
     bic: float
     explains: bool
     parts_at: float | None
-    says: str
+    message: str
 
     @property
     def family(self) -> Family:
@@ -99,16 +99,16 @@ class Certificate(Serialisable):
         Relative SSE that the best positive spectrum with any number of arms would still gain.
     tau : float or None
         Where a further arm would gain most, s.
-    says : str
+    message : str
         The sentence printed with the fit.
     """
 
-    _keys = ("*", "message=says")
+    _keys = ("*", "message")
 
     optimal: bool
     gap: float
     tau: float | None
-    says: str
+    message: str
 
 
 @dataclass(frozen=True)
@@ -180,13 +180,13 @@ class Explanation(Serialisable):
         How much lower chi-square then is.
     explains : bool
         Nothing else is then beyond what is known.
-    says : str
+    message : str
         With its value only where it explains both tests best: one quantity has one value.
     """
 
     _keys = (
         "*", "relative_deviation=departure", "deviance_fall=fall", "is_sufficient=explains",
-        "message=says",
+        "message",
     )  # fmt: skip
 
     name: str
@@ -196,7 +196,7 @@ class Explanation(Serialisable):
     departure: float
     fall: float
     explains: bool
-    says: str
+    message: str
 
 
 @dataclass(frozen=True)

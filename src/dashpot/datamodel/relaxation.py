@@ -271,7 +271,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     @property
     def summary_lines(self) -> tuple[str, ...]:
         """Summary: the record, its ramp and hold, and notes of the preparation."""
-        failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
+        failed = (f"  {check.name}: {check.message}" for check in self.checks if check.failed)
         return (
             describe_record_source(self.source, len(self.time)),
             (

@@ -173,12 +173,12 @@ def format_law_lines(shifts: TemperatureShifts) -> list[str]:
     law, (low, high) = shifts.law, shifts.tested_range
     reference = f"T_r = {text(law.reference)} K"
     if isinstance(law, WLF):
-        says = (
+        message = (
             f"WLF, log10 a_T = -C1 (T - T_r)/(C2 + T - T_r), C1 = {text(law.c1)}, "
             f"C2 = {text(law.c2)} K, {reference}"
         )
     elif isinstance(law, Arrhenius):
-        says = (
+        message = (
             f"Arrhenius, ln a_T = E/R (1/T - 1/T_r), E = {text(law.energy)} J/mol, "
             f"E/R = {text(law.energy / GAS)} K, {reference}"
         )
@@ -186,10 +186,10 @@ def format_law_lines(shifts: TemperatureShifts) -> list[str]:
         listed = ", ".join(
             f"{text(shift.log10_a_t)} at {text(shift.temperature)} K" for shift in shifts.shifts
         )
-        says = f"none; log10 a_T is {listed}, straight in 1/T between them"
+        message = f"none; log10 a_T is {listed}, straight in 1/T between them"
     follows = f"relaxation times go with a_T{_format_stiffness_shift(shifts)}"
     return [
-        f"temperature law: {says}",
+        f"temperature law: {message}",
         f"  tested from {celsius(low)} to {celsius(high)}; {follows}",
         "  the numbers here are those of T_r; --temperature asks for others",
     ]
@@ -453,12 +453,12 @@ class Deck:
         verdict = self._verdict(informed)
         header = [
             byline(title),
-            *(() if verdict is None else (f"{verdict.use.upper()}: {verdict.says}",)),
+            *(() if verdict is None else (f"{verdict.use.upper()}: {verdict.message}",)),
             *self._format_header_lines(),
             verified,
             *remarks,
             *(() if table is None else (table.sentence,)),
-            *(f"EXTRAPOLATED: {check.says}" for check in informed if check.failed),
+            *(f"EXTRAPOLATED: {check.message}" for check in informed if check.failed),
         ]
         lines = [*(f"{comment} {function(line)}" for line in header), *body, ""]
         made = DeckText("\n".join(lines))
@@ -528,7 +528,7 @@ class Deck:
             self._format_valid_band(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
             *(
-                f"{'NOTE' if check.grade == 'note' else 'CHECK FAILED'}: {check.says}"
+                f"{'NOTE' if check.grade == 'note' else 'CHECK FAILED'}: {check.message}"
                 for check in self.checks
                 if check.failed
             ),
@@ -565,7 +565,7 @@ class Deck:
     def _pedigree(self) -> list[str]:
         """Return the fit and its files."""
         steps = () if self.fit is None else self.fit.steps
-        scaled = [step.says for step in steps if step.name in _MOVES]
+        scaled = [step.message for step in steps if step.name in _MOVES]
         lines = []
         if self.fit is None or not self.fit.source:
             lines.append("source: a model in memory; no file is known to stand behind it")

@@ -170,7 +170,7 @@ def open_deck(
             f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; write "
             "a material card: --form prony (Python: form='prony')"
         )
-    problems = {name: (says, _REMEDIES[name]) for name, says in _problems(deck).items()}
+    problems = {name: (message, _REMEDIES[name]) for name, message in _problems(deck).items()}
     return replace(
         deck, overrides=list_allowed_problems(problems, allow, "deck", units=units, missing=missing)
     )
@@ -216,7 +216,7 @@ def list_allowed_problems(
     requested = [*([NO_UNITS] if units is None else []), *missing]
     if refused:
         text = "; ".join(
-            f"{says} ({remedy})" for says, remedy in (problems[name] for name in refused)
+            f"{message} ({remedy})" for message, remedy in (problems[name] for name in refused)
         )
         names = ", ".join(f"'{name}'" for name in refused)
         requested += [
@@ -232,7 +232,7 @@ def list_allowed_problems(
                 [requested[0], paragraph(*requested[1:])[:-1]] if requested[1:] else requested
             )
         )
-    return tuple(says for says, _ in problems.values())
+    return tuple(message for message, _ in problems.values())
 
 
 def _refuse_impossible(deck: Deck) -> None:
@@ -296,7 +296,7 @@ def _doubt(fit: Fit | NonlinearFit) -> str | None:
         return None
     if not isinstance(fit, Fit) or _dense(fit):
         # the parts are judged together, by what they leave unexplained
-        return fit.verdict.says if fit.verdict.use == "do not use" else None
+        return fit.verdict.message if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
     # what a rig adds to all arms alike is no reason to fit fewer: errors and limits hold it

@@ -198,11 +198,11 @@ def unseen_arm_band(
             strict=True,
         )
     )
-    says = (
+    message = (
         f"every spectrum of non-negative arms that the relaxation test does not reject at nearly "
         f"{100 * level:g} %, line by line"
     )
-    return StiffnessBounds(f, storage, loss, factor, says)
+    return StiffnessBounds(f, storage, loss, factor, message)
 
 
 def frf_band(
@@ -276,7 +276,7 @@ def frf_band(
         peak_frequency=peak,
         peak_height=height,
         kind=kind,
-        says=f"{100 * level:g} % limits of a predicted {kind}: by the fit's standard errors, "
+        message=f"{100 * level:g} % limits of a predicted {kind}: by the fit's standard errors, "
         "and, nearly so and line by line, by every spectrum that the relaxation test does not "
         "reject",
     )

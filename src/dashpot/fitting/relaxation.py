@@ -662,8 +662,8 @@ def _step(
         ("nuisance", ", ".join(design.nuisance) or "none"),
     )
     plural = f"{len(records)} tests" if len(records) > 1 else "one test"
-    says = f"fitted {describe_fit(selection)} to {plural} by method {design.method!r}"
-    return Step("fit", parameters, says)
+    message = f"fitted {describe_fit(selection)} to {plural} by method {design.method!r}"
+    return Step("fit", parameters, message)
 
 
 def _motion_steps(records: Sequence[RampHold], design: FitSetup) -> tuple[Step, ...]:
@@ -674,7 +674,7 @@ def _motion_steps(records: Sequence[RampHold], design: FitSetup) -> tuple[Step, 
     for record in records:
         count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
-            says = (
+            message = (
                 f"read the displacement between counts of {format_quantity(count, 'um', '.3g')} "
                 "and "
                 f"averaged its scatter of {format_quantity(noise, 'um', '.3g')} where the motion "
@@ -682,5 +682,5 @@ def _motion_steps(records: Sequence[RampHold], design: FitSetup) -> tuple[Step, 
                 "the force is as recorded"
             )
             parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
-            steps.append(Step("motion", parameters, says))
+            steps.append(Step("motion", parameters, message))
     return tuple(steps)

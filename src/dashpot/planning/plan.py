@@ -104,12 +104,12 @@ def _cold_advice(
         return [
             f"A repeat at {where} hardly improves the loss factor at {at:g} Hz: {after}.{colder}"
         ]
-    says = (
+    message = (
         f"Repeat it at {where} and fit all together. The loss factor at {at:g} Hz is then known "
         f"to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all arms shift "
         "alike."
     )
-    words = [says]
+    words = [message]
     if len(expected.repeated) == 1:
         between = 5 * round(
             sum(convert_to_unit(value, "degC") for value in (margin, expected.repeated[0])) / 10

@@ -169,15 +169,15 @@ def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
 def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
     """The force before the ramp is close to zero."""
     share = abs(carried) / rise
-    says = "There is no preload before the ramp"
+    message = "There is no preload before the ramp"
     if carried:
-        says = (
+        message = (
             f"The load cell reads {carried:.3g} N as the ramp starts, "
             f"{round_to_error(100 * share, digits=2)} % of the rise"
         )
     late = moving and share > LATE_START
     return Finding(
-        says,
+        message,
         share,
         "The plate moves already at the first sample. The record begins within its ramp, or the "
         "load cell was not tared"
@@ -229,24 +229,24 @@ def single_loading(
     Those `before` the one that is fitted are followed, with a hold or without.
     """
     cycle = cycles[index]
-    says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")
+    message, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")
     if len(cycles) > 1:
-        says = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
+        message = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
         if not requested:
-            says += ", because its hold is the longest"
+            message += ", because its hold is the longest"
     if before:
         many = len(before)
-        says += (
+        message += (
             f". {many} move{'s' * (many != 1)} towards the seal before it, from "
             f"{before[0].start:.5g} to {before[-1].end:.5g} s, {'are' if many > 1 else 'is'} "
             "followed from the first sample on as what the seal remembers, and not fitted"
         )
     if cycle.moves > 1:
-        says += (
+        message += (
             f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
             "the hold alone (eq. 5) does not apply"
         )
-    return Finding(says, float(len(cycles)), remedy=remedy, excused=requested)
+    return Finding(message, float(len(cycles)), remedy=remedy, excused=requested)
 
 
 @criterion(
@@ -254,18 +254,18 @@ def single_loading(
 )
 def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = False) -> Finding:
     """The model also fits the loadings before the one that is fitted."""
-    says = (
+    message = (
         f"The solid of the last loading gives the force of the earlier ones to "
         f"{100 * past.misfit:.2g} %"
     )
     if not past.converged:
-        says += ". How its face recovers was not found"
+        message += ". How its face recovers was not found"
     if broken:
-        says += ". Rows are missing while the plate moved"
+        message += ". Rows are missing while the plate moved"
     if pressed:
-        says = "The record begins with the seal pressed, before the loading that is fitted"
+        message = "The record begins with the seal pressed, before the loading that is fitted"
     return Finding(
-        says,
+        message,
         past.misfit,
         "The seal softened, was set, or moved otherwise, so what it remembers is not known",
         "Let it rest before the test, or condition it more often.",
@@ -745,11 +745,11 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
     """The plate rests during the hold, or the fit follows its motion."""
     creep = test.hold_creep
     full = method == "full"
-    says = f"The displacement changes by {100 * creep:.2g} % of the depth during the hold"
+    message = f"The displacement changes by {100 * creep:.2g} % of the depth during the hold"
     if full and not abs(creep) <= MAX_CREEP:
-        says += ". The fit uses the recorded motion, so the result is valid"
+        message += ". The fit uses the recorded motion, so the result is valid"
     return Finding(
-        says,
+        message,
         abs(creep),
         f"The fit of the hold alone (eq. 5) allows {100 * MAX_CREEP:.0f} %",
         Remedy("Fit ramp and hold together.", "method", "full"),

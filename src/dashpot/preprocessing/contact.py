@@ -89,21 +89,21 @@ def subtract_tare(
         )
     rate = baseline.slope if drift == "baseline" else float(drift or 0.0)
     tare = baseline.level if baseline.long_enough else 0.0
-    says = (
+    message = (
         f"tare of {format_quantity(tare, 'mN')} from {baseline.samples} samples before contact"
         if baseline.long_enough
         else "no tare: the record starts on the ramp"
     )
     if np.isfinite(baseline.slope_error):
-        says += (
+        message += (
             f"; the baseline drifts by {convert_to_unit(baseline.slope, 'mN/s'):.2g} +- "
             f"{convert_to_unit(baseline.slope_error, 'mN/s'):.1g} mN/s"
         )
-    says += (
+    message += (
         f"; {format_quantity(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
     )
     parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
-    return force - tare - rate * (time - baseline.middle), Step("tare", parameters, says)
+    return force - tare - rate * (time - baseline.middle), Step("tare", parameters, message)
 
 
 class Contact(NamedTuple):

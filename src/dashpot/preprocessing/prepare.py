@@ -654,8 +654,8 @@ def _followed_step(record: RampHold, past: EarlierLoadings, many: int) -> Step:
         else f"where the plate is away the seal recovers under no force, as a solid of {past.arms} "
         f"arm{'s' * (past.arms != 1)} does"
     )
-    says = f"{many} earlier loading{'s' * (many != 1)} followed from the first sample on; {face}"
-    return Step("history", (("loadings", str(many)), ("misfit", f"{past.misfit:.4g}")), says)
+    message = f"{many} earlier loading{'s' * (many != 1)} followed from the first sample on; {face}"
+    return Step("history", (("loadings", str(many)), ("misfit", f"{past.misfit:.4g}")), message)
 
 
 def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
@@ -673,8 +673,8 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
     stated = [(name, value, words) for name, value, words in done if value is not None]
     if not stated:
         return ()
-    says = "; ".join(words.format(value) for _, value, words in stated)
-    return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), says),)
+    message = "; ".join(words.format(value) for _, value, words in stated)
+    return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), message),)
 
 
 def _make_orientation_step(displacement: int, force: int) -> Step:
@@ -689,24 +689,24 @@ def _make_orientation_step(displacement: int, force: int) -> Step:
 
 
 def _make_segments_step(motion: PlateMotion, record: RampHold) -> Step:
-    says = (
+    message = (
         f"{motion.cycle.words()}; the {len(record.time)} samples from {record.time[0]:.6g} s to "
         f"{record.time[-1]:.6g} s are kept"
     )
-    return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), says)
+    return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), message)
 
 
 def _make_contact_step(touch: Touch) -> Step:
-    says = (
+    message = (
         f"an air gap of {format_quantity(touch.gap, 'mm')} is taken off the displacement"
         if touch.gap > 0
         else "contact where the motion begins"
     )
-    return Step("contact", (("displacement_m", repr(touch.displacement)),), says)
+    return Step("contact", (("displacement_m", repr(touch.displacement)),), message)
 
 
 def _make_ramp_step(record: RampHold, motion: PlateMotion) -> Step:
-    says = (
+    message = (
         f"the ramp runs at {format_quantity(motion.line.speed, 'mm/s')} from {record.onset:.6g} s "
         "to "
         f"{record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} s "
@@ -718,4 +718,4 @@ def _make_ramp_step(record: RampHold, motion: PlateMotion) -> Step:
         ("hold_end_s", repr(record.hold_end)),
         ("depth_m", repr(record.depth)),
     )
-    return Step("ramp", parameters, says)
+    return Step("ramp", parameters, message)

@@ -195,7 +195,7 @@ def decimate(record: RampHold) -> RampHold:
     if not record.encoder_step > 0:
         displacement = block_means(record.displacement, count)
         noise = scatter(time[late], displacement[late])
-    says = (
+    message = (
         f"averaged each {count} of {len(record.time)} samples, force and displacement alike: "
         "more than a fit needs, and any linear solid answers a mean with a mean"
     )
@@ -209,7 +209,7 @@ def decimate(record: RampHold) -> RampHold:
         displacement_noise=noise,
         given=None if record.given is None else block_means(record.given, count),
         plate=None if record.plate is None else block_means(record.plate, count),
-        steps=(*record.steps, Step("average", (("samples", str(count)),), says)),
+        steps=(*record.steps, Step("average", (("samples", str(count)),), message)),
     )
 
 

@@ -54,9 +54,11 @@ def _mark_words(mark: str) -> list[str]:
     return [{"\t": "tab", " ": "space"}.get(mark, mark)]
 
 
-def _column(says: str, **how: Any) -> Any:
+def _column(message: str, **how: Any) -> Any:
     """Return the field that names the column of a role: ``--column ROLE=NAME``."""
-    return option(() if "multiple" in how else None, says, under="column", section="columns", **how)
+    return option(
+        () if "multiple" in how else None, message, under="column", section="columns", **how
+    )
 
 
 @dataclass(frozen=True)

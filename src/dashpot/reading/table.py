@@ -21,7 +21,7 @@ class Question:
 
     Attributes
     ----------
-    says : str
+    message : str
     option : str
         The option that answers it.
     choices : int
@@ -30,7 +30,7 @@ class Question:
         What no column was found for, and an answer as it is typed.
     """
 
-    says: str
+    message: str
     option: str
     choices: int = 0
     role: str = ""

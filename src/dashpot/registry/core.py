@@ -31,7 +31,7 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "impact", "dashpot.reading.readers.impact:read_impact", "dashpot.workflow.measured_frf:impact_files",
-                place="hammer", says=_PAIR, resonates=True, meant="hits",
+                place="hammer", lot_hint=_PAIR, resonates=True, meant="hits",
                 nouns={"dashpot.datamodel.vibration_tests:ImpactTest": ""},
                 pages={
                     "dashpot.workflow.measured_frf:Modes": "dashpot.report.solid_and_frf_pages:modes_page",
@@ -41,7 +41,7 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "frf", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.modes.measured_modes:modes_files",
-                place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
+                place="response", lot_hint=_PAIR, resonates=True, meant="modes", also="rod",
                 nouns={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
                 checks="dashpot.extensions.modes.checks", order=2,
         ),
@@ -87,7 +87,7 @@ EXTENSION = Extension(
     solver_inputs=(
         SolverInput("nastran", "dashpot.export.decks.nastran", order=0),
         SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
-        SolverInput("statespace", "dashpot.export.decks.state_space_matrices", order=8),
+        SolverInput("statespace", "dashpot.export.decks.statespace", order=8),
         SolverInput("csv", "dashpot.export.decks.csv", order=9),
     ),
     fits=(

@@ -102,7 +102,7 @@ class KindOfTest(NamedTuple):
         Which no other kind has, of that row.
     needs : str
         What has to be known of the piece before.
-    says : str
+    lot_hint : str
         In a lot, which word it waits for; by default who wants it.
     resonates : bool
         Whether a lot finds a resonance in the file alone.
@@ -138,7 +138,7 @@ class KindOfTest(NamedTuple):
     row: str = ""
     columns: tuple[str, ...] = ()
     needs: str = ""
-    says: str = ""
+    lot_hint: str = ""
     resonates: bool = False
     examples: str = ""
     fits: str = ""

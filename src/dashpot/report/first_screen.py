@@ -50,7 +50,7 @@ class Light(NamedTuple):
 
     name: str
     mark: str
-    says: str
+    message: str
 
 
 class Row(NamedTuple):
@@ -223,8 +223,8 @@ def _compute_excess(value: float, low: float, high: float) -> float:
 def test_light(checks: Iterable[Check]) -> Light:
     """Return whether the test is sound, by what it was asked."""
     mark = mark_of(checks)
-    says = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
-    return Light("Test", mark, says[mark])
+    message = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
+    return Light("Test", mark, message[mark])
 
 
 def _light(name: str, held: Comparison, requested: set[str], off: str) -> Light:
@@ -444,7 +444,7 @@ def _resting(study: Study) -> str:
 
 def _hammer(study: Study) -> str:
     if study.comparison is not None:
-        return study.comparison.says
+        return study.comparison.message
     if study.mass is None:
         return (
             "No mass was given, so no vibration was predicted. Outside the valid band the model is "
@@ -463,7 +463,7 @@ def _joint(study: Study) -> str:
     if joint.evidence.explanations:
         lead = joint.evidence.explanations[0]
         if lead.explains:
-            return f"The two tests match only if {lead.says}."
+            return f"The two tests match only if {lead.message}."
         return "No single seal matches both tests, whatever mass, gain or stiffness is taken."
     return (
         f"Fitted to both tests together, {_format_model_name(joint)} "
@@ -479,7 +479,9 @@ def _format_model_name(fit: Fit) -> str:
 
 def _meets(c: Comparison) -> str:
     """Return how far a prediction is from the hammer; a failure does not read as a success."""
-    missed = any(check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.because)
+    missed = any(
+        check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.failed_checks
+    )
     error = f"{max(100 * abs(c.frequency_error), 0.01):.2f} %"
     return f"misses the hammer by {error}" if missed else f"matches the hammer within {error}"
 
@@ -553,7 +555,7 @@ def select_decisive_checks(
     Less the one that the verdict quotes, and less the notes on a solid of the relaxation test
     beside which that of both tests is recommended.
     """
-    quoted = study.verdict.because[:1]
+    quoted = study.verdict.failed_checks[:1]
     subject: dict[Check, str] = {}
     for stage, checks in stages(study):
         for check in checks:

@@ -30,13 +30,13 @@ from dashpot.report.tables import TextTable
 class Topic(NamedTuple):
     """Topic of the verdict: the checks behind its light, and its text.
 
-    `says` stands where nothing of weight failed, `fails` where something did; by default how many
-    passed.
+    `message` stands where nothing of weight failed, `fails` where something did; by default how
+    many passed.
     """
 
     name: str
     checks: Collection[str] = ()
-    says: str = ""
+    message: str = ""
     fails: str = ""
 
 
@@ -132,7 +132,7 @@ def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light
 
 def _light(part: Topic, behind: Sequence[Check]) -> Light:
     mark, count = tally(behind, behind)
-    text = part.says if mark in {"good", "note"} else part.fails
+    text = part.message if mark in {"good", "note"} else part.fails
     return Light(part.name, mark, text or format_check_tally(behind).rstrip(".") or count)
 
 
@@ -288,12 +288,12 @@ def judgement(
 ) -> dict[str, Any]:
     """Return the common contents of a judged result's page: verdict, checks, files behind it."""
     every = tuple(dict.fromkeys(checks))
-    also = [check for check in every if check.failed and check not in verdict.because]
+    also = [check for check in every if check.failed and check not in verdict.failed_checks]
     return {
         **frame(),
         "verdict": verdict,
         "colour": VERDICT_COLOURS[verdict.use],
-        "weighty": (*verdict.because, *also),
+        "weighty": (*verdict.failed_checks, *also),
         "tally": tally(every, every),
         "checks": tables.checks([(name, every)], every),
         "sources": sources,

@@ -64,7 +64,7 @@ def modes_page(modes: Modes) -> KindPage:
     used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else format_count(1, "FRF")
     top = f"to {round_to_error(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
     topics = (
-        Topic("Hits" if frf.hits else "FRF", says=used),
+        Topic("Hits" if frf.hits else "FRF", message=used),
         Topic("Resonance", _RESONANCE,
              "" if first is None else f"{round_to_error(first.frequency, digits=4)}{NBSP}Hz"),
         Topic("Band", {"coherence", "hammer_excites", "high_frequency_mass_agrees",

@@ -85,7 +85,7 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
     distinct: dict[tuple[str, str], tuple[str, Check]] = {}
     for stage, checks in groups:
         for check in checks:
-            distinct.setdefault((check.name, check.says), (stage, check))
+            distinct.setdefault((check.name, check.message), (stage, check))
     ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], weighed))
     rows = tuple(
         (
@@ -348,14 +348,16 @@ def resonance(study: Study) -> TextTable | None:
         "decrement": "decay",
         "peak": "highest line and its neighbours",
     }
-    rows = [(f"measured: {says}", *_mode_cells(measured, way, c)) for way, says in ways.items()]
+    rows = [
+        (f"measured: {message}", *_mode_cells(measured, way, c)) for way, message in ways.items()
+    ]
     rests = study.at_rest
     compression = rests.point.compression if rests is not None and rests.point.given else None
-    for says, fit, mass in _solids(study, study.mass):
+    for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
         on = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
         for mode in model_modes(on, mass)[:1]:
-            rows.append((f"{says}: exact pole", round_to_error(mode.frequency, digits=5),
+            rows.append((f"{message}: exact pole", round_to_error(mode.frequency, digits=5),
                          round_to_error(100 * mode.damping_ratio)))  # fmt: skip
     return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
 
@@ -425,7 +427,7 @@ def explanations(joint: Fit | None) -> TextTable | None:
         return None
     rows = tuple(
         (
-            format_typographic(explanation.says),
+            format_typographic(explanation.message),
             round_to_error(explanation.fall, digits=4),
             "yes" if explanation.explains else "no",
         )

@@ -146,9 +146,9 @@ def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
 
 def lead(verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
-    mark, _, says = str(verdict).partition(": ")
+    mark, _, message = str(verdict).partition(": ")
     return _format_marked_sentence(
-        f"{mark}:", says, USES[verdict.use], style, hang=2, columns=columns
+        f"{mark}:", message, USES[verdict.use], style, hang=2, columns=columns
     )
 
 
@@ -185,18 +185,18 @@ def _select_failed_checks(
 ) -> Sequence[Check]:
     """Return the failed checks to list, the gravest first."""
     if verdict is not None and not everything:
-        return verdict.because
+        return verdict.failed_checks
     grades = ("stop", "limit", "note") if everything else ("stop", "limit")
     return [check for grade in grades for check in checks if check.failed and check.grade == grade]
 
 
 def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
     mark, colour = MARKS[check.grade]
-    says = check.message_with_option
+    message = check.message_with_option
     above = (
         set()
         if verdict is None
-        else {decapitalise_sentence(sentence) for sentence in sentences(verdict.says)}
+        else {decapitalise_sentence(sentence) for sentence in sentences(verdict.message)}
     )
     new = [
         sentence
@@ -204,9 +204,9 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
         if decapitalise_sentence(sentence) not in above
     ]
     if decapitalise_sentence(sentences(check.message_with_remedy)[0]) in above:
-        says = says.replace(check.message_with_remedy, " ".join(["(see line 1)", *new]))
+        message = message.replace(check.message_with_remedy, " ".join(["(see line 1)", *new]))
     first, *others = _format_marked_sentence(
-        f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
+        f"  {mark}", f"{message} {check.name}", colour, style, hang=5, columns=columns
     )
     lines = [first, *others]
     # the name is for searching, not for reading

@@ -92,7 +92,7 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     )
     details = [*every, *_format_parameter_changes(fit), f"  optimiser   {fit.status.value}"]
     if fit.evidence.certificate:
-        details.append(f"  optimality  {fit.evidence.certificate.says}")
+        details.append(f"  optimality  {fit.evidence.certificate.message}")
     (details if residual.unit == "N" else lines).extend(_nuisance(fit))
     return Text(lines, [*details, *list_notes(fit.source), *_orders(fit)])
 
@@ -188,8 +188,8 @@ def _format_alternative(fit: Fit) -> list[str]:
     """Return the other family of solids, unless the verdict has named it."""
     other = fit.evidence.alternative
     return (
-        [f"  beside it   {other.says}"]
-        if other and other.says.partition(".")[0] not in fit.verdict.says
+        [f"  beside it   {other.message}"]
+        if other and other.message.partition(".")[0] not in fit.verdict.message
         else []
     )
 
@@ -306,7 +306,7 @@ def _format_explanations(fit: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  tried       {explanation.says} ({_match(explanation)}; chi-square "
+            f"  tried       {explanation.message} ({_match(explanation)}; chi-square "
             f"{'falls' if explanation.fall > 0 else 'rises'} by {abs(explanation.fall):.4g})"
         )
         for explanation in fit.evidence.explanations
@@ -604,7 +604,7 @@ def render_identification(result: Identified) -> Text:
         first += format_error_sensitivity(
             straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS
         )
-    assumed = [check.says for check in result.noted if check.failed and check.name == _ASSUMED]
+    assumed = [check.message for check in result.noted if check.failed and check.name == _ASSUMED]
     rests = [str(result.at_rest)] if str(result.at_rest) else []
     modes = impact(result.vibration) if result.vibration else Text()
     shown = [*first, *lines, *assumed, *rests, *modes.lines]

@@ -38,14 +38,14 @@ def mass_of_a_block(mass: float) -> Finding:
 )
 def compression_tested(compression: float, depth: float | None) -> Finding:
     """The seals are compressed no further than in their test."""
-    says = f"The seals are pressed by {format_quantity(compression, 'mm')}"
+    message = f"The seals are pressed by {format_quantity(compression, 'mm')}"
     if depth is None:
-        return Finding(f"{says}. The depth of their test is not known")
+        return Finding(f"{message}. The depth of their test is not known")
     part = compression / depth
     return Finding(
-        f"{says}, within the {format_quantity(depth, 'mm', '.3g')} tested",
+        f"{message}, within the {format_quantity(depth, 'mm', '.3g')} tested",
         part,
-        instead=f"{says}, {part:.3g} times the {format_quantity(depth, 'mm', '.3g')} tested",
+        instead=f"{message}, {part:.3g} times the {format_quantity(depth, 'mm', '.3g')} tested",
         remedy=Remedy("Check the mass and its unit, or test as deep.", "mass"),
         grade="stop" if part > MOST_BEYOND else "limit",
     )

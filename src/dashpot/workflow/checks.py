@@ -48,7 +48,7 @@ def measurement_independent_of_fit(fitted: int) -> Finding:
         "The fit was not made from this measurement",
         fitted,
         instead=f"The fit was made from this measurement ({fitted} files)",
-        because="No test: its agreement says nothing",
+        reason="No test: its agreement says nothing",
         remedy="Compare it with other hits, or leave a hit out.",
     )
 
@@ -58,7 +58,7 @@ def seals_counted(seals: float) -> Finding:
     """The number of seals under the block was given."""
     return Finding(
         f"The number of seals is not given, so {format_seals(seals)} is assumed",
-        because="The stiffness of one seal goes with it",
+        reason="The stiffness of one seal goes with it",
         remedy=Remedy("Count the seals under the block.", "seals"),
         faulted=True,
     )
@@ -76,11 +76,11 @@ def base_band_in_valid_band(
     """
     low, high = max(requested[0], min(peak / 4, requested[1])), requested[1]
     factor = max(high / band[1], band[0] / low) if band[1] > 0 else math.inf
-    says = f"From {low:.3g} to {high:.3g} Hz the transmissibility"
+    message = f"From {low:.3g} to {high:.3g} Hz the transmissibility"
     return Finding(
-        f"{says} depends on what the test covers",
+        f"{message} depends on what the test covers",
         factor,
-        instead=f"{says} is extrapolated by a factor of {factor:.3g}. The test covers "
+        instead=f"{message} is extrapolated by a factor of {factor:.3g}. The test covers "
         f"{band[0]:.2g} to {band[1]:.2g} Hz",
         remedy=Remedy("Narrow the band, or measure on a shaker.", "band"),
     )

@@ -178,21 +178,20 @@ class FRFComparison(HasVerdict, Serialisable):
         if select_failed_stops(self.comparison.measured):
             return new_verdict
         if self.in_sample:
-            return replace(new_verdict, says=self._circular())
+            return replace(new_verdict, message=self._circular())
         if not self.mass_inferred:
-            return replace(new_verdict, says=self.comparison.says)
+            return replace(new_verdict, message=self.comparison.message)
         return replace(
             new_verdict,
-            says=f"The mass, {format_quantity(self.mass, 'g')}, was found from the measured peak, "
-            "so the "
-            "stiffness is not tested. Weigh the block, and give its mass.",
+            message=f"The mass, {format_quantity(self.mass, 'g')}, was found from the measured "
+            "peak, so the stiffness is not tested. Weigh the block, and give its mass.",
         )
 
     def _circular(self) -> str:
         """Return what a comparison with the hits that were fitted shows."""
         off = 100 * self.comparison.frequency_error
-        says = f"The peak is off by {off:+.2g} %. No test"
-        first = f"{says}, because the fit was made from these hits."
+        message = f"The peak is off by {off:+.2g} %. No test"
+        first = f"{message}, because the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * value for value in self.unseen.height)

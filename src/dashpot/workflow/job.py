@@ -360,8 +360,8 @@ class ModesJob:
     options: ReadOptions = make_nested_options(ReadOptions)
 
 
-def _shape(says: str) -> Any:
-    return option(None, says, under="shape", sign=":")
+def _shape(message: str) -> Any:
+    return option(None, message, under="shape", sign=":")
 
 
 @dataclass(frozen=True)

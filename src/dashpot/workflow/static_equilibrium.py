@@ -203,7 +203,7 @@ def frf_limits(
         joined,
         parameter=_slid(f, joined.parameter, slid),
         unseen=_slid(f, joined.unseen, slid),
-        says=joined.says + doubt * (point.factor_se > 0),
+        message=joined.message + doubt * (point.factor_se > 0),
     )
 
 

@@ -259,7 +259,7 @@ class Study(Plottable, Serialisable):
             where = f"From {hertz(self.joint.band)} one model matches both tests"
             return paragraph(where, self.joint_comparison.resonance_match)
         if self.joint is None and self.comparison is not None:
-            return self.comparison.says
+            return self.comparison.message
         return (self.joint or self.fit).headline
 
 

@@ -201,12 +201,12 @@ def test_a_line_without_an_end_is_no_memory_without_an_end():
 
 
 @pytest.mark.parametrize(
-    ("columns", "says"),
+    ("columns", "message"),
     [(["force"], "each column needs a name and a unit"), ([], "each column needs a name"),
      (["time [s]"], "only a time is sent"), (["time [N]", "force [N]"], "'N' is no unit of time")],
 )  # fmt: skip
-def test_columns_that_say_too_little_are_refused(columns, says: str):
-    with pytest.raises(DataError, match=says):
+def test_columns_that_say_too_little_are_refused(columns, message: str):
+    with pytest.raises(DataError, match=message):
         Lines(columns)
 
 
@@ -373,7 +373,7 @@ def test_ctrl_c_ends_a_record_in_good_order(tmp_path, how):
 @pytest.mark.once
 def test_the_command_refuses_what_it_cannot_record(tmp_path):
     (tmp_path / "mine.csv").write_text("somebody's\n")
-    for words, says in [
+    for words, message in [
         ("serial -o a.csv", "add --port"),
         ("replay -o a.csv", "add --from FILE"),
         (f"replay --from {tmp_path / 'mine.csv'} -o a.csv", "give it a header such as"),
@@ -385,5 +385,5 @@ def test_the_command_refuses_what_it_cannot_record(tmp_path):
     ]:
         done = ran("record", "--driver", *words.split())
         assert done.exit_code == 2, done.output
-        assert says in " ".join(done.output.split())
+        assert message in " ".join(done.output.split())
     assert (tmp_path / "mine.csv").read_text() == "somebody's\n"

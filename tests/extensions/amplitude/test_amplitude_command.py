@@ -190,18 +190,18 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "says"),
+    ("name", "message"),
     [
         ("Stiffness", "only 'Stiffness' could be storage or loss, and it is not both"),
         ("Dynamic stiffness", "'Dynamic stiffness' is the size |K*|, and no column is its loss"),
     ],
 )
-def test_strain_sweep_refuses_one_column_for_storage_and_loss(tmp_path, name, says):
+def test_strain_sweep_refuses_one_column_for_storage_and_loss(tmp_path, name, message):
     header = f"Frequency [Hz],Strain [%],{name} [N/mm],Coherence"
     path = saved(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
     result = shell.ran("fit", path, "--kind", "strain-sweep")
     assert result.exit_code == 2
-    assert says in " ".join(result.stderr.split())
+    assert message in " ".join(result.stderr.split())
 
 
 @pytest.mark.parametrize(("noise", "drift"), [(0.0, 0.0), (2e-6, 0.0), (2e-6, 4e-4)])
@@ -293,7 +293,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (["frf0.csv", "--mass", "104g", "--resonance-amplitude", "1N"], "0 levels and a mass"),
         (["frf0.csv", "--amplitude", "0.1N"], "1 levels and no mass"),
@@ -309,7 +309,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
         (["bare.csv"], "no column of strain or displacement"),
     ],
 )
-def test_fit_refuses_impossible_amplitude_data(tmp_path, monkeypatch, words, says):
+def test_fit_refuses_impossible_amplitude_data(tmp_path, monkeypatch, words, message):
     monkeypatch.chdir(tmp_path)
     frfs(tmp_path, (0.05,))
     X = np.geomspace(1e-3, 5, 12)
@@ -318,7 +318,7 @@ def test_fit_refuses_impossible_amplitude_data(tmp_path, monkeypatch, words, say
     saved("sweep.csv", header, tones, X, K.real, K.imag)
     saved("flat.csv", header, tones, np.ones(12), K.real, K.imag)
     saved("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
-    assert says in ran(*words, code=2)
+    assert message in ran(*words, code=2)
 
 
 def struck(path, heights):
@@ -410,8 +410,8 @@ def test_an_frf_of_hits_is_of_no_level(tmp_path):
     write_frf(estimate_frf(read_impact(hits), band="8:20Hz"), of_hits)
     found = ran(paths[0], of_hits, "--amplitude", "0.05N", "--amplitude", "1N", "--mass", "104g")
     assert found["verdict"]["failed_checks"][0] == "levels_controlled"
-    says = next(
+    message = next(
         check["message"] for check in found["checks"] if check["name"] == "levels_controlled"
     )
-    assert "of_hits.csv: an FRF of hits has no level" in says
+    assert "of_hits.csv: an FRF of hits has no level" in message
     assert "not fitted together" in " ".join(ran(paths[0], hits, "--mass", "1kg", code=2).split())

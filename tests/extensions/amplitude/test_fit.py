@@ -83,7 +83,7 @@ class TestSweep:
         found = {check.name: check for check in fit_amplitude(sweep(K, up_down)).checks}
         assert found["up_and_down_sweeps_agree"].value == pytest.approx(abs(change), abs=1e-9)
         assert found["up_and_down_sweeps_agree"].failed == (abs(change) > 0.03)
-        assert ("softer" if change < 0 else "stiffer") in found["up_and_down_sweeps_agree"].says
+        assert ("softer" if change < 0 else "stiffer") in found["up_and_down_sweeps_agree"].message
 
     def test_fit_omits_the_return_check_without_a_return(self):
         shuffled = np.random.default_rng(1).permutation(X)
@@ -118,7 +118,7 @@ class TestSweep:
             found = fit_amplitude(sweep(np.full(len(X), 5e6 * (1 + 0.1j)), noise=0.01, seed=seed))
             assert found.law == "none", seed
             matters = next(c for c in found.checks if c.name == "amplitude_dependence_detected")
-            assert "no change with amplitude is seen" in matters.says
+            assert "no change with amplitude is seen" in matters.message
             assert found.ratio(1e-3) == 1
 
     def test_the_first_samples_of_an_instrument_out_of_its_range(self):
@@ -275,7 +275,7 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
 
 
 @pytest.mark.parametrize(
-    ("said", "says"),
+    ("said", "message"),
     [
         ([20.0, 2.0], "belong to each other's files"),
         ([2000.0, 20000.0], "looks like mN or kN"),
@@ -283,10 +283,10 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
         ([2.0, 50.0], "sensitivity of the force"),
     ],
 )
-def test_levels_check_explains_a_contradiction_with_the_hits(said, says):
+def test_levels_check_explains_a_contradiction_with_the_hits(said, message):
     check = levels_as_stated(said, [2.1, 19.0])
     assert check.failed
-    assert says in check.says
+    assert message in check.message
 
 
 def test_hits_that_leave_no_resonance_at_a_level_say_so():
@@ -356,7 +356,7 @@ class TestLevels:
             found = fit_levels(three(nothing, seed=seed), LEVELS, mass=MASS)
             assert found.rate_independent == (), seed
             assert "no change with amplitude is seen" in " ".join(
-                found.summary_lines + tuple(c.says for c in found.checks)
+                found.summary_lines + tuple(c.message for c in found.checks)
             )
 
     @pytest.mark.parametrize(("said", "use"), [(True, "use"), (False, "do not use")])
@@ -419,7 +419,7 @@ class TestLevels:
         found = fit_levels(frfs, wrong.get("levels", LEVELS), mass=wrong.get("mass", MASS))
         assert found.verdict.use == use
         # what nothing explains is not called linear
-        assert "the solid is linear" not in " ".join(check.says for check in found.checks)
+        assert "the solid is linear" not in " ".join(check.message for check in found.checks)
 
     @pytest.mark.parametrize("k3", [4e5, -4e5, 8e5])
     @pytest.mark.parametrize("slips", [True, False])

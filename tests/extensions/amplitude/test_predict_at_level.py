@@ -191,7 +191,7 @@ def test_predict_states_first_that_a_level_is_outside_the_sweep(place, level, pa
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (("--amplitude", "1N", *DISC), "the elastic law of this fit is straight"),
         (("--sweep", "strain.csv"), "give both, or neither"),
@@ -208,7 +208,7 @@ def test_predict_states_first_that_a_level_is_outside_the_sweep(place, level, pa
         (("--sweep", "long.csv", "--amplitude", "1N", *DISC), "does not give the strain"),
     ],
 )  # fmt: skip
-def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):
+def test_what_tells_no_level_is_refused(place, monkeypatch, words, message):
     monkeypatch.chdir(place)
     X = np.geomspace(1e-3, 1, 12)
     (place / "frf.csv").write_text(
@@ -221,7 +221,7 @@ def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):
         (place / name).write_text(header + rows)
     told = predict(place, *words)
     assert told.exit_code == 2
-    assert says in " ".join(told.stderr.split())
+    assert message in " ".join(told.stderr.split())
 
 
 def test_predict_writes_and_plots_one_level(place, tmp_path):

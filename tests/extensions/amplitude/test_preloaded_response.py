@@ -149,7 +149,7 @@ def test_a_straight_law_takes_no_level(straight):
 
 
 @pytest.mark.parametrize(
-    ("how", "says"),
+    ("how", "message"),
     [
         # the force is 0.99 times, and 1.01 times the weight
         ({"level": f"{1.01 * MASS * 9.80665}N"}, r"lifts the mass off the seal: its force is"),
@@ -157,8 +157,8 @@ def test_a_straight_law_takes_no_level(straight):
         ({"level": "1uN", "mass": "10mg"}, r"so slight a contact was not tested"),
     ],
 )
-def test_predict_refuses_a_mass_that_hardly_preloads(bent, how, says):
-    with pytest.raises(DataError, match=says):
+def test_predict_refuses_a_mass_that_hardly_preloads(bent, how, message):
+    with pytest.raises(DataError, match=message):
         dp.predict(bent, **{"mass": MASS, "seals": 2, "lines": 31, **how})
 
 

@@ -276,11 +276,11 @@ def test_a_form_that_holds_no_friction_says_who_does(target, form):
     write, fit = TARGETS[target], a_level_fit()
     with pytest.raises(ExportError, match="3 sliders and a cubic spring, whose force is not") as no:
         write(fit, units="SI", form=form, allow=("all",))
-    says = str(no.value)
+    message = str(no.value)
     if target in CARRIERS:
-        assert f"take --form {CARRIERS[target][0]}" in says
+        assert f"take --form {CARRIERS[target][0]}" in message
     else:
-        assert f"--to {', '.join(CARRIERS)}" in says
+        assert f"--to {', '.join(CARRIERS)}" in message
     # arms alone are linear: any deck takes them
     extra = {"modulus": 1e6} if form == "prony" and target in ("lsdyna", "radioss") else {}
     extra |= {"bulk_modulus": 1e8, "density": 700.0} if target == "lsdyna" else {}
@@ -383,12 +383,12 @@ def test_a_level_document_that_was_changed_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("document", "says"),
+    ("document", "message"),
     [
         ({"law": "additive"}, "a law of stiffness and loss"),
         ({"hits": 5}, "hits of different height"),
     ],
 )
-def test_a_law_of_amplitudes_has_no_force_along_a_path(document, says):
-    with pytest.raises(ReadError, match=f"holds {says}, which has no force along a path"):
+def test_a_law_of_amplitudes_has_no_force_along_a_path(document, message):
+    with pytest.raises(ReadError, match=f"holds {message}, which has no force along a path"):
         from_json(json.dumps({"schema": "dashpot/levels@2"} | document))

@@ -125,14 +125,14 @@ def test_a_history_that_was_edited_is_not_opened(store, project):
 
 
 @pytest.mark.parametrize(
-    ("folder", "says"),
+    ("folder", "message"),
     [(None, "no folder is named"), ("  ", "no folder is named"), ("nowhere", "is no folder"),
      ("state", "neither a project")],
 )  # fmt: skip
-def test_what_is_no_such_folder_says_so(store, tmp_path, monkeypatch, folder, says):
+def test_what_is_no_such_folder_says_so(store, tmp_path, monkeypatch, folder, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "state").mkdir()
-    with pytest.raises(dp.DashpotError, match=says):
+    with pytest.raises(dp.DashpotError, match=message):
         ask("folder", store, folder=folder)
     assert not recent.recent()
 

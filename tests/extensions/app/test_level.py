@@ -98,7 +98,7 @@ def test_levels_are_fitted_as_by_the_command(store, ids, names, more, shown):
 
 
 @pytest.mark.parametrize(
-    ("names", "more", "says"),
+    ("names", "more", "message"),
     [
         (["frf0.csv"], {"levels": ["0.1N"]}, "no mass is given"),
         (["frf0.csv"], {"levels": ["0.1"], "mass": "104g"}, "has no unit"),
@@ -109,9 +109,9 @@ def test_levels_are_fitted_as_by_the_command(store, ids, names, more, shown):
         ("payne.csv", {}, "expected a list"),
     ],
 )
-def test_what_cannot_be_fitted_says_so(store, ids, names, more, says):
+def test_what_cannot_be_fitted_says_so(store, ids, names, more, message):
     files = [ids[name] for name in names] if isinstance(names, list) else ids[names]
-    with pytest.raises(dp.DashpotError, match=says):
+    with pytest.raises(dp.DashpotError, match=message):
         ask("level", store, files=files, **more)
 
 

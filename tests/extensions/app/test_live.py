@@ -44,7 +44,7 @@ def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
     seen = live.look(1e9, -1)
     assert (seen["running"], seen["rows"], seen["failed"]) == (False, 42501, "")
     (kept,) = tmp_path.glob("record-*.csv")
-    assert seen["says"].endswith(f"kept in {kept}")
+    assert seen["message"].endswith(f"kept in {kept}")
     assert [one["name"] for one in seen["drawn"]] == ["displacement [mm]", "force [N]"]
     assert "2000" in seen["drawn"][0]["svg"][:80]  # as wide as a page may ask
     again = {"driver": "replay", "file": seen["kept"]["id"], "speed": 1e9}
@@ -52,8 +52,8 @@ def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
     live._thread.join()
     played = live.look(400, 200)
     assert played["rows"] == 42501
-    assert "simulated; replayed from record-" in played["says"]
-    assert "it goes with the app" in played["says"]
+    assert "simulated; replayed from record-" in played["message"]
+    assert "it goes with the app" in played["message"]
 
 
 def test_live_record_runs_singly_and_stops_on_request(live):
@@ -69,7 +69,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
     (tmp_path / "secret.csv").write_text("1,2,3\n")
     there = {"folder": str(tmp_path)}
     columns = "time [s], force [N]"
-    for asked, error, says in [
+    for asked, error, message in [
         ({"driver": "serial", "port": str(tmp_path / "secret.csv"), "columns": columns} | there,
          ReadError, "is no serial line"),
         ({"driver": "serial", "port": os.devnull, "columns": columns} | there,
@@ -83,7 +83,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
         ({"driver": "move"}, DataError, "driver = 'move'; expected one of simulated"),
         ({}, DataError, "driver = ''; expected one of simulated"),
     ]:  # fmt: skip
-        with pytest.raises(error, match=says):
+        with pytest.raises(error, match=message):
             live.start(asked)
     assert not live.running
     assert live.look(0, 0)["rows"] == 0

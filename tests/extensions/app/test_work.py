@@ -368,7 +368,7 @@ def test_hit_can_be_rejected_on_the_page(store, page_job):
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "message"),
     [
         ({"relaxation": ""}, "open one first"),
         ({"relaxation": "../../etc"}, "no longer here"),
@@ -390,8 +390,8 @@ def test_hit_can_be_rejected_on_the_page(store, page_job):
         ({"reading": {"units": 5}}, "not of the kind"),
     ],
 )
-def test_job_reports_unknown_fields(store, page_job, change, says):
-    with pytest.raises(dp.DashpotError, match=says):
+def test_job_reports_unknown_fields(store, page_job, change, message):
+    with pytest.raises(dp.DashpotError, match=message):
         job_of(page_job | change, store.folder)
 
 

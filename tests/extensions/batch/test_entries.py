@@ -77,7 +77,7 @@ def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, t
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "message"),
     [
         ("", "is empty"),
         ("file,lot\n", "lists no test"),
@@ -89,9 +89,9 @@ def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, t
         ("file,mass\nb.csv,104mm\n", "test 1: mass:"),
     ],
 )
-def test_a_manifest_that_is_none_says_where_and_what(here, text, says):
+def test_a_manifest_that_is_none_says_where_and_what(here, text, message):
     Path("m.csv").write_text(text)
-    with pytest.raises(ReadError, match=re.escape(says)):
+    with pytest.raises(ReadError, match=re.escape(message)):
         find_entries([], manifest="m.csv", without=Path("lot"))
 
 
@@ -160,7 +160,7 @@ def test_find_entries_pairs_a_name_with_pattern_characters(pairs):
 
 
 @pytest.mark.parametrize(
-    ("pair", "says"),
+    ("pair", "message"),
     [
         ("*_hammer*.csv", "holds no name in braces"),
         ("{name}_hammer*.csv", "holds name in braces"),
@@ -170,8 +170,8 @@ def test_find_entries_pairs_a_name_with_pattern_characters(pairs):
         ("{stem}*.csv", "fits the tests themselves"),
     ],
 )
-def test_a_pattern_that_pairs_nothing_says_why(pairs, pair, says):
-    with pytest.raises(DataError, match=re.escape(says)):
+def test_a_pattern_that_pairs_nothing_says_why(pairs, pair, message):
+    with pytest.raises(DataError, match=re.escape(message)):
         find_entries(["t"], pair=pair, without=Path("lot"))
 
 

@@ -437,7 +437,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "says"),
+    ("given", "message"),
     [
         ({"quick": True}, "--quick needs the number of arms"),
         ({"mass": 0.0}, "expected a number > 0"),
@@ -450,8 +450,8 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
         ({"by": r"(nowhere)"}, "fits none of 11 paths"),
     ],
 )  # fmt: skip
-def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, given, says):
-    with pytest.raises(DataError, match=says):
+def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, given, message):
+    with pytest.raises(DataError, match=message):
         batch(folder, output=tmp_path / "lot", **given)
     assert not (tmp_path / "lot").exists()
 

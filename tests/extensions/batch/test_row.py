@@ -166,7 +166,7 @@ def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
 
 
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    ("changes", "message"),
     [
         ({"mass": None}, "hammer: no mass is known"),
         ({"file": "dma.csv"}, "hammer: a test of a material"),
@@ -174,12 +174,14 @@ def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
         ({"hammer": ("triangle.csv",)}, "hammer: "),
     ],
 )
-def test_a_hammer_that_cannot_be_held_against_it_leaves_the_fit(folder, monkeypatch, changes, says):
+def test_a_hammer_that_cannot_be_held_against_it_leaves_the_fit(
+    folder, monkeypatch, changes, message
+):
     monkeypatch.chdir(folder)
     entry = replace(Entry("seal.csv", hammer=("frf.csv",), mass=MASS), **changes)
     found = row_of(entry)
     assert (found["outcome"], found["agreement"]) == ("fitted", "")
-    assert says in found["reason"]
+    assert message in found["reason"]
 
 
 @pytest.mark.parametrize(("apart", "compared"), [(0.0, True), (30.0, False)])

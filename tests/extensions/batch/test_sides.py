@@ -28,15 +28,15 @@ def list_causes(values: list[float], broken: list[int]) -> list[dict[str, Any]]:
 def test_lot_page_lists_runs_on_both_sides_separately() -> None:
     low, high = list_causes([190.0, 203.0, 191.0, 202.0], [0, 1, 2, 3])
     assert low["name"] == "Lots A and C"
-    assert low["says"].startswith("lie low: 0.1900 to 0.1910 N/mm")
+    assert low["message"].startswith("lie low: 0.1900 to 0.1910 N/mm")
     assert high["name"] == "Lots B and D"
-    assert high["says"].startswith("lie high: 0.2020 to 0.2030 N/mm")
+    assert high["message"].startswith("lie high: 0.2020 to 0.2030 N/mm")
 
 
 def test_lot_page_names_a_run_on_one_side_by_its_ends() -> None:
     (one,) = list_causes([190.0, 191.0, 189.0, 250.0], [0, 1, 2])
     assert one["name"] == "Lots A to C"
-    assert one["says"].startswith("lie low: 0.1890 to 0.1910 N/mm")
+    assert one["message"].startswith("lie low: 0.1890 to 0.1910 N/mm")
 
 
 def test_a_batch_of_which_nothing_was_fitted_is_not_to_be_used(

@@ -39,7 +39,7 @@ def test_quantity_is_resolved_by_column_with_or_without_unit():
 
 
 @pytest.mark.parametrize(
-    ("column", "keeps", "breaks", "says"),
+    ("column", "keeps", "breaks", "message"),
     [
         ("hold_s", 38.0, 37.9, "held for 37.9 s, its lot 40 s"),
         ("hold_s", 42.0, 42.1, "held for 42.1 s, its lot 40 s"),
@@ -47,8 +47,8 @@ def test_quantity_is_resolved_by_column_with_or_without_unit():
         ("temperature_K", 299.15, 299.2, "tested at 299 K, its lot 296 K"),
     ],
 )
-def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, says):
-    for value, left in ((keeps, {}), (breaks, {"L1/1_1.csv": says})):
+def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, message):
+    for value, left in ((keeps, {}), (breaks, {"L1/1_1.csv": message})):
         rows = scattered(lots=1, seals=3)
         rows[0][column] = value
         lot = lot_of(rows)
@@ -192,8 +192,8 @@ def test_lots_tested_otherwise_are_not_called_the_same_test():
     found = compare_two_lots(("A", lot_of(one)), ("B", lot_of(other)))
     (check,) = [each for each in found.checks if each.name == "lots_tested_alike"]
     assert check.failed
-    assert "depth 0.008 and 0.006 m" in check.says
-    fitted = [each.says[:5] for each in found.checks if each.name == "files_fitted"]
+    assert "depth 0.008 and 0.006 m" in check.message
+    fitted = [each.message[:5] for each in found.checks if each.name == "files_fitted"]
     assert fitted == ["In A,", "In B,"]
     assert not compare_two_lots(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
 

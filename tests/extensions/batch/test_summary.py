@@ -234,7 +234,7 @@ def test_required_capability_that_is_undetermined_fails(tmp_path, rows, unknown)
     found = summary(lot_of(rows), limits=asked).checks
     (check,) = [one for one in found if one.name == "capability_as_asked"]
     assert check.failed is unknown
-    assert ("is not known of one lot" in check.says) is unknown
+    assert ("is not known of one lot" in check.message) is unknown
 
 
 def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
@@ -318,7 +318,7 @@ def test_summary_reports_frequencies_outside_the_band():
             for row in scattered(1, 3, 1)]  # fmt: skip
     (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "frequencies_in_band"]
     assert check.value == 3
-    assert "12.7 Hz lies outside" in check.says
+    assert "12.7 Hz lies outside" in check.message
 
 
 def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):

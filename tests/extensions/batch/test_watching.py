@@ -182,8 +182,8 @@ def test_watch_merges_many_single_tests_into_few_parts(rig):
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):
-    for asked, says in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
-        with pytest.raises(DataError, match=says):
+    for asked, message in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
+        with pytest.raises(DataError, match=message):
             Story(**asked)
     rig.rmdir()
     with pytest.raises(ReadError, match="rig is no folder"):

@@ -56,7 +56,7 @@ def test_fit_modulus_reports_a_missing_plateau_with_valid_limits() -> None:
     slow = GeneralizedMaxwell(1e6, (1e6, 5e5), (1.0, 300.0))
     found = fit_modulus(curve(slow, T[T < 30]))
     assert found.verdict.use == "use with care"
-    assert found.verdict.because[0].name == "plateau_determined"
+    assert found.verdict.failed_checks[0].name == "plateau_determined"
     end = found.evidence.end_of_hold
     assert end is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10), ("k_inf", np.inf)):
@@ -68,8 +68,8 @@ def test_fit_modulus_reports_a_missing_plateau_with_valid_limits() -> None:
 def test_a_curve_that_falls_tells_how_many_times_as_stiff_it_was() -> None:
     """1 + 9 exp(-t / 50) is 10 at first and 2.218 at 100."""
     found = fit_modulus(curve(GeneralizedMaxwell(1e6, (9e6,), (50.0,)), noise=1e-3))
-    says = next(check.says for check in found.checks if check.name == "curve_level_at_end")
-    assert float(says.split("At first it was ")[1].split()[0]) == pytest.approx(4.508, abs=0.02)
+    message = next(check.message for check in found.checks if check.name == "curve_level_at_end")
+    assert float(message.split("At first it was ")[1].split()[0]) == pytest.approx(4.508, abs=0.02)
 
 
 def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it() -> None:
@@ -142,7 +142,7 @@ def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
     ]
     met(Score.of(some), sound=0.5)
     assert any(line["use"] == "use" for line in some)
-    assert any("plateau_determined" in line["because"] for line in some)
+    assert any("plateau_determined" in line["reason"] for line in some)
 
 
 @pytest.mark.slow

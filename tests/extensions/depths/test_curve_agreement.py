@@ -16,7 +16,7 @@ def test_the_paper_seal_agrees_with_its_compression_curve() -> None:
     (agreement,) = compare_with_curve(law, [8e-3], displacement=curve, force=196.5 * curve)
     assert agreement.relaxed == pytest.approx(1.572)
     assert agreement.difference == pytest.approx(0.0, abs=1e-12)
-    assert "1.572 N" in agreement.says
+    assert "1.572 N" in agreement.message
 
 
 def test_a_curve_that_is_too_short_is_refused() -> None:

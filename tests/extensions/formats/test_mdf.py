@@ -177,8 +177,8 @@ def test_mdf_takes_the_slower_clock_of_force_and_travel(
     measured = {name: np.interp(within, TIME, values) for name, values in numbers.items()}
     np.testing.assert_allclose(test.force, measured["Force"], atol=1e-12)
     np.testing.assert_allclose(test.displacement, measured["Travel"] * 1e-3, atol=1e-12)
-    says = "group 'cell' (20 Hz) has a clock of its own: its channels were interpolated to the"
-    assert any(note.startswith(says) for note in test.source.notes)
+    message = "group 'cell' (20 Hz) has a clock of its own: its channels were interpolated to the"
+    assert any(note.startswith(message) for note in test.source.notes)
 
 
 def test_mdf_reads_force_and_travel_on_their_clock_with_a_slow_speed(tmp_path: Path) -> None:
@@ -308,9 +308,9 @@ REFUSED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
-def test_mdf_names_what_it_does_not_read(tmp_path: Path, data: bytes, says: str) -> None:
-    with pytest.raises(ReadError, match=says):
+@pytest.mark.parametrize(("data", "message"), REFUSED.values(), ids=REFUSED)
+def test_mdf_names_what_it_does_not_read(tmp_path: Path, data: bytes, message: str) -> None:
+    with pytest.raises(ReadError, match=message):
         inspect_file(save(tmp_path / "a.mf4", data))
 
 
@@ -324,7 +324,7 @@ def test_a_link_that_goes_round_ends() -> None:
 
 def test_a_block_of_zeros_unpacks_to_no_more_than_it_says() -> None:
     data = mdf4([bench()], how="DZ")
-    body = packed(bytes(64 << 20), says=25 * 840)
+    body = packed(bytes(64 << 20), message=25 * 840)
     place = data.find(b"##DZ")
     bomb = struct.pack("<4s4xQQ", b"##DZ", 24 + len(body), 0) + body
     moved = data[:place] + bomb + data[place:]

@@ -72,7 +72,7 @@ REFUSED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("data", "says"), REFUSED.values(), ids=REFUSED)
-def test_what_cannot_be_read_is_named(data: bytes, says: str) -> None:
-    with pytest.raises(ReadError, match=says):
+@pytest.mark.parametrize(("data", "message"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_read_is_named(data: bytes, message: str) -> None:
+    with pytest.raises(ReadError, match=message):
         read_table(RawFile("a", None, data), ReadOptions())

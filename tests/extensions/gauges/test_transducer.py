@@ -116,7 +116,7 @@ def test_the_command_writes_voltages_calibration_and_truth(tmp_path):
     shown = ran("inspect", tmp_path / "a.csv", "--calibration", tmp_path / "a.cal")
     assert shown.exit_code == 0, shown.output
     assert "calibration of SIMULATED" in shown.output
-    for words, says in [
+    for words, message in [
         ("impact --gauges", "--gauges is for a relaxation test or a motion, not for impact"),
         ("relaxation --misaligned 2deg", "--misaligned is for the transducer and its card"),
         ("relaxation --follow a.csv", "replayed by 'dashpot simulate motion --follow FILE'"),
@@ -126,4 +126,4 @@ def test_the_command_writes_voltages_calibration_and_truth(tmp_path):
         out = "-" if "--gauges" in words and "impact" not in words else tmp_path / "b.csv"
         bad = ran("simulate", *words.split(), "-o", out)
         assert bad.exit_code == 2
-        assert says in " ".join(bad.output.split())
+        assert message in " ".join(bad.output.split())

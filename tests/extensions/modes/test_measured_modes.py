@@ -165,7 +165,7 @@ def test_modes_check_reports_a_mode_outside_the_band():
     assert modes_within_band((mode,), (mode.frequency, 40.0)).passed
     beyond = modes_within_band((mode,), (mode.frequency * 1.001, 40.0))
     assert beyond.failed
-    assert f"{mode.frequency:.4g} Hz" in beyond.says
+    assert f"{mode.frequency:.4g} Hz" in beyond.message
 
 
 # -- several points -------------------------------------------------------------------------------
@@ -452,7 +452,7 @@ def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     result = ran(*words)
     assert result.exit_code == 0, result.output
     assert "no linear model has the poles under 104, 250, 600 g" in " ".join(result.output.split())
-    assert "The closest misses 250 g" in modes_by_mass(files, masses, seals=2).checks[0].says
+    assert "The closest misses 250 g" in modes_by_mass(files, masses, seals=2).checks[0].message
 
 
 @pytest.mark.once
@@ -478,15 +478,15 @@ def test_masses_and_files_go_together(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("count", "says"),
+    ("count", "message"),
     [
         (0, "0 modes were found"),
         (1, "damping ratio 3.00 ± 0.10 %"),
         (3, ", the first of three modes"),
     ],
 )
-def test_modes_headline_states_the_number_of_modes(count, says):
+def test_modes_headline_states_the_number_of_modes(count, message):
     each = [Mode(12.7 + i, 0.03, 0j, 0.01, 0.001, 0.0, "fitted") for i in range(count)]
     said = format_modes_headline(each)
-    assert said.endswith(says), said
+    assert said.endswith(message), said
     assert ("12.7" in said) == bool(count)

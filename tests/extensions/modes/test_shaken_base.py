@@ -159,20 +159,20 @@ def test_clipping_check_detects_a_clipped_channel_and_accepts_a_sine():
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (["compare", "fit.json"], "give the mass (--mass)"),
         (["fit", "--window", "exponential"], "--window: of hits"),
         (["fit", "--reject", "2"], "--reject: of hits"),
     ],
 )
-def test_what_a_shaken_base_has_no_use_for(path, tmp_path, words, says):
+def test_what_a_shaken_base_has_no_use_for(path, tmp_path, words, message):
     fit = tmp_path / "fit.json"
     fit.write_text(json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": 393.0, "arms": []}}))
     words = [fit if word == "fit.json" else word for word in words]
     refused = ran(*words, path, "--column", "base-acceleration=table")
     assert refused.exit_code == 2
-    assert says in " ".join(refused.output.split())
+    assert message in " ".join(refused.output.split())
 
 
 def test_read_shaken_asks_about_ambiguous_columns(tmp_path):

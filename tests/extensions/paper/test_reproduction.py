@@ -120,16 +120,16 @@ def test_paper_statement_reports_a_deviation():
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (("--paper", "--files"), "leave out --files"),
         (("--paper", "--all"), "--all"),
     ],
 )
-def test_what_does_not_go_with_the_paper(words, says, tmp_path):
+def test_what_does_not_go_with_the_paper(words, message, tmp_path):
     done = ran("demo", *words, "-o", tmp_path)
     assert done.exit_code == 2
-    assert says in done.stderr
+    assert message in done.stderr
     assert not list(tmp_path.iterdir())
 
 

@@ -333,7 +333,7 @@ def test_what_only_looks_half_written_is_named(project_copy):
     for name in (".evil.part", "fit.json.part", "." + "0" * 16 + ".part"):
         (project_copy.folder / "records" / name).write_text("{}")
     (check,) = [one for one in verified(project_copy) if one.name == "files_listed"]
-    assert check.says == "The history does not list records/.evil.part, records/fit.json.part."
+    assert check.message == "The history does not list records/.evil.part, records/fit.json.part."
 
 
 def test_verify_detects_swapped_figures(project_copy):
@@ -404,7 +404,7 @@ def test_who_notes_the_head_misses_even_a_forged_end(project_copy, raw):
     folder.record(project_copy, Job(str(raw), arms=1, seals=2), page=page)
     (check,) = [one for one in verified(project_copy, noted) if one.name == "history_expected"]
     assert check.passed
-    assert "1 lines were added since" in check.says
+    assert "1 lines were added since" in check.message
     rewritten(project_copy, entries(project_copy)[:1])
     assert failures(project_copy) == ["files_listed"]  # nothing inside tells
     assert "history_expected" in failures(project_copy, expect=noted)
@@ -572,7 +572,7 @@ def test_files_that_no_line_lists_are_named(project_copy):
     (project_copy.folder / "records" / ".0123456789abcdef.part").write_text("half")
     (check,) = [one for one in verified(project_copy) if one.name == "files_listed"]
     assert check.failed
-    assert check.says == "The history does not list records/planted.fit.json."
+    assert check.message == "The history does not list records/planted.fit.json."
 
 
 @pytest.mark.parametrize("at", range(WRITES + 1))

@@ -82,8 +82,8 @@ def test_verify_accepts_a_version_1_project(unpacked: Path) -> None:
     assert [check.name for check in checks if check.failed] == ["uncertainty_unrevised"]
     note = next(check for check in checks if check.failed)
     assert note.grade == "note"
-    assert "standard_error" in note.says
-    assert "the band ends where the loss factor is not known to 30 %" in note.says
+    assert "standard_error" in note.message
+    assert "the band ends where the loss factor is not known to 30 %" in note.message
     same = next(check for check in checks if check.name == "former_result_recomputed")
     assert same.value is not None
     assert same.value < 1e-7
@@ -105,8 +105,8 @@ def test_verify_reports_another_stiffness_without_calling_it_tampering(version_1
     assert set(failed) == {"former_result_recomputed", "uncertainty_unrevised"}
     check = failed["former_result_recomputed"]
     assert check.grade == "limit"
-    assert "tau was 0.6" in check.says
-    assert "Either this version computes it otherwise, or result and history were" in check.says
+    assert "tau was 0.6" in check.message
+    assert "Either this version computes it otherwise, or result and history were" in check.message
 
 
 def edit_document(edit: Callable[[dict[str, Any]], object]) -> Callable[[str], str]:
@@ -144,7 +144,7 @@ def test_verify_stops_at_an_edited_version_1_record(
     edit_record(version_1, suffix, edit_document(edit))
     check = judge(version_1)["result_recomputed"]
     assert check.grade == "stop"
-    assert words in check.says
+    assert words in check.message
 
 
 def test_verify_stops_at_a_present_record_that_claims_version_1(

@@ -122,8 +122,8 @@ def test_line_check_reports_unsupported_lateral_motion():
     assert slowest == pytest.approx(0.354, abs=5e-4)
     told = lateral_restraint_present(count, slowest)
     assert told.failed
-    assert "In-plane motion is held by nothing" in told.says
-    assert "3 motions are free from 0.354 Hz" in told.says
+    assert "In-plane motion is held by nothing" in told.message
+    assert "3 motions are free from 0.354 Hz" in told.message
     assert count_lateral_free_motions(Assembly(HELD)) == (0, None)
     flat = replace(line(), normal=np.array([0.0, 1.0, 0.0]))
     assert count_lateral_free_motions(Assembly(replace(ON_ITS_SEAL, line=flat))) == (3, None)

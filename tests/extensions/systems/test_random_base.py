@@ -223,7 +223,7 @@ class TestRandomBase:
         assert shaken.stretch == (0.0, np.inf)
 
     @pytest.mark.parametrize(
-        ("header", "says"),
+        ("header", "message"),
         [
             ("frequency [Hz],PSD [g/Hz]", "expected a density in g^2/Hz"),
             ("frequency [Hz],PSD", "has no unit"),
@@ -231,11 +231,11 @@ class TestRandomBase:
             ("frequency [Hz],x [g^2/Hz],y [g^2/Hz]", "2 columns beside the frequency"),
         ],
     )
-    def test_a_density_of_another_kind_is_refused(self, tmp_path, header, says):
+    def test_a_density_of_another_kind_is_refused(self, tmp_path, header, message):
         psd = tmp_path / "psd.csv"
         more = ",1" * (header.count(",") - 1)
         psd.write_text(f"{header}\n5,0.01{more}\n20,0.04{more}\n200,0.001{more}\n")
-        with pytest.raises(DashpotError, match=re.escape(says)):
+        with pytest.raises(DashpotError, match=re.escape(message)):
             read_psd(psd)
 
     def test_words_that_are_no_density_are_refused(self):

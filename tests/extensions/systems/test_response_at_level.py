@@ -380,7 +380,7 @@ class TestRefused:
                 ask(system)
 
     @pytest.mark.parametrize(
-        ("words", "says"),
+        ("words", "message"),
         [
             ({"force": None}, "one of the two"),
             ({"level": 0.0}, "above 0"),
@@ -388,7 +388,7 @@ class TestRefused:
             ({"force": None, "base": "ground"}, "no ground motion"),
         ],
     )
-    def test_questions_without_an_answer(self, words, says):
+    def test_questions_without_an_answer(self, words, message):
         asked = {
             "response": "block.z",
             "force": "block.z",
@@ -396,7 +396,7 @@ class TestRefused:
             "frequency": [10.0],
             **words,
         }
-        with pytest.raises(DataError, match=says):
+        with pytest.raises(DataError, match=message):
             response_at_level(one_mass(TWO, SLIDER), **asked)
 
     def test_a_system_without_friction(self):

@@ -66,7 +66,7 @@ def _others() -> list[Row]:
     }
     return [
         *(Row(f"one row for each cycle: {head[:20]}", f"{head}\n{five}".encode(), "refused", ("is not a test: it is a summary with one row per cycle",)) for head in peaks),
-        *(Row(f"another record: {head[:20]}", f"{head}\n{table(';')}".encode(), "refused", (says,)) for head, says in others.items()),
+        *(Row(f"another record: {head[:20]}", f"{head}\n{table(';')}".encode(), "refused", (message,)) for head, message in others.items()),
     ]  # fmt: skip
 
 

@@ -172,7 +172,7 @@ def _once() -> list[Row]:
         heads.insert(lead, "Temp [°C]")
         return ("\n".join([";".join(heads), *rows]) + "\n").encode()
 
-    says = ("the temperature stands in 2 of 26 rows", "holds for the rows below it")
+    message = ("the temperature stands in 2 of 26 rows", "holds for the rows below it")
     long = "".join(
         f"{23 if i == 0 else ''};{f:.8g};{a:.8g};{b:.8g}\n"
         for i, (f, a, b) in enumerate(
@@ -180,8 +180,8 @@ def _once() -> list[Row]:
         )
     )
     return [
-        Row("a temperature once for each block, first", blocks(0), "noted", says, ISOTHERMS),
-        Row("a temperature once for each block, last", blocks(3), "noted", says, ISOTHERMS),
+        Row("a temperature once for each block, first", blocks(0), "noted", message, ISOTHERMS),
+        Row("a temperature once for each block, last", blocks(3), "noted", message, ISOTHERMS),
         Row("a temperature in every row but one", (b"Temp [\xc2\xb0C];f [Hz];E' [MPa];E'' [MPa]\n" + table("", 23 + 0 * F, F, STORAGE / 1e6, LOSS / 1e6)[1:].encode() + b";50;1;1\n"), "noted", ("1 rows lack a number",), SWEEP),
         Row("a temperature once above four hundred rows", ("Temp [°C];f [Hz];E' [MPa];E'' [MPa]\n" + long).encode(), "noted", ("stands in 1 of 400 rows",), _long()),
     ]  # fmt: skip

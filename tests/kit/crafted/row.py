@@ -61,7 +61,7 @@ class Row:
     name: str
     content: bytes
     outcome: Outcome = "right"
-    says: tuple[str, ...] = ()
+    message: tuple[str, ...] = ()
     truth: Truth = field(default_factory=lambda: RAMP)
     without: tuple[int, ...] = ()
     answer: dict[str, Any] = field(default_factory=dict)

@@ -218,12 +218,12 @@ def conditioned(
     if not shown:
         late = time >= corners[-3] - min(rest, 2.0)
         time, seen, force = time[late] - time[late][0], seen[late], force[late]
-    says = (
+    message = (
         f"{number} {kind}, {'bonded' if bonded else 'pushed'}, rest {rest:g} s, {truth.name}"
         f"{f', softens {100 * mullins:.0f} %' if mullins else ''}{rig and f', {rig}'}"
     )
     return Conditioned(
-        says, np.round(time, 6), seen, force, truth, hold, depth, sound=not mullins,
+        message, np.round(time, 6), seen, force, truth, hold, depth, sound=not mullins,
         facts={"kind": kind, "bonded": bonded, "rest": rest, "ramp": ramp},
     )  # fmt: skip
 

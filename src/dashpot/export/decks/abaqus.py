@@ -185,7 +185,7 @@ def _arms(deck: Deck) -> DeckText:
 
 def _prony(deck: Deck) -> DeckText:
     rows = [f"{text(g)}, {text(g)}, {text(tau)}" for g, tau in deck.prony]
-    shift, says = abaqus_shift(deck.temperatures)
+    shift, message = abaqus_shift(deck.temperatures)
     return deck.format_text(
         "**",
         "material of relative moduli for Abaqus",
@@ -195,7 +195,7 @@ def _prony(deck: Deck) -> DeckText:
             "*ELASTIC, *HYPERELASTIC or *HYPERFOAM card beside it",
             "bulk ratios repeat the shear ratios: a sponge keeps its Poisson ratio as it relaxes;",
             "set the second column to 0 for a nearly incompressible rubber",
-            *says,
+            *message,
         ],
     )
 

@@ -77,7 +77,7 @@ def spring_cubic(gain: float) -> Finding:
         gain,
         instead=f"The spring is not cubic alone (2 ln L = {gain:.3g}), or its friction is not "
         "Kraus's",
-        because="The constant k3 is valid in this range of amplitudes",
+        reason="The constant k3 is valid in this range of amplitudes",
         remedy="Use k3 in this range only.",
     )
 
@@ -148,11 +148,11 @@ def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Findin
         why = "A factor of 1000 looks like mN or kN."
     else:
         why = "Unit or sensitivity of the force may be wrong."
-    says = f"The median hit of each file has {forces} N"
+    message = f"The median hit of each file has {forces} N"
     return Finding(
-        f"{says}; {names} N was given",
+        f"{message}; {names} N was given",
         float(np.exp(off[np.abs(off).argmax()])),
-        because=f"{why} The hits themselves count here",
+        reason=f"{why} The hits themselves count here",
         remedy=Remedy("Give the peak force of each file, in their order.", "amplitude"),
     )
 
@@ -178,11 +178,11 @@ def levels_controlled(struck: Sequence[str]) -> Finding:
 )
 def levels_residual_small(residual: float, noise: float | None) -> Finding:
     """One model with friction fits the FRFs of every amplitude."""
-    says = f"The model misses F/X by {100 * residual:.2g} %"
+    message = f"The model misses F/X by {100 * residual:.2g} %"
     if noise is None:
-        return Finding(f"{says}. Too few lines show how much of it is noise")
+        return Finding(f"{message}. Too few lines show how much of it is noise")
     return Finding(
-        f"{says}; the noise is {100 * noise:.2g} %",
+        f"{message}; the noise is {100 * noise:.2g} %",
         residual / noise,
         "No arms, sliders and cubic spring explain every level",
         Remedy("Check the mass, the order of the levels, and the phase.", "amplitude"),
@@ -198,13 +198,13 @@ def amplitude_in_tested_range(
     unit, (low, high) = get_display_unit(of), tested
     moves, least, most = (f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)
-    says = f"At {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
+    message = f"At {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
     range_ = f"{least} to {most} {unit} of the tests"
     return Finding(
-        f"{says}, within the {range_}",
+        f"{message}, within the {range_}",
         factor,
-        instead=f"{says}, {factor:.3g} times outside the {range_}",
-        because="Friction there was not measured",
+        instead=f"{message}, {factor:.3g} times outside the {range_}",
+        reason="Friction there was not measured",
         remedy="Test at that amplitude.",
     )
 

@@ -40,14 +40,14 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
             ]
         )
     listed = " or ".join(f"{factor:.3g}" for factor in level_prediction.swept.factors)
-    says = f"  {' or '.join(level_prediction.swept.names)} law of the sweep"
+    message = f"  {' or '.join(level_prediction.swept.names)} law of the sweep"
     if of.strain is not None:
-        says += f", its strain {listed} of X/height"
+        message += f", its strain {listed} of X/height"
     last = level_prediction.levels[-1]
     if last is not of:
         change = 100 * (last.frequency / of.frequency - 1)
-        says += f"; the peak moves by {change:+.3g} % from first to last"
-    return [*table(rows), says]
+        message += f"; the peak moves by {change:+.3g} % from first to last"
+    return [*table(rows), message]
 
 
 _HARMONIC = 1e-4
@@ -59,7 +59,7 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
     head = [f"level, {levels[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
             "3rd, mm", "mean shift, mm", "apart", "floquet"]  # fmt: skip
     rows: list[list[str]] = [head]
-    says: list[str] = []
+    message: list[str] = []
     for level in levels:
         at = level.orbit
         # what is less is rounding
@@ -79,8 +79,8 @@ def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
         )
         if level.interval is not None:
             rows.append(_format_interval_row(level, least))
-        says += _list_level_lines(level, least)
-    return [*table(rows), *says]
+        message += _list_level_lines(level, least)
+    return [*table(rows), *message]
 
 
 def _list_level_lines(level: PreloadedLevel, least: float) -> Iterator[str]:

@@ -91,7 +91,7 @@ def read_amplitude(
             unit,
             _OF[column.role],
             specimen,
-            channels.source(file, [c.says for c in chosen], (*notes, *sentences)),
+            channels.source(file, [c.message for c in chosen], (*notes, *sentences)),
             units="SI",
         )
 

@@ -90,7 +90,7 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.render_template(
-                "against", says=_says(a, b, rows), lights=_lights(a, b)
+                "against", message=_says(a, b, rows), lights=_lights(a, b)
             ),
             "colour": "open",
             "panels": {

@@ -134,17 +134,17 @@ class Live:
         """Return what there is to be seen: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:
-            return {"running": False, "rows": 0, "says": "", "drawn": [], "kept": None}
+            return {"running": False, "rows": 0, "message": "", "drawn": [], "kept": None}
         device, running = recorder.describe(), self.running
         with self._lock:
             seen = [trace.curve() for trace in self._traces]
             rows, sentences, failed, retained = self._rows, self._said, self._failed, self._kept
         notes = device.notes if running else sentences
-        says = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
+        message = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
         size = min(max(width, _WIDE[0]), _WIDE[1]), min(max(height, _TALL[0]), _TALL[1])
         drawn = _drawings(device.channels, seen, size)
         return {
-            "running": running, "rows": rows, "says": says, "failed": failed, "drawn": drawn,
+            "running": running, "rows": rows, "message": message, "failed": failed, "drawn": drawn,
             "kept": None if running else retained,
         }  # fmt: skip
 

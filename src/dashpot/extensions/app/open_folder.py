@@ -122,8 +122,8 @@ def _lot(place: Path) -> dict[str, Any]:
         for iter_row in lot.table.iter_rows(named=True)
     ]
     outcomes = ", ".join(f"{count} {name}" for name, count in lot.outcomes.items())
-    says = f"{format_count(len(rows), 'file')}: {outcomes}"
-    return {"kind": "lot", "columns": COLUMNS, "rows": rows, "says": says}
+    message = f"{format_count(len(rows), 'file')}: {outcomes}"
+    return {"kind": "lot", "columns": COLUMNS, "rows": rows, "message": message}
 
 
 def _finite(value: Any) -> Any:

@@ -200,9 +200,12 @@ def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str
     """Return how far the mass presses the seals, mm, and what it says beside the test."""
     depth = f"test at {format_cell(prepared.depth, 'mm')} mm"
     if job.mass is None or job.compression is not None:
-        return {"value": "", "says": depth}
+        return {"value": "", "message": depth}
     rests = find_static_equilibrium(fit, MassOnSeals(job.mass, job.seals))
-    return {"value": format_cell(rests.point.compression, "mm"), "says": f"by its weight; {depth}"}
+    return {
+        "value": format_cell(rests.point.compression, "mm"),
+        "message": f"by its weight; {depth}",
+    }
 
 
 def _cuts(prepared: RampHold) -> dict[str, float]:

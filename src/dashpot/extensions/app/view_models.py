@@ -635,7 +635,7 @@ def check_list(checks: Sequence[Check]) -> str:
 
 def _split(check: Check) -> tuple[str, str]:
     """Return what was found, in one sentence, and what to do about it."""
-    return sentences(check.says)[0], check.remedy.words if check.remedy else ""
+    return sentences(check.message)[0], check.remedy.words if check.remedy else ""
 
 
 def answers(study: Study, recommendation: Recommendation) -> str:

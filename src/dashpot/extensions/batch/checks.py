@@ -79,7 +79,7 @@ def gauge_discriminates(study: Gauge) -> Finding:
     """The gauge contributes less than 30 % of the total standard deviation."""
     of = study["gauge"]
     low, high = of.share_interval
-    says = (
+    message = (
         f"The SD of the gauge is {100 * of.share:.0f} % of all ({100 * low:.0f} to "
         f"{100 * high:.0f})"
     )
@@ -87,7 +87,7 @@ def gauge_discriminates(study: Gauge) -> Finding:
     outside = of.share > LIMIT and low > TRUSTED
     grade: Grade = "stop" if low > LIMIT else "limit" if outside else "note"
     return Finding(
-        says,
+        message,
         high,
         "One test does not judge a seal" if outside else "So few tests do not show it",
         "Test every seal several times, and judge by the mean." if outside else "Test more seals.",

@@ -61,12 +61,12 @@ def compare_with_hammer(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
         _, held = compare_with_measured(fit, frf, on)
-    agreed = verdict((*frf.checks, *held.checks), headline=held.says)
+    agreed = verdict((*frf.checks, *held.checks), headline=held.message)
     numbers |= {
         "agreement": agreed.use,
         "peak_dB": held.ratio_db,
         "frac": held.frac,
-        "reason": "" if agreed.use == "use" else f"hammer: {decapitalise_sentence(agreed.says)}",
+        "reason": "" if agreed.use == "use" else f"hammer: {decapitalise_sentence(agreed.message)}",
     }
     return fit, numbers
 

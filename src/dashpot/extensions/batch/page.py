@@ -96,7 +96,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             verdict=verdict,
             colour=VERDICT_COLOURS[verdict.use],
             lights=[
-                {"name": light.name.capitalize(), "mark": light.mark, "says": light.message}
+                {"name": light.name.capitalize(), "mark": light.mark, "message": light.message}
                 for light in found.lights
             ],
             counts=_counts(lot, main),
@@ -122,7 +122,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             weighs=weighs[:WEIGHS],
             remarks=len(weighs),
             checked=[
-                {"mark": _mark(check), "says": check.message_with_remedy} for check in found.checks
+                {"mark": _mark(check), "message": check.message_with_remedy}
+                for check in found.checks
                 if check.passed is not None
             ],
             signals=signals,
@@ -293,7 +294,7 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
     share = study["gauge"].share
     distance = None if main.limits is None else main.limits.distance
     return {
-        "rows": rows, "says": study.summary, "ratio": f"{100 * share:.0f}",
+        "rows": rows, "message": study.summary, "ratio": f"{100 * share:.0f}",
         "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
         "left_out": study.left_out, "pooled": study.is_pooled,
@@ -407,7 +408,7 @@ def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
                 "mark": "care", "name": f"Lot{'' if single else 's'} "
                                         f"{_join_lot_names(names, len(run))}",
                 "filter": names[0],
-                "says": f"{'lies' if single else 'lie'} {way}: {_ends(main, values[side])}, "
+                "message": f"{'lies' if single else 'lie'} {way}: {_ends(main, values[side])}, "
                 f"all lots {whole}.",
             }  # fmt: skip
 
@@ -436,7 +437,12 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
     """
     failed = [check for check in summary.checks if check.failed]
     for check in sorted(failed, key=lambda check: -GRADES.index(check.grade)):
-        yield {"mark": _mark(check), "name": "", "filter": None, "says": check.message_with_remedy}
+        yield {
+            "mark": _mark(check),
+            "name": "",
+            "filter": None,
+            "message": check.message_with_remedy,
+        }
     yield from _causes(summary.main)
     for flag in summary.flags:
         where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
@@ -444,7 +450,7 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
             "mark": "care" if flag.weighty else "note",
             "name": where or flag.file,
             "filter": flag.file or f"seal {flag.seal}",
-            "says": flag.message,
+            "message": flag.message,
         }
 
 

@@ -300,12 +300,12 @@ class Summary(HasChecks, Serialisable):
         for check in self.checks:
             package = next((name for name, words in names.items() if check.name in words), "limits")
             behind[package].append(check)
-        says = {
+        message = {
             "files": self._files, "measuring": _gauge_says(main), "control": _control_says(main),
             "limits": _limits_says(main),
         }  # fmt: skip
         return tuple(
-            LotLight(name, _mark(checks, certain=bool(says[name])), says[name] or "not known")
+            LotLight(name, _mark(checks, certain=bool(message[name])), message[name] or "not known")
             for name, checks in behind.items()
         )
 
@@ -380,8 +380,8 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
     yield from _odd_repeats(of)
     rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
     places = {file: (name, seal, file) for file, name, seal, *_ in rows}
-    for file, says in lot.unlike.items():
-        yield Flag(*places[file], f"{says}: left out of the statistics")
+    for file, message in lot.unlike.items():
+        yield Flag(*places[file], f"{message}: left out of the statistics")
     for file, other in lot.copies.items():
         yield Flag(*places[file], f"the same record as {other}: left out of the statistics")
     for file, _, _, outcome, verdict, reason in rows:
@@ -395,8 +395,8 @@ def _odd_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     outside = {at for at, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
         if far[i] or i in outside:
-            says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in outside)
-            yield Flag(name, seal.name, _only(seal), says)
+            message = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in outside)
+            yield Flag(name, seal.name, _only(seal), message)
     if charts.repeats is None:
         return
     usual = quantity.read(charts.repeats.centre, digits=2)
@@ -431,8 +431,8 @@ def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
     files = [(seal, file) for seal in several for file in seal.files]
     for (seal, file), far, out in zip(files, robust_distance(away), stands_out(away), strict=True):
         if out and isfinite(far):
-            says = f"{abs(far):.1f} robust deviations {_side(far)} the other tests of its seal"
-            yield Flag(seal.lot, seal.name, file, says)
+            message = f"{abs(far):.1f} robust deviations {_side(far)} the other tests of its seal"
+            yield Flag(seal.lot, seal.name, file, message)
 
 
 # -- checks ---------------------------------------------------------------------------------------

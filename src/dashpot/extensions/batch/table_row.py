@@ -111,7 +111,7 @@ def _build_other_row(
     texts = {
         "kind": kind.name,
         "outcome": "other",
-        "reason": f"it is {seen.kind_title}: {kind.says or seen.use}",
+        "reason": f"it is {seen.kind_title}: {kind.lot_hint or seen.use}",
     }
     return texts | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
 
@@ -229,7 +229,7 @@ def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[st
     failed = dict.fromkeys(check.name for check in checks if check.failed and check.grade != "note")
     return {
         "verdict": verdict.use,
-        "reason": "" if verdict.use == "use" else verdict.says,
+        "reason": "" if verdict.use == "use" else verdict.message,
         "failed_checks": " ".join(failed),
     }
 

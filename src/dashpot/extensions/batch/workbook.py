@@ -58,8 +58,8 @@ def workbook(summary: Summary) -> bytes:
 def _tests(lot: Lot) -> pl.DataFrame:
     if lot.table.height <= _SHEET_ROWS:
         return lot.escape_formulas()
-    says = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
-    return _frame([{"tests": says}])
+    message = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
+    return _frame([{"tests": message}])
 
 
 def _write(book: Any, name: str, frame: pl.DataFrame) -> None:
@@ -119,7 +119,7 @@ def _sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
         yield sheet, _frame(rows)
     yield "flags", _frame(document["flags"])
     checks = (
-        {"check": check.name, "passed": check.passed, "says": check.says}
+        {"check": check.name, "passed": check.passed, "message": check.message}
         for check in summary.checks
     )
     yield "checks", _frame(checks)

@@ -24,13 +24,13 @@ class CurveAgreement:
         m.
     relaxed, curve : float
         Equilibrium force of the relaxation test, and force on the curve at this depth, N.
-    says : str
+    message : str
     """
 
     depth: float
     relaxed: float
     curve: float
-    says: str
+    message: str
 
     @property
     def difference(self) -> float:

@@ -208,15 +208,15 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
     rest = max(1, int(_REST * volts.shape[1]))
     loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
     values = np.isfinite(loads).all(axis=0)
-    says = (
+    message = (
         f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
         f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
         "taken as unloaded and subtracted in volts"
     )
     if not values.any():
-        return loads, [says]
+        return loads, [message]
     whole = loads[:, values]
-    return loads, [says, *calibration.overload(whole), *calibration.small(whole, axis)]
+    return loads, [message, *calibration.overload(whole), *calibration.small(whole, axis)]
 
 
 def _gauges(table: FileTable) -> tuple[list[int], float]:

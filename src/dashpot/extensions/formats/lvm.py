@@ -250,18 +250,18 @@ def _columns(
 def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
     """Return a note where the step is printed with so few digits that the rate is uncertain."""
     if not segment.step or segment.step[0] <= 0:
-        says = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
-        return (), (Question(says, "--rate RATE"),)
+        message = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
+        return (), (Question(message, "--rate RATE"),)
     rate = 1 / segment.step[0]
     doubt = segment.half_digit / segment.step[0]
     if doubt < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
         return (), ()
-    says = (
+    message = (
         f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "
         f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate "
         f"{_round_sampling_rate(rate)}Hz"
     )
-    return (says,), ()
+    return (message,), ()
 
 
 def _round_sampling_rate(rate: float) -> int:

@@ -173,14 +173,14 @@ class MdfTable:
             )
             return False
         self._lined_up[i] = ticks
-        says = (
+        message = (
             f"group '{group.name}'{_rate(ticks)} has a clock of its own: its channels were "
             f"interpolated to the {within} of {base.rows} instants of '{base.name}'"
             f'{_rate(own)} within it; --file-part sheet="{group.name}" reads it alone'
         )
         moving = _roles(group) | _roles(base)
         # straight lines dull what is near half the sampling rate
-        self.notes.append(Caution(says) if "acceleration" in moving else says)
+        self.notes.append(Caution(message) if "acceleration" in moving else message)
         return True
 
     def _find_base(self) -> int:

@@ -128,12 +128,12 @@ def _window_lines(
         rates = [rate for rate in readings if _LEFT[0] <= exp(-rate * record) <= _LEFT[1]]
     if rates and max(rates) < 1.01 * min(rates):
         return (f"exponential window, decay rate [1/s]: {rates[0]!r}",), ()
-    says = (
+    message = (
         f"dataset 1858 states an exponential window with the factor {factor:g} and no unit that "
         f"its record settles; give the time constant, for example {flag('window_decay')} 2s, or "
         f"{flag('window_decay')} 0s if the values are free of the window"
     )
-    return (), (Question(says, f"{flag('window_decay')} TIME"),)
+    return (), (Question(message, f"{flag('window_decay')} TIME"),)
 
 
 def _record_length(entry: _Set) -> float | None:
@@ -241,8 +241,10 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
     if len(frfs) == 1:
         return ()
     listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
-    says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --file-part segment=1"
-    return (Question(says, SEGMENT),)
+    message = (
+        f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --file-part segment=1"
+    )
+    return (Question(message, SEGMENT),)
 
 
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:

@@ -66,8 +66,8 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
         shown = replace(shown, decimal=None)
     table = text.read(RawFile(raw.name, None, content), shown)
     unmeasured = entries.get(HIDDEN + name, b"").decode()
-    says = f"hidden in sheet '{name}' and read: {unmeasured}"
-    note = Caution(says) if unmeasured.startswith("row") else says
+    message = f"hidden in sheet '{name}' and read: {unmeasured}"
+    note = Caution(message) if unmeasured.startswith("row") else message
     notes = [note] if unmeasured else []
     if commas:
         notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")

@@ -33,7 +33,7 @@ EXTENSION = Extension(
                 panel="dashpot.extensions.materials.indentation.app_form", alone=True,
                 checks="dashpot.extensions.materials.indentation.checks",
                 row="dashpot.extensions.materials.indentation.lot_row:build_lot_row", needs="mass",
-                says="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
+                lot_hint="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
                 columns=(
                     "indent_modulus_Pa", "indent_modulus_low_Pa", "indent_modulus_high_Pa",
                     "indent_depth_m", "restitution", "contact_s",

@@ -33,7 +33,7 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
         f"Every mode is stable at {fewest} or more {of}",
         fewest,
         instead=f"Modes are stable at few {of}: {doubtful}",
-        because="They may be noise, or too close to another mode",
+        reason="They may be noise, or too close to another mode",
         remedy="Compare them with other points, or record longer.",
     )
 
@@ -74,7 +74,7 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
         f"{pair} move the same points",
         least,
         instead=f"{pair} hardly share a point",
-        because="One mode measured at two states looks so: an accelerometer adds mass, or the "
+        reason="One mode measured at two states looks so: an accelerometer adds mass, or the "
         "seals warm up",
         remedy="Measure the points at once.",
     )
@@ -98,7 +98,7 @@ def one_solid_explains_masses(
         distance,
         instead=f"No linear model has the poles under {listed} g. The closest misses "
         f"{format_quantity(kilogram, 'g')} by {by}",
-        because="A larger mass compresses the seals more, or a mass or the temperature is wrong",
+        reason="A larger mass compresses the seals more, or a mass or the temperature is wrong",
         remedy="Weigh the masses, and compress the seals alike.",
         limit=_chi_quantile(2 * len(masses)),
     )
@@ -120,7 +120,7 @@ def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Findi
         float(len(outside)),
         instead=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
         f"{band[1]:.4g} Hz",
-        because="It stands for what lies beyond them",
+        reason="It stands for what lies beyond them",
         remedy=Remedy("Widen the band.", "band"),
     )
 

@@ -76,7 +76,7 @@ def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[
         if len(groups) > 1:
             other = [doubt for doubt in file.table.doubts if doubt.option != SEGMENT]
             if other:
-                raise ReadError(other[0].says)
+                raise ReadError(other[0].message)
             # an option that names columns or a part has left one group
             kinds: list[FileKind] = ["frf", "transmissibility"]
             channels.expect(file, kinds, "an FRF is", named=["real", "magnitude"])

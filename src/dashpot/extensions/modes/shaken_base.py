@@ -70,7 +70,7 @@ def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
             if not np.ptp(first) > 0:
                 raise ReadError("the time stands still; give the rate, for example --rate 512Hz")
             rate = (len(first) - 1) / float(first[-1] - first[0])
-        source = channels.source(file, [c.says for c in chosen], notes)
+        source = channels.source(file, [c.message for c in chosen], notes)
         return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[chosen[-1].role])
 
 

@@ -42,7 +42,7 @@ def paper_page(reproduction: Reproduction) -> str:
         "verdict": None,
         "colour": "good" if reproduction.is_reproduced else "bad",
         "word": "Reproduced" if reproduction.is_reproduced else "Not reproduced",
-        "says": reproduction.summary,
+        "message": reproduction.summary,
         "figures": {
             name: render_figure(picture, width=HALF)
             for name, picture in paper_pictures(reproduction).items()

@@ -101,11 +101,11 @@ def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> flo
 
 
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
-    name, says = (get_text(plugin, item, key) for key in ("name", "message"))
+    name, message = (get_text(plugin, item, key) for key in ("name", "message"))
     passed, grade = item.get("passed"), item.get("grade", "limit")
     if not (passed is None or isinstance(passed, bool)):
         plugin.wrong(f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None")
     if grade not in GRADES:
         plugin.wrong(f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}")
     remedy = get_text(plugin, item, "remedy", "")
-    return Check(name, passed, says, grade=grade, remedy=Remedy(remedy) if remedy else None)
+    return Check(name, passed, message, grade=grade, remedy=Remedy(remedy) if remedy else None)

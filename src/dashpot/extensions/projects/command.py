@@ -77,7 +77,9 @@ def command(*, project: str, expect: str | None) -> CommandResult:
         )
     checks = verify(place, page=workflow.html, expect=expect)
     every = [
-        f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
+        f"  {'ok' if check.passed else '--'}  {check.message}"
+        for check in checks
+        if not check.failed
     ]
     return CommandResult(
         Verification(project, place.head, checks),
@@ -102,6 +104,6 @@ def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
 
 def _format_headline(checks: Iterable[Check]) -> str:
     """What to say where nothing failed: no more than was judged."""
-    open_ = [check.says for check in checks if check.passed is None]
+    open_ = [check.message for check in checks if check.passed is None]
     more = f". {len(open_)} not judged: {decapitalise_sentence(open_[0])}" if open_ else ""
     return f"every result follows from its raw files again{more}"

@@ -202,7 +202,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
 
 def _prony(deck: Deck) -> DeckText:
     rows = format_tbdata([value for pair in deck.prony for value in pair])
-    shift, says = ansys_shift(deck.temperatures)
+    shift, message = ansys_shift(deck.temperatures)
     return deck.format_text(
         "!",
         "material of relative moduli for Ansys Mechanical APDL",
@@ -212,6 +212,6 @@ def _prony(deck: Deck) -> DeckText:
             "material 1 are the instantaneous ones",
             "repeat the table with BULK in place of SHEAR for a sponge, which keeps its Poisson",
             "ratio as it relaxes",
-            *says,
+            *message,
         ],
     )

@@ -93,13 +93,13 @@ def depth_and_time_separable(chance: float | None, spread: float | None) -> Find
         return Finding("A spring does not relax at any depth")
     if chance is None:
         return Finding("An arm of one depth is not identified, so the shapes cannot be compared")
-    says = f"The shape of relaxation differs between depths by up to {100 * spread:.2g} %"
+    message = f"The shape of relaxation differs between depths by up to {100 * spread:.2g} %"
     enough = "too little to matter" if spread < ALIKE else "no more than chance"
     return Finding(
-        f"{says}, {enough}. One quasi-linear model serves every depth",
+        f"{message}, {enough}. One quasi-linear model serves every depth",
         chance,
-        instead=f"{says}, more than chance (probability {chance:.1g}). One quasi-linear model does "
-        "not serve every depth",
+        instead=f"{message}, more than chance (probability {chance:.1g}). One quasi-linear model "
+        "does not serve every depth",
         remedy="Use the stiffnesses of each depth.",
         excused=spread < ALIKE,
     )
@@ -167,7 +167,7 @@ def k_end_determined(
     remainder = float(model.relaxation(max(test.hold_time for test in tests)))
     if end is not None:
         (low, high), most, what = end.k_end, max(remainder, 1e-300), "this stiffness"
-        says = (
+        message = (
             f"When the hold ends the stiffness is {convert_to_unit(low, 'N/mm'):.3g} to "
             f"{format_quantity(high, 'N/mm', '.3g')}"
         )
@@ -178,7 +178,7 @@ def k_end_determined(
             remainder,
             "k_inf",
         )
-        says = (
+        message = (
             f"Noise leaves {format_quantity(high - low, 'N/mm', '.3g')} of k_inf open, of "
             f"{format_quantity(remainder, 'N/mm', '.3g')} at the end of the hold"
         )
@@ -191,7 +191,7 @@ def k_end_determined(
             grade="stop",
         )
     return Finding(
-        says,
+        message,
         (high - low) / most,
         f"The record does not determine {what}",
         Remedy(
@@ -429,21 +429,23 @@ def filter_bias(
             faulted=True,
         )
     slow = by.kind == "lowpass" and by.cutoff < 5 / fastest
-    says = (
+    message = (
         f"{by} changes, by eq. 5 on the hold, {_format_changes(changes['hold'])}. With the "
         "whole record "
     )
     if by.linear:
         most = max(changes["full"].values(), key=abs)
-        says += f"it changes at most {100 * most:+.3g} %, because the displacement is filtered too"
+        message += (
+            f"it changes at most {100 * most:+.3g} %, because the displacement is filtered too"
+        )
     else:
-        says += f"it changes {_format_changes(changes['full'])}"
+        message += f"it changes {_format_changes(changes['full'])}"
     if slow:
-        says += f". The cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
+        message += f". The cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
     if by.causal:
-        says += ". A causal filter delays the force"
+        message += ". A causal filter delays the force"
     return Finding(
-        says,
+        message,
         max(abs(change) for entry in changes.values() for change in entry.values()),
         remedy=Remedy("Fit the raw record.", "filter"),
         faulted=slow or by.causal,

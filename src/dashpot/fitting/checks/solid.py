@@ -185,18 +185,18 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
 def order_agreed(choice: OrderChoice) -> Finding:
     """BIC and significance agree on the number of arms, below the largest that was tried."""
     chosen = format_arm_count(choice.arms)
-    says = f"Both rules choose {chosen}"
+    message = f"Both rules choose {chosen}"
     if not choice.has_agreement:
-        says = (
+        message = (
             f"BIC supports {format_arm_count(choice.by_bic)}, the significance of k and tau "
             f"{format_arm_count(choice.by_significance)}; {chosen} taken"
         )
     if choice.in_noise_metric:
-        says += ". The noise is as slow as the arms, so fits in its own metric were judged"
+        message += ". The noise is as slow as the arms, so fits in its own metric were judged"
     if choice.capped:
-        says += ". That is the most that was tried"
+        message += ". That is the most that was tried"
     return Finding(
-        says,
+        message,
         float(choice.by_bic),
         remedy=Remedy(f"Ask for more than {choice.arms} arms.", "arms", f"{choice.arms + 1}"),
         limit=float(choice.by_significance),

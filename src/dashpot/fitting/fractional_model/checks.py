@@ -63,7 +63,7 @@ def model_families_distinguished(other: Alternative | None) -> Finding:
     if other is None or not other.explains:
         return Finding("No other family of models explains the data as well", excused=True)
     return Finding(
-        other.says,
+        other.message,
         other.parts_at,
         remedy="Add a hammer test.",
         excused=other.parts_at is None,

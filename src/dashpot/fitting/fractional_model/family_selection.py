@@ -518,16 +518,16 @@ def build_alternative(
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
     both = f"{name} explains the data too (BIC {rise:+.3g})"
     if not explains:
-        says = f"{name} does not explain the data; its BIC is {rise:.3g} higher"
+        message = f"{name} does not explain the data; its BIC is {rise:.3g} higher"
     elif frequency is None:
-        says = f"{both}. It predicts the same up to {HEARD:g} Hz"
+        message = f"{both}. It predicts the same up to {HEARD:g} Hz"
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
         then = sentence(f"{extra} separates them")
-        says = (
+        message = (
             f"{both}. From {frequency:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
             f"{a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
             f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {then}"
         )
-    return Alternative(other, rise, explains, frequency, sentence(says))
+    return Alternative(other, rise, explains, frequency, sentence(message))

@@ -130,15 +130,15 @@ def tests_agree(lead: Explanation | None) -> Finding:
     if lead is None:
         return Finding("One seal explains relaxation test and hammer", 0.0)
     if lead.explains:
-        says = f"Both tests match only if {lead.says}"
+        message = f"Both tests match only if {lead.message}"
     else:
-        says = (
+        message = (
             "No single seal matches both tests, whatever mass, gain or stiffness is taken. "
             f"Chi-square falls by {lead.fall:.3g} at most"
         )
     slight = lead.explains and abs(lead.departure) <= SLIGHT
     return Finding(
-        says, lead.fall, remedy=REMEDY, faulted=True, grade="limit" if slight else "stop"
+        message, lead.fall, remedy=REMEDY, faulted=True, grade="limit" if slight else "stop"
     )
 
 

@@ -148,7 +148,7 @@ def explain_discrepancy(
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
     rivals = [
-        explanation.says
+        explanation.message
         for explanation, (_, candidate) in zip(explanations[1:], ranked[1:], strict=True)
         if explanation.explains and candidate.criterion <= alike
     ]
@@ -160,8 +160,8 @@ def explain_discrepancy(
             problem.priors,
         )
     if rivals:
-        says = f"{explanations[0].says}. It is as well explained by {', or by '.join(rivals)}"
-        explanations[0] = replace(explanations[0], says=says)
+        message = f"{explanations[0].message}. It is as well explained by {', or by '.join(rivals)}"
+        explanations[0] = replace(explanations[0], message=message)
     lead = ranked[0][1]
     held = replace(lead.problem, priors=problem.priors)
     return Discrepancy(tuple(explanations), lead, _to(held, lead).point.model, problem.priors)
@@ -295,11 +295,13 @@ def _build_explanation(
     explains = not is_contradicted(candidate)
     value, error = _read_free_quantity(candidate, cause.quantity)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
-    says = cause.phrase
+    message = cause.phrase
     if explains and leads:
-        says = _SENTENCES[cause.quantity](value, error)
-        says += f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
-        says += _format_compensating_quantity(cause, candidate) + _format_other_compression(
+        message = _SENTENCES[cause.quantity](value, error)
+        message += (
+            f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
+        )
+        message += _format_compensating_quantity(cause, candidate) + _format_other_compression(
             cause, value, law, compression
         )
     return Explanation(
@@ -310,7 +312,7 @@ def _build_explanation(
         departure=value / supposed - 1,
         fall=before.cost - candidate.cost,
         explains=explains,
-        says=says,
+        message=message,
     )
 
 

@@ -236,9 +236,9 @@ def _step(tests: Sequence[RampHold], ramp_law: RampLaw) -> Step:
     shape = "a linear elastic law" if law.kind == "linear" else (
         f"an elastic law whose tangent is linear between {len(law.knots)} knots"
     )  # fmt: skip
-    says = (
+    message = (
         f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} and {shape} to "
         f"{plural}, holds first"
     )
     parameters = (("law", law.kind), ("knots", str(len(law.knots))), ("arms", str(arms)))
-    return Step("fit", parameters, says)
+    return Step("fit", parameters, message)

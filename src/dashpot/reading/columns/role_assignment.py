@@ -104,11 +104,11 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
         more = len(equals) - len(named)
         alike = join_words([*named, f"{more} more"] if more else named)
         if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
-            says = (
+            message = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
                 f'{flag(option)}="{handle(table.columns, index, names)}"'
             )
-            return Question(says, f"{flag(option)}=NAME", choices=len(equals))
+            return Question(message, f"{flag(option)}=NAME", choices=len(equals))
         reason = f"{alike} hold the same numbers"
     rivals = tuple(i for _, i in suited[len(equals) :])
     return RoleAssignment(role, index, reason, rivals)
@@ -189,8 +189,8 @@ def _is_force(column: Column) -> bool:
 
 
 def _is_named_acceleration(column: Column) -> bool:
-    says = vocabulary.matches(column.name).get("acceleration", 0.0)
-    return column.content == "number" and says >= 2.5
+    message = vocabulary.matches(column.name).get("acceleration", 0.0)
+    return column.content == "number" and message >= 2.5
 
 
 def score_columns(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
@@ -256,8 +256,8 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
 
 def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
-    says = vocabulary.matches(column.name)
-    value = says.get(role, 0.0)
+    message = vocabulary.matches(column.name)
+    value = message.get(role, 0.0)
     word = _get_stated_unit(column, role, options, by_role=value >= 1.5) or column.unit
     fits = word is not None and _fits(word, role)
     if fits is None:
@@ -266,8 +266,8 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
         return value + fits
     # "Force" in mm is no force; "x" in N may well be one
     if role == "magnitude":
-        return float(max(says.values(), default=0.0) < 2.0)
-    same = (s for r, s in says.items() if DIMENSION.get(r) == DIMENSION[role])
+        return float(max(message.values(), default=0.0) < 2.0)
+    same = (s for r, s in message.items() if DIMENSION.get(r) == DIMENSION[role])
     return float(max(same, default=0.0) < 2.0)
 
 
@@ -297,14 +297,14 @@ def _get_stated_unit(
 
 
 def _reason(column: Column, role: Role) -> str:
-    says = vocabulary.matches(column.name).get(role, 0.0)
+    message = vocabulary.matches(column.name).get(role, 0.0)
     dimension = DIMENSION.get(role)
     fits = column.unit is not None and units.find_unit(column.unit, dimension) is not None
-    if role == "magnitude" and not says:
+    if role == "magnitude" and not message:
         return f"the only column in a unit of a ratio ({column.unit})"
-    if says and fits:
+    if message and fits:
         return f"its name says {role}, its unit {column.unit} fits"
-    if says:
+    if message:
         return f"its name says {role}"
     return f"the only column in a unit of {dimension} ({column.unit})"
 
@@ -315,12 +315,12 @@ def acceleration_question(table: FileTable) -> Question:
     named = [
         f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
     ]
-    says = (
+    message = (
         f"none of its columns ({_all_columns(table)}) looks like acceleration. Name each "
         f"by its name or number: {' '.join(named)}"
     )
     return Question(
-        says, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
+        message, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
     )
 
 
@@ -339,18 +339,18 @@ def _nothing(table: FileTable, role: Role) -> Question:
         worded = column.content == "text" and column.unit
         fits = worded and units.find_unit(column.unit or "", DIMENSION.get(role))
         if fits and role in vocabulary.matches(column.name):
-            says = (
+            message = (
                 f"column '{column.name}' ({_word(role)}) holds words where numbers are expected. "
                 f"Take them out of its cells, or name another column: {answer}"
             )
-            return Question(says, answer)
+            return Question(message, answer)
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
     if role not in {"time", "acceleration"} and _all_say_something(table):
-        says = (
+        message = (
             f"none of its columns ({_all_columns(table)}) looks like {_word(role)}. Export it "
             f"beside them, or name the column whose name misleads: {answer}"
         )
-        return Question(says, answer, role=_word(role), example=answer)
+        return Question(message, answer, role=_word(role), example=answer)
     example = f'{option}="{_example(table, role)}"'
     if role == "time":
         guess = "Without a time column: --rate 1000Hz"
@@ -358,25 +358,25 @@ def _nothing(table: FileTable, role: Role) -> Question:
     if role == "hammer" and len(_likely_accelerations(table, ReadOptions())) > 1:
         example += ". Where a base was shaken, name its acceleration: "
         example += f'{flag("base_acceleration")}="{_example(table, "acceleration")}"'
-    says = (
+    message = (
         f"none of its columns ({_all_columns(table)}) looks like {_word(role)}{kind}. Name "
         f"it by its name or number: {example}"
     )
-    return Question(says, answer, role=_word(role), example=example)
+    return Question(message, answer, role=_word(role), example=example)
 
 
 def ask(table: FileTable, questions: Sequence[Question]) -> str:
     """Return all questions in one sentence each; what no column was found for, in one for all."""
     lacking = [question for question in questions if question.role]
     if len(lacking) < 2:
-        return ". ".join(item.says for item in questions)
+        return ". ".join(item.message for item in questions)
     examples = " ".join(item.example for item in reversed(lacking))
-    says = (
+    message = (
         f"none of its columns ({_all_columns(table)}) looks like "
         f"{join_words([item.role for item in lacking], 'or')}. Name each by its name or number: "
         f"{examples}"
     )
-    return ". ".join([says, *(question.says for question in questions if not question.role)])
+    return ". ".join([message, *(question.message for question in questions if not question.role)])
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
@@ -384,10 +384,10 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
     word = column.unit
     if not word:
         return False
-    says = vocabulary.matches(column.name)
-    if says.get(role, 0.0) < max([1.5, *says.values()]):
+    message = vocabulary.matches(column.name)
+    if message.get(role, 0.0) < max([1.5, *message.values()]):
         return False
-    fits = any(units.find_unit(word, DIMENSION[r]) for r in says if r in DIMENSION)
+    fits = any(units.find_unit(word, DIMENSION[r]) for r in message if r in DIMENSION)
     return not fits and units.find_unit(word) is not None
 
 

@@ -197,8 +197,8 @@ def _factors(header: Sequence[str]) -> list[Caution]:
         numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
         if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
             text = line.strip().replace("\t", " ")[:60]
-            says = f"the header says '{text}'; no factor is applied to the numbers"
-            return [Caution(says)]
+            message = f"the header says '{text}'; no factor is applied to the numbers"
+            return [Caution(message)]
     return []
 
 
@@ -222,8 +222,8 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     )
     if len(others) < _STEADY - 2 or any(row != like for row in others):
         return []
-    says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
-    return [Caution(f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
+    message = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
+    return [Caution(f"{message}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
 
 
 def _significant(cell: str) -> int:
@@ -240,15 +240,15 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
         return [], []
     number, line = odd[-1]
     if len(odd) == 1:  # it may well count the rows or columns
-        says = f"line {number} above the table is no row of it: '{line.strip()[:60]}'"
-        return [Caution(says) if _multiplies(line, dialect) else says], []
+        message = f"line {number} above the table is no row of it: '{line.strip()[:60]}'"
+        return [Caution(message) if _multiplies(line, dialect) else message], []
     cells_above, width = len(cells.split(line, dialect.delimiter)), dialect.cells
-    says = (
+    message = (
         f"line {number} has {cells_above} cells where the table has {width} from line "
         f"{dialect.first + 1} on: '{line.strip()[:60]}'; split the file there, or read what stands "
         f"below with --text-format skip={dialect.first}"
     )
-    return [], [Question(says, "--text-format skip=N")]
+    return [], [Question(message, "--text-format skip=N")]
 
 
 def _multiplies(line: str, dialect: Dialect) -> bool:
@@ -302,8 +302,8 @@ def _interval_hints(header: Sequence[str]) -> list[str]:
         unit = match and units.find_unit(match[2] or "s", "time")
         step = float(match[1].replace(",", ".")) * unit.factor if match and unit else 0.0
         if step > 0:
-            says = f"the header says '{line.strip()[:60]}'; if that is the time between two rows"
-            return [f"{says}, add --rate {1 / step:.10g}Hz"]
+            message = f"the header says '{line.strip()[:60]}'; if that is the time between two rows"
+            return [f"{message}, add --rate {1 / step:.10g}Hz"]
     return []
 
 

@@ -78,7 +78,7 @@ class OpenedFile:
         if isinstance(answer, RoleAssignment):
             return answer
         if answer.choices:
-            raise ReadError(answer.says)
+            raise ReadError(answer.message)
         return None
 
     def unit(self, index: int, role: Role) -> Unit:
@@ -99,7 +99,7 @@ class Channel:
     role: Role
     index: int
     unit: Unit
-    says: str
+    message: str
 
 
 @contextmanager
@@ -117,7 +117,7 @@ def open_file(
     file = pop_cached_file(path, options) or open_table(open_raw(path), options)
     with add_name_to_errors(file.raw.name):
         if sure and file.table.doubts:
-            raise ReadError(file.table.doubts[0].says)
+            raise ReadError(file.table.doubts[0].message)
         yield file
 
 
@@ -281,8 +281,8 @@ def with_units(file: OpenedFile, chosen: Sequence[RoleAssignment]) -> list[Chann
             continue
         why = f" ({item.reason})" if item.reason else ""
         label = file.table.columns[item.index].label(item.index + 1)
-        says = f"{item.role}: {label} [{unit.word}]{why}"
-        channels.append(Channel(item.role, item.index, unit, says))
+        message = f"{item.role}: {label} [{unit.word}]{why}"
+        channels.append(Channel(item.role, item.index, unit, message))
     if requested:
         raise ReadError("; ".join(requested))
     return channels
@@ -420,7 +420,7 @@ def find_optional_column(file: OpenedFile, role: Role) -> tuple[RoleAssignment |
     answer = assign(file.table, role, file.options)
     if isinstance(answer, RoleAssignment):
         return answer, []
-    return None, [f"no {role} is taken: {answer.says}"] if answer.choices else []
+    return None, [f"no {role} is taken: {answer.message}"] if answer.choices else []
 
 
 def source(file: OpenedFile, columns: Sequence[str], notes: Sequence[str]) -> Source:
@@ -467,7 +467,7 @@ def load(
     """
     loaded = part(table.load(indexes), segment)
     if sure and loaded.doubts:
-        raise ReadError(loaded.doubts[0][1].says)
+        raise ReadError(loaded.doubts[0][1].message)
     ends = (np.fmax.reduce(loaded.values, initial=0.0), -np.fmin.reduce(loaded.values, initial=0.0))
     tops = np.fmax(*ends)
     far = np.flatnonzero(tops >= _NINES)
@@ -486,15 +486,17 @@ def _without_marks(column: FloatArray, top: float) -> list[str]:
     size = np.abs(column)
     if top >= _OVERLOAD:
         marks = size >= _OVERLOAD
-        says = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
+        message = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
     else:
         marks = size == top
         rest = float(np.fmax.reduce(size[~marks], initial=0.0))
         if not marks.any() or rest * _FAR > top:
             return []
-        says = f"values of {column[marks][0]:.10g}, far beyond all others, are a mark of no reading"
+        message = (
+            f"values of {column[marks][0]:.10g}, far beyond all others, are a mark of no reading"
+        )
     column[marks] = np.nan
-    return [f"{marks.sum()} {says}"]
+    return [f"{marks.sum()} {message}"]
 
 
 def load_test(file: OpenedFile, chosen: Sequence[Channel], least: int = 8) -> LoadedColumns:

@@ -224,17 +224,17 @@ def clock_notes(time: FloatArray, *, stated: bool = False) -> list[str]:
         return []
     rate, leaps = 1 / step, [*_late_start(steps), *_leaps(time)]
     if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
-        says = (
+        message = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
             f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
         )
-        return [*leaps, Caution(says)]
+        return [*leaps, Caution(message)]
     if leaps or 1 <= rate <= 1e6:
         return leaps
     read = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
     text = f"sampled at {rate:.3g} Hz, if the unit of time is right: are {read}?"
-    says = f'{text} Say it with --units "time=ms"'
-    return [says if stated else Caution(says, text)]
+    message = f'{text} Say it with --units "time=ms"'
+    return [message if stated else Caution(message, text)]
 
 
 def round_steps(time: FloatArray, unit: Unit) -> list[str]:
@@ -254,11 +254,11 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
     digits = ratio / 10.0 ** np.floor(np.log10(ratio) + 1e-9)
     if min(abs(digits - value) for value in _ROUND) > _NEARLY:
         return []
-    says = (
+    message = (
         f"the clock's steps are {ratio:.3g} {unit.word}, round in {unit.word} and not in seconds "
         f"({step:.3g} s): are these seconds?"
     )
-    return [Caution(f'{says} Say it with --units "time=s"', says)]
+    return [Caution(f'{message} Say it with --units "time=s"', message)]
 
 
 def _late_start(steps: FloatArray) -> list[str]:
@@ -266,11 +266,11 @@ def _late_start(steps: FloatArray) -> list[str]:
     rest = steps[1:].max(initial=0.0)
     if len(steps) < 2 * CLOCK_NEIGHBOURS or not steps[0] > CLOCK_LEAP * rest:
         return []
-    says = (
+    message = (
         f"the first row stands {steps[0]:.6g} s before the one after it, further than any other "
         f"(up to {rest:.6g} s): does it belong to the record?"
     )
-    return [Caution(says)]
+    return [Caution(message)]
 
 
 def _leaps(time: FloatArray) -> list[str]:

@@ -287,7 +287,7 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
         if isinstance(answer, RoleAssignment):
             index[role] = answer.index
         elif answer.choices:
-            options[role] = answer.says
+            options[role] = answer.message
     for pair in PAIRS:
         if {"frequency", *pair} <= index.keys() and "coherence" not in options:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
@@ -386,9 +386,9 @@ def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
         return []
     if parse_response_unit(real.unit) == parse_response_unit(imaginary.unit):
         return []
-    says = f"the real part is in '{real.unit}', the imaginary part in '{imaginary.unit}'"
+    message = f"the real part is in '{real.unit}', the imaginary part in '{imaginary.unit}'"
     advice = f'correct the header, or say it: --units "real={real.unit}"'
-    return [f"{says}; expected one unit: {advice}"]
+    return [f"{message}; expected one unit: {advice}"]
 
 
 def _refuse_high(file: OpenedFile, index: int, top: float) -> None:

@@ -239,12 +239,12 @@ class StatedWindow(NamedTuple):
     ----------
     rate : float or None
         Its decay a, 1/s; None where the file states the window and not how fast it decays.
-    says : str
+    message : str
         The lines that state it.
     """
 
     rate: float | None
-    says: str
+    message: str
 
 
 def stated_window(header: Sequence[str], record: float | None = None) -> StatedWindow | None:
@@ -264,12 +264,12 @@ def stated_window(header: Sequence[str], record: float | None = None) -> StatedW
     if not stated:
         return None
     rates = list(_decay_rates([*stated, *(line for line in lines if line not in stated)], record))
-    says = f"'{stated[0]}'"
+    message = f"'{stated[0]}'"
     if any(rate == 0 for rate in rates):
         return None
     if rates and max(rates) < 1.01 * min(rates):
-        return StatedWindow(rates[0], says)
-    return StatedWindow(None, says)
+        return StatedWindow(rates[0], message)
+    return StatedWindow(None, message)
 
 
 def window_rate(
@@ -286,12 +286,12 @@ def window_rate(
     if window is None:
         return None, False, ()
     if window.rate is None:
-        return None, True, (f"the header states an exponential window: {window.says}",)
-    note = f"exponential window of {1 / window.rate:.4g} s: {window.says} in the header"
+        return None, True, (f"the header states an exponential window: {window.message}",)
+    note = f"exponential window of {1 / window.rate:.4g} s: {window.message} in the header"
     return window.rate, True, (note,)
 
 
-def refuse_unknown_window_rate(says: str) -> None:
+def refuse_unknown_window_rate(message: str) -> None:
     """Ask for the time constant of a window that an FRF carries and its file leaves open.
 
     Raises
@@ -299,7 +299,7 @@ def refuse_unknown_window_rate(says: str) -> None:
     ReadError
     """
     raise ReadError(
-        f"{says}, and not how fast it decays; give its time constant, for example "
+        f"{message}, and not how fast it decays; give its time constant, for example "
         f"{flag('window_decay')} 2s, or {flag('window_decay')} 0s if the values are free of it"
     )
 

@@ -174,7 +174,7 @@ def _read_test(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
             file.table.header, file.options, _longest_record(time, starts)
         )
         notes += sentences
-        source = channels.source(file, [c.says for c in chosen], notes)
+        source = channels.source(file, [c.message for c in chosen], notes)
         try:
             test = ImpactTest(
                 time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
@@ -204,9 +204,9 @@ def _channels(file: OpenedFile) -> list[Channel]:
     chosen = channels.chosen(file, channels.add_time_role(file, "hammer"), besides=questions)
     indices = accelerations(file.table, [c.index for c in chosen], file.options)
     if not indices:
-        raise ReadError(acceleration_question(file.table).says)
-    says = "named by --column acceleration" if file.options.acceleration else ""
-    responses = [RoleAssignment("acceleration", i, says) for i in indices]
+        raise ReadError(acceleration_question(file.table).message)
+    message = "named by --column acceleration" if file.options.acceleration else ""
+    responses = [RoleAssignment("acceleration", i, message) for i in indices]
     return channels.with_units(file, [*chosen, *responses])
 
 

@@ -139,7 +139,7 @@ class Inspection(Plottable):
             "name": ([column.name for column in columns], ""),
             "unit": ([column.unit or "" for column in columns], ""),
             "role": ([column.role or "" for column in columns], ""),
-            "because": ([column.reason for column in columns], ""),
+            "reason": ([column.reason for column in columns], ""),
         }
 
     @property
@@ -151,7 +151,7 @@ class Inspection(Plottable):
                 f"  {one.number}  {one.name or '(no name)'} [{one.unit or '?'}]  {one.role or '-'}"
                 for one in self.columns
             ),
-            *(f"  ASK {question.says}" for question in self.questions),
+            *(f"  ASK {question.message}" for question in self.questions),
         )
 
     @property
@@ -320,8 +320,8 @@ def _assign_kind_roles(
         if isinstance(answer, RoleAssignment):
             played, _ = roles.get(answer.index, (role, ""))
             if played != role and {played, role} <= set(RAMP):  # who reads it asks this, too
-                says = channels.format_role_conflict(table.columns, answer.index, played, role)
-                questions.append(Question(says, f"{flag(role)}=NAME"))
+                message = channels.format_role_conflict(table.columns, answer.index, played, role)
+                questions.append(Question(message, f"{flag(role)}=NAME"))
                 continue
             roles[answer.index] = (role, answer.reason)
         welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
@@ -341,9 +341,9 @@ def _find_accelerations(file: OpenedFile, taken: list[int]) -> list[RoleAssignme
         base = find_column(columns, named, flag("base_acceleration"))
         of_base = RoleAssignment("acceleration", base, "named as that of the base")
         return [of_base, *find_mass_motions(file, [base, *taken])]
-    says = "its name or unit says acceleration"
+    message = "its name or unit says acceleration"
     return [
-        RoleAssignment("acceleration", i, says)
+        RoleAssignment("acceleration", i, message)
         for i in accelerations(file.table, taken, file.options)
     ]
 

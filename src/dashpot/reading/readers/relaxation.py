@@ -71,7 +71,7 @@ def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
     notes += _refuse_sizes(file, chosen, time, displacement, force)
     specimen, sentences = add_specimen_temperature(file, specimen, chosen)
     specimen, rested = stated_rest(file, specimen)
-    source = channels.source(file, [c.says for c in chosen], [*notes, *sentences, *rested])
+    source = channels.source(file, [c.message for c in chosen], [*notes, *sentences, *rested])
     return RelaxationTest(time, displacement, force, specimen, source, units="SI")
 
 
@@ -304,5 +304,5 @@ def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> 
         values = channels.convert_signals_to_si(rows, chosen)
         time = np.arange(len(rows)) / rate if rate else values["time"]
         notes = [*file.table.notes, *sentences]
-        source = channels.source(file, [c.says for c in chosen], notes)
+        source = channels.source(file, [c.message for c in chosen], notes)
         return Trajectory(time, values["displacement"], source=source)

@@ -41,13 +41,13 @@ def _make_size_criterion(
     name: str,
     question: str,
     measure: str,
-    because: str,
+    reason: str,
     *,
-    says: str,
+    message: str,
     role: str,
     grade: Grade = "stop",
 ) -> Criterion[[float, str]]:
-    """Question about one size, whose unit is that of a role; `says` is the size as text.
+    """Question about one size, whose unit is that of a role; `message` is the size as text.
 
     Graded a note it asks nothing: a file states its units, and there are some such tests.
 
@@ -59,11 +59,11 @@ def _make_size_criterion(
     likely = _SMALLER if large else _LARGER
 
     @criterion(
-        f"{what}, {symbol}", rule, float(limit), f"our choice: {because}",
+        f"{what}, {symbol}", rule, float(limit), f"our choice: {reason}",
         grade=grade, name=name, question=question,
     )  # fmt: skip
     def judge(size: float, unit: str) -> Finding:
-        text = f"{says} {format_quantity_short(size, symbol)}"
+        text = f"{message} {format_quantity_short(size, symbol)}"
         return Finding(text, size, **_make_unit_advice(text, role, unit, likely))
 
     return judge
@@ -73,7 +73,7 @@ travel_of_a_seal = _make_size_criterion(
     "travel_of_a_seal",
     "The displacement is no larger than in bench tests of seals.",
     f"travel <= {SIZES['travel'].soft[1]!r} m", "few benches press a seal so far",
-    says="The displacement goes over", role="displacement", grade="note",
+    message="The displacement goes over", role="displacement", grade="note",
 )  # fmt: skip
 
 
@@ -86,11 +86,11 @@ travel_of_a_seal = _make_size_criterion(
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement is as large as rubber needs for such a force."""
-    says = f"The displacement goes over {format_quantity_short(travel, 'm')}"
+    message = f"The displacement goes over {format_quantity_short(travel, 'm')}"
     probe = force < 10 * LEAST_FORCE and unit not in _COARSE
-    text = f"{says} under {format_quantity_short(force, 'N')}"
+    text = f"{message} under {format_quantity_short(force, 'N')}"
     return Finding(
-        says,
+        message,
         travel,
         **_make_unit_advice(text, "displacement", unit, _LARGER),
         excused=probe,
@@ -101,7 +101,7 @@ force_of_a_seal = _make_size_criterion(
     "force_of_a_seal",
     "The force is no greater than a seal carries.",
     f"rise of the force <= {SIZES['force'].soft[1]!r} N", "ten times what a seal carries",
-    says="The force goes over", role="force", grade="note",
+    message="The force goes over", role="force", grade="note",
 )  # fmt: skip
 
 
@@ -114,10 +114,10 @@ force_of_a_seal = _make_size_criterion(
 )
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     """The force is as large as rubber gives for such a displacement."""
-    says = f"The force goes over {format_quantity_short(force, 'N')}"
-    text = f"{says} while the displacement goes over {format_quantity_short(travel, 'm')}"
+    message = f"The force goes over {format_quantity_short(force, 'N')}"
+    text = f"{message} while the displacement goes over {format_quantity_short(travel, 'm')}"
     return Finding(
-        says,
+        message,
         force,
         **_make_unit_advice(text, "force", unit, _LARGER),
         excused=travel < 5e-4,
@@ -133,14 +133,14 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
 )
 def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -> Finding:
     """The ratio of force to displacement is no lower than that of a soft seal."""
-    says = (
+    message = (
         f"The force goes over {format_quantity_short(force, 'N')} while the displacement goes over "
     )
-    says += format_quantity_short(travel, "m")
+    message += format_quantity_short(travel, "m")
     return Finding(
-        says,
+        message,
         force / travel if travel > 0 else None,
-        **_make_unit_advice(says, "force", unit, _LARGER),
+        **_make_unit_advice(message, "force", unit, _LARGER),
         excused=moves not in _COARSE,
     )
 
@@ -149,7 +149,7 @@ time_of_a_test = _make_size_criterion(
     "time_of_a_test",
     "The record is long enough for a ramp and a hold.",
     f"length of the record >= {SIZES['record'].soft[0]!r} s", "a ramp alone takes longer",
-    says="The record lasts", role="time",
+    message="The record lasts", role="time",
 )  # fmt: skip
 
 
@@ -164,14 +164,14 @@ def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Fi
     """The time steps have one unit from first to last."""
     decades = abs(np.log10(after / before))
     off = abs(decades - 3 * max(round(decades / 3), 1))
-    says = (
+    message = (
         f"The clock's steps go from {format_quantity_short(before, 's')} to "
         f"{format_quantity_short(after, 's')} at {at:.6g} s"
     )
     return Finding(
-        says,
+        message,
         float(10**off),
-        instead=f"{says}. Its unit may change there",
+        instead=f"{message}. Its unit may change there",
         remedy=Remedy(f"Correct the clock there, or confirm {unit}.", "units", f"time={unit}"),
     )
 
@@ -180,7 +180,7 @@ ramp_not_slow = _make_size_criterion(
     "ramp_not_slow",
     "The ramp ends before most of the relaxation is over.",
     f"length of the ramp <= {SIZES['ramp'].soft[1]!r} s", "the seal relaxes during the ramp",
-    says="The ramp takes", role="time", grade="note",
+    message="The ramp takes", role="time", grade="note",
 )  # fmt: skip
 
 
@@ -191,69 +191,69 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
     """The value is possible in a test of rubber."""
     row = SIZES[kind]
     low, high = row.hard
-    says = f"{row.what} is {format_quantity_short(size, row.unit)}"
+    message = f"{row.what} is {format_quantity_short(size, row.unit)}"
     expected = (
-        f"{says}, where {format_quantity_short(low, row.unit)} to "
+        f"{message}, where {format_quantity_short(low, row.unit)} to "
         f"{format_quantity_short(high, row.unit)} is expected"
     )
     likely = _SMALLER if size > high else _LARGER
     far = max(size / high, low / size) if size > 0 else 0.0
-    return Finding(says, far, **_make_unit_advice(expected, role, unit, likely))
+    return Finding(message, far, **_make_unit_advice(expected, role, unit, likely))
 
 
 ramp_not_fast = _make_size_criterion(
     "ramp_not_fast",
     "The ramp is no faster than a test machine.",
     "speed of the ramp <= 0.3 m/s", "no crosshead or screw is faster",
-    says="The ramp goes at", role="time",
+    message="The ramp goes at", role="time",
 )  # fmt: skip
 hammer_not_heavy = _make_size_criterion(
     "hammer_not_heavy",
     "The hammer force is no larger than a block on seals can take.",
     "greatest force <= 1e3 N", "a sledge hammer",
-    says="The hammer's force reaches", role="hammer",
+    message="The hammer's force reaches", role="hammer",
 )  # fmt: skip
 impact_force_measurable = _make_size_criterion(
     "impact_force_measurable",
     "The hammer force is large enough for a load cell.",
     "greatest force >= 5e-2 N", "a touch of the hand",
-    says="The hammer's force reaches", role="hammer",
+    message="The hammer's force reaches", role="hammer",
 )  # fmt: skip
 acceleration_not_large = _make_size_criterion(
     "acceleration_not_large",
     "The acceleration is within the range of a modal accelerometer.",
     "greatest acceleration <= 1e4 m/s^2", "a thousand g, twice a modal accelerometer's range",
-    says="The acceleration reaches", role="acceleration",
+    message="The acceleration reaches", role="acceleration",
 )  # fmt: skip
 hammer_sampled = _make_size_criterion(
     "hammer_sampled",
     "The sampling rate is high enough for a hammer test.",
     "sampling rate >= 50.0 Hz", "a pulse lasts 20 ms at most",
-    says="The record is sampled at", role="time",
+    message="The record is sampled at", role="time",
 )  # fmt: skip
 hammer_not_oversampled = _make_size_criterion(
     "hammer_not_oversampled",
     "The sampling rate is no higher than that of vibration recorders.",
     "sampling rate <= 2.5e5 Hz", "no vibration recorder is faster",
-    says="The record is sampled at", role="time",
+    message="The record is sampled at", role="time",
 )  # fmt: skip
 shock_not_large = _make_size_criterion(
     "shock_not_large",
     "The acceleration of the indenter is within the range of a shock accelerometer.",
     "greatest acceleration <= 1e6 m/s^2", "a hundred thousand g, the range of shock accelerometers",
-    says="The acceleration reaches", role="acceleration",
+    message="The acceleration reaches", role="acceleration",
 )  # fmt: skip
 indenter_not_fast = _make_size_criterion(
     "indenter_not_fast",
     "The indenter is no faster than in tests of rubber.",
     "greatest speed <= 100.0 m/s", "rubber is hit more slowly",
-    says="The velocity reaches", role="velocity",
+    message="The velocity reaches", role="velocity",
 )  # fmt: skip
 contact_rate = _make_size_criterion(
     "contact_rate",
     "The sampling rate is high enough for a contact.",
     "sampling rate >= 500.0 Hz", "a contact lasts 40 ms at most",
-    says="The record is sampled at", role="time",
+    message="The record is sampled at", role="time",
 )  # fmt: skip
 
 
@@ -262,8 +262,8 @@ contact_rate = _make_size_criterion(
 )
 def strain_of_a_rubber(strain: float, unit: str) -> Finding:
     """The strain is large enough to determine a hyperelastic law."""
-    says = f"The strain reaches {strain:.3g} of the length"
-    return Finding(says, strain, **_make_unit_advice(says, "strain", unit, {"%": "1"}))
+    message = f"The strain reaches {strain:.3g} of the length"
+    return Finding(message, strain, **_make_unit_advice(message, "strain", unit, {"%": "1"}))
 
 
 @criterion(
@@ -275,10 +275,12 @@ def strain_of_a_rubber(strain: float, unit: str) -> Finding:
 )
 def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     """The stress is possible in rubber or foam."""
-    says = f"The stress reaches {format_quantity_short(stress, 'Pa')}"
+    message = f"The stress reaches {format_quantity_short(stress, 'Pa')}"
     likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
     return Finding(
-        says, convert_to_unit(stress, "MPa"), **_make_unit_advice(says, "stress", unit, likely)
+        message,
+        convert_to_unit(stress, "MPa"),
+        **_make_unit_advice(message, "stress", unit, likely),
     )
 
 
@@ -287,10 +289,10 @@ class _Advice(TypedDict):
     remedy: Remedy
 
 
-def _make_unit_advice(says: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
+def _make_unit_advice(message: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
     """Return the question after a unit, and the unit that is likelier."""
     likelier = likely.get(unit)
-    question = f"{says}, in {unit} as the file has it."
+    question = f"{message}, in {unit} as the file has it."
     words = f"Give the unit of the {role}, or confirm {unit}."
     if likelier is not None:
         question += f" The unit may be {likelier}."

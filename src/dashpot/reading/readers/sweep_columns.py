@@ -125,7 +125,7 @@ def amplitude_column(file: OpenedFile) -> RoleAssignment:
         if isinstance(answer, RoleAssignment):
             return answer
         if answer.choices:
-            raise ReadError(answer.says)
+            raise ReadError(answer.message)
     raise ReadError(
         "no column of strain or displacement amplitude was found; name it with "
         "--column strain=NAME or displacement=NAME; the columns are "
@@ -271,10 +271,10 @@ def parts_of(
     if ratio is None:
         angle = of["loss_angle"]
         tangent = np.tan(_solid_angle(file, angle, values["loss_angle"]))
-        says = f"the tangent of '{file.table.columns[angle.index].name}'"
+        message = f"the tangent of '{file.table.columns[angle.index].name}'"
     else:
         factor = file.table.columns[ratio]
-        tangent, says = rows[:, -1] / (100 if factor.unit == "%" else 1), f"'{factor.name}'"
+        tangent, message = rows[:, -1] / (100 if factor.unit == "%" else 1), f"'{factor.name}'"
     if base.role == "complex_modulus":
         values["storage"] = values["complex_modulus"] / np.sqrt(1 + tangent**2)
         notes.append(
@@ -284,7 +284,7 @@ def parts_of(
             "storage=NAME"
         )
     values["loss"] = values["storage"] * tangent
-    notes.append(f"loss is storage times {says}")
+    notes.append(f"loss is storage times {message}")
     return loaded, values, si_unit(base.unit.dimension).word, notes
 
 
@@ -304,14 +304,14 @@ def _check_loss_factor(
     times = median((reported * values["storage"] / np.where(valid, values["loss"], 1.0))[valid])
     if max(times, 1 / times) <= _ROUNDED:
         return []
-    says = (
+    message = (
         f"{format_column(columns, factor)} is {times:.3g} times loss over storage, "
         f"{format_column(columns, loss)} over the other"
     )
     if max(times, 1 / times) <= _FAR or file.options.loss:
-        return [f"{says}; the loss was taken"]
+        return [f"{message}; the loss was taken"]
     raise ReadError(
-        f"{says}: a unit or a column is wrong; say which is right: --column "
+        f"{message}: a unit or a column is wrong; say which is right: --column "
         f'loss="{handle(columns, loss)}" or --column loss-factor="{handle(columns, factor)}"'
     )
 

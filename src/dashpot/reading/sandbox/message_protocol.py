@@ -86,7 +86,7 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
     head = {
         "format": answer.format, "rows": rows, "starts": first.starts, "segments": first.segments,
         "columns": [[c.name, c.unit, c.content, c.factor] for c in answer.columns],
-        "doubts": [[d.says, d.option] for d in answer.doubts], "simulated": answer.simulated,
+        "doubts": [[d.message, d.option] for d in answer.doubts], "simulated": answer.simulated,
         "notes": answer.notes, "header": answer.header, "hints": answer.hints,
         "cautions": [i for i, note in enumerate(answer.notes) if isinstance(note, Caution)],
     }  # fmt: skip

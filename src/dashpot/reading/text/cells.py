@@ -274,8 +274,8 @@ class ClockColumn:
                 else "can be hours and minutes or minutes and seconds; say which with "
                 '--units "time=hh:mm" or --units "time=mm:ss"'
             )
-            says = f"a time such as '{self.doubtful}' {ways}"
-            return [], [Question(says, '--units "time=mm:ss"')]
+            message = f"a time such as '{self.doubtful}' {ways}"
+            return [], [Question(message, '--units "time=mm:ss"')]
         if not any(date for _, date in self.dates):
             return self._over_midnight(values), []
         return [], self._add_days(values)
@@ -310,16 +310,16 @@ def _which_date(words: list[str], *, possible: bool) -> Question:
     if not possible:
         names = (word for word in words if any(_day(word, order) for order in _ORDERS))
         wrong = next((word for word in words if word not in set(names)), words[-1]) or "no date"
-        says = (
+        message = (
             f"the dates of the clock, such as '{wrong}', are not all days of one calendar; "
             "correct them, or give --rate 1000Hz (the true one) if the rows are evenly sampled"
         )
-        return Question(says, "--rate RATE")
-    says = (
+        return Question(message, "--rate RATE")
+    message = (
         f"the dates '{words[0]}' and '{words[1]}' can be read day first or month first; say "
         'which with --units "time=d/m/y" or --units "time=m/d/y"'
     )
-    return Question(says, '--units "time=d/m/y"')
+    return Question(message, '--units "time=d/m/y"')
 
 
 def _day(word: str, order: str) -> int | None:

@@ -83,11 +83,13 @@ def _assign_uneven_units(
     width = len(dialect.contents)
     if len(odd) == width - 1 and odd[0] and vocabulary.normalise_name(names[0]) in _COUNTERS:
         return ["", *odd], ""
-    says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
+    message = (
+        f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
+    )
     pairs = list(zip(names[:width], map(_strip, odd), strict=False))
     if any(_denies(split_unit(name)[0], word) for name, word in pairs):
-        return [], f"{says}; none was taken, for under the names from the left they do not fit"
-    taken = f"{says}; they were taken for those of the columns from the left"
+        return [], f"{message}; none was taken, for under the names from the left they do not fit"
+    taken = f"{message}; they were taken for those of the columns from the left"
     return list(odd[:width]), Caution(taken)
 
 
@@ -116,16 +118,16 @@ def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
     if not wrong:
         return ""
     cells = dialect.cells or len(dialect.contents)
-    says = (
+    message = (
         f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
         f"'{wrong[-1][:20]}'), so that none was taken"
     )
     if cells == 2 * len(wrong) and dialect.delimiter == ",":
-        says += (
+        message += (
             "; two columns for each name look like numbers cut in two at their decimal "
             "comma: export the file with ';' between the columns, or with decimal points"
         )
-    return says
+    return message
 
 
 def _join_quoted_lines(lines: Sequence[str]) -> list[str]:

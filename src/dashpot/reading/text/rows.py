@@ -149,11 +149,11 @@ def _which_mark(example: str) -> Question:
     mark = "," if "," in example else "."
     other = "." if mark == "," else ","
     value = example.replace(",", ".")
-    says = (
+    message = (
         f"numbers such as '{example}' can mean {value} or {digits}; say which with "
         f'--text-format decimal="{mark}" ({value}) or --text-format decimal="{other}" ({digits})'
     )
-    return Question(says, "--text-format decimal=MARK")
+    return Question(message, "--text-format decimal=MARK")
 
 
 _PATIENT = 64
@@ -227,9 +227,9 @@ class _Gathered:
         for token, (count, *places) in self.words.items():
             at = ", ".join(f"line {line}" for line in places)
             many = f" and {count - len(places)} more" if count > len(places) else ""
-            says = f"'{token}' stands for a missing number at {at}{many}"
+            message = f"'{token}' stands for a missing number at {at}{many}"
             misread = any(map(str.isdigit, token)) and not cell.is_missing(token)
-            notes.append(Caution(says) if misread else says)
+            notes.append(Caution(message) if misread else message)
         if self.remarks:
             number, words = self.remarks[0]
             more = f" ({len(self.remarks)} such lines)" if len(self.remarks) > 1 else ""
@@ -469,8 +469,8 @@ class _Reader:
             got.part(change)
             if self.changed and len(got.starts) > before:
                 advice = f"read what stands before it with --file-part segment={before}"
-                says = f"{self.changed}; split the file there, or {advice}"
-                got.doubts.append((before, Question(says, "--file-part segment=N")))
+                message = f"{self.changed}; split the file there, or {advice}"
+                got.doubts.append((before, Question(message, "--file-part segment=N")))
         got.between.clear()
         got.add(values, line)
 

@@ -211,12 +211,12 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     factor = max(c.measured_hz / high, low / c.measured_hz)
     peak = f"The measured peak ({c.measured_hz:.4g} Hz) lies"
     band = f"the valid band of the fit ({low:.2g} to {high:.2g} Hz)"
-    says = f"{peak} in {band}"
+    message = f"{peak} in {band}"
     if factor > 1:
         where = "above" if c.measured_hz > high else "below"
-        says = f"{peak} a factor of {factor:.3g} {where} {band}"
-        says += ". The measurement agrees all the same" if borne_out else ""
-    return Finding(says, factor, remedy=TOGETHER, excused=borne_out)
+        message = f"{peak} a factor of {factor:.3g} {where} {band}"
+        message += ". The measurement agrees all the same" if borne_out else ""
+    return Finding(message, factor, remedy=TOGETHER, excused=borne_out)
 
 
 @criterion("1 / (2 pi peak), s", source="the valid band of the relaxation test")
@@ -233,18 +233,18 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
             tau,
         )
     fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
-    says = (
+    message = (
         f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_time(tau)}. The "
         f"relaxation test sees {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
     )
     lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
     if lead is not None:
-        says += (
+        message += (
             f". The arm at tau = {lead.tau:.4g} s gives {100 * lead.loss_share:.1f} % of the "
             "predicted loss" + (", far from its own time" if lead.tau > 5 * tau else "")
         )
     return Finding(
-        says + (". The hammer agrees all the same" if borne_out else ""),
+        message + (". The hammer agrees all the same" if borne_out else ""),
         tau,
         remedy=TOGETHER,
         limit=1 / (2 * np.pi * high),
@@ -256,16 +256,16 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
 def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Finding:
     """The prediction is for the compression of the seals under the mass."""
     at, depth = point.compression, point.depth
-    says = (
+    message = (
         f"The seals are compressed by {format_quantity(at, 'mm', '.2f')}, as given"
         if point.given
         else f"The mass sinks {format_quantity(at, 'mm', '.2f')} into the seals by its weight"
     )
     if depth is None:
-        return Finding(f"{says}. The depth of their test is not known")
+        return Finding(f"{message}. The depth of their test is not known")
     if not point.linear:
         return Finding(
-            f"{says}. Its tangent stiffness there is "
+            f"{message}. Its tangent stiffness there is "
             f"{number_format.with_error(point.factor, point.factor_se or np.nan)} times the secant "
             f"at {format_quantity(depth, 'mm', '.3g')}",
             at,
@@ -279,11 +279,11 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     near = abs(at - depth) <= DEPTH_LIMIT * depth
     tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
-        f"{says}, close to {tested}"
+        f"{message}, close to {tested}"
         if near
-        else f"{says}, not to {tested}. The frequency agrees all the same",
+        else f"{message}, not to {tested}. The frequency agrees all the same",
         at,
-        instead=f"{says}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
+        instead=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness "
         "that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),

@@ -116,7 +116,7 @@ def compare(
         legend=_legend(fit, measured),
         arms=_evidence(model, fit, measured_peak.frequency),
         checks=(),
-        says="",
+        message="",
         band=(float(measured.frequency[0]), float(measured.frequency[-1])),
         measured_hz_se=measured_peak.frequency_se,
         measured_damping_se=None if mode is None else mode.damping_ratio_se,
@@ -132,7 +132,7 @@ def compare(
         point=point,
     )
     comparison = replace(comparison, checks=new_checks)
-    return replace(comparison, says=format_conclusion(comparison))
+    return replace(comparison, message=format_conclusion(comparison))
 
 
 def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:

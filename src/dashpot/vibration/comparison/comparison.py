@@ -61,7 +61,7 @@ class Comparison(Plottable, Serialisable):
         Root mean square of the difference in units of the measured standard deviation.
     arms : tuple of ArmEvidence
     checks : tuple of Check
-    says : str
+    message : str
         The sentence that matters: what agrees, what does not, and why.
     band : (float, float)
         First and last of the lines that `frac`, `rms_db` and `z_rms` were taken over, Hz.
@@ -80,7 +80,7 @@ class Comparison(Plottable, Serialisable):
     """
 
     schema = "dashpot/comparison@2"
-    _keys = ("peak", "damping", "verdict", "*", "message=says")
+    _keys = ("peak", "damping", "verdict", "*", "message")
 
     predicted: FRF
     measured: FRF
@@ -95,7 +95,7 @@ class Comparison(Plottable, Serialisable):
     z_rms: float | None
     arms: tuple[ArmEvidence, ...]
     checks: tuple[Check, ...]
-    says: str
+    message: str
     band: tuple[float, float] = (0.0, float("inf"))
     measured_hz_se: float | None = None
     measured_damping_se: float | None = None
@@ -103,8 +103,8 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the prediction, by the gravest check that failed; it says `says`."""
-        return replace(verdict(self.checks), says=self.says)
+        """Verdict on the prediction, by the gravest check that failed; it says `message`."""
+        return replace(verdict(self.checks), message=self.message)
 
     @property
     def frequency_error(self) -> float:

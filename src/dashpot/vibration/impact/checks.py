@@ -54,15 +54,15 @@ def agreement(
     for i, value in zip(np.flatnonzero(taken), differences, strict=True):
         if value < max(OUTLIER * usual, DISAGREES):
             continue
-        says = (
+        message = (
             f"incoherent: its response differs by {100 * value:.0f} % from that of the other "
             f"hits, where {100 * usual:.1f} % is usual"
         )
         if np.count_nonzero(taken) > ENOUGH:
-            qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, says))
+            qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, message))
             taken[i] = str(i + 1) in accept
         else:
-            qualities[i] = replace(qualities[i], doubts=(*qualities[i].doubts, says))
+            qualities[i] = replace(qualities[i], doubts=(*qualities[i].doubts, message))
     return qualities, taken
 
 
@@ -270,7 +270,7 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     if main is None:
         return Finding(
             f"No resonance was found between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} Hz",
-            because="A channel may be wrong, or the damping too high",
+            reason="A channel may be wrong, or the damping too high",
             remedy=Remedy("Check the channels, and widen the band.", "band"),
             faulted=True,
         )
@@ -313,14 +313,14 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
     if not window.known and not window.evident:
         return Finding(
             "The file states an exponential window and not its decay, and the noise shows none",
-            because="Its decay would count as damping",
+            reason="Its decay would count as damping",
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
             faulted=True,
         )
     if not window.known and not np.isfinite(window.seen_rate):
         return Finding(
             "The noise decays as under an exponential window, too fast to tell how fast",
-            because="The decay of the window counts as damping",
+            reason="The decay of the window counts as damping",
             remedy=Remedy("Give its time constant.", "window-decay"),
             faulted=True,
         )
@@ -329,16 +329,16 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
         return Finding(
             f"The noise decays as under an exponential window of {1 / window.seen_rate:.3g} s, and "
             f"a window {stated} was stated",
-            because="One of them is wrong, and the damping with it",
+            reason="One of them is wrong, and the damping with it",
             remedy=Remedy("Check the setting of the analyser.", "window-decay"),
             faulted=True,
         )
     origin = "as stated" if window.stated and window.sd == 0 else "by its noise"
-    says = f"The record carries a window of {1 / window.rate:.3g} s {origin}"
+    message = f"The record carries a window of {1 / window.rate:.3g} s {origin}"
     if main is None:
-        return Finding(f"{says}. No mode was found to judge it by")
+        return Finding(f"{message}. No mode was found to judge it by")
     return Finding(
-        f"{says}, known to {100 * window.sd / main.decay:.2g} % of the mode's decay",
+        f"{message}, known to {100 * window.sd / main.decay:.2g} % of the mode's decay",
         window.sd / main.decay if main.decay > 0 else np.inf,
         "The damping is known no better",
         Remedy("Give the time constant of the window.", "window-decay"),
@@ -461,18 +461,18 @@ def hits_centred(frf: FRF, combination: Combination) -> Finding:
     worst = int(np.argmax(np.abs(combination.eccentricity)))
     value = float(abs(combination.eccentricity[worst]))
     scatter = float(np.std(combination.eccentricity))
-    says = (
+    message = (
         f"Hit {names[worst]} rocks the block by {100 * value:.0f} % of its bounce at the "
         f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
     if combination.reach is not None:
         reach = combination.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
-        says += (
+        message += (
             f". On a slender block {format_quantity(2 * reach, 'mm', '.0f')} long this is a hit "
             f"{format_quantity(value * reach / 3, 'mm', '.1f')} off centre"
         )
-    return Finding(says, value, remedy="Strike closer to the centre.")
+    return Finding(message, value, remedy="Strike closer to the centre.")
 
 
 def apparent_mass(
@@ -523,15 +523,15 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
     # a part, not a mass: that is the fit's to say
     factor, se = (value / mass for value in apparent)
     more = "above" if factor > 1 else "below"
-    says = (
+    message = (
         f"Above the resonance the FRF shows a mass {with_error(100 * abs(factor - 1), 100 * se)} % "
         f"{more} the {format_quantity(mass, 'g')} given"
     )
     return Finding(
-        f"{says}. The calibration is right within {100 * (factor - 1):+.1f} %",
+        f"{message}. The calibration is right within {100 * (factor - 1):+.1f} %",
         factor - 1,
-        instead=says,
-        because=_format_likely_cause(factor),
+        instead=message,
+        reason=_format_likely_cause(factor),
         remedy=Remedy("Check the mass, then sensitivities and units.", "mass"),
         grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,
     )

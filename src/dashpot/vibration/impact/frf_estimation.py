@@ -533,42 +533,42 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
 def _calm_steps(hits: Sequence[HitBlock]) -> Iterator[Step]:
     names = ", ".join(hit.name for hit in hits if hit.calmed)
     if names:
-        says = f"what still rang from the hit before was taken off hits {names}"
-        yield Step("ringing", (("hits", names),), says)
+        message = f"what still rang from the hit before was taken off hits {names}"
+        yield Step("ringing", (("hits", names),), message)
 
 
 def _recorded_steps(recorded: ExponentialWindow) -> Iterator[Step]:
     if recorded.rate <= 0:
         return
     origin = "its file or user states" if recorded.stated else "the decay of its noise shows"
-    says = (
+    message = (
         f"the record carries an exponential window of {1 / recorded.rate:.4g} s, as {origin}: the "
         f"FRF is H at s = j omega + {recorded.rate:.4g} 1/s"
     )
     if not recorded.on_force:
-        says += "; the force, which lacks it, was multiplied by the same"
-    yield Step("recorded_window", (("decay", f"{recorded.rate:.9g} 1/s"),), says)
+        message += "; the force, which lacks it, was multiplied by the same"
+    yield Step("recorded_window", (("decay", f"{recorded.rate:.9g} 1/s"),), message)
 
 
 def _window_steps(decay: float, window: Window) -> Iterator[Step]:
     if window.force:
         yield Step("force_window", (), "after the pulse the force was faded to zero")
     if decay > 0:
-        says = (
+        message = (
             f"force and response were multiplied by exp(-{decay:.4g} t / s): the FRF is H at "
             f"s = j omega + {decay:.4g} 1/s"
         )
-        yield Step("exponential_window", (("decay", f"{decay:.9g} 1/s"),), says)
+        yield Step("exponential_window", (("decay", f"{decay:.9g} 1/s"),), message)
     elif window.exponential:
-        says = "not needed: the response decays within the record"
-        yield Step("exponential_window", (), says)
+        message = "not needed: the response decays within the record"
+        yield Step("exponential_window", (), message)
 
 
 def _sign_steps(average: Average) -> Iterator[Step]:
     transforms = average.transforms
     if any(hit.turned for hit in average.hits):
-        says = "the hammer was recorded negative; now pushing is positive"
-        yield Step("hammer_sign", (), says)
+        message = "the hammer was recorded negative; now pushing is positive"
+        yield Step("hammer_sign", (), message)
     signs = zip(transforms.channels, transforms.signs, strict=True)
     turned = ", ".join(name for name, sign in signs if sign < 0)
     if turned:
@@ -579,7 +579,7 @@ def _combine_steps(average: Average, choices: AveragingOptions) -> Iterator[Step
     weights = list(zip(choices.channels, average.weights, strict=True))
     if len(weights) < 2:
         return
-    says = f"response = {' + '.join(f'{w:.4g} {name}' for name, w in weights if w)}"
+    message = f"response = {' + '.join(f'{w:.4g} {name}' for name, w in weights if w)}"
     if choices.combine == "weighted" and average.rocking is None:
-        says += ": the plain mean, since no rocking was found to cancel"
-    yield Step("combine", tuple((name, f"{w:.9g}") for name, w in weights), says)
+        message += ": the plain mean, since no rocking was found to cancel"
+    yield Step("combine", tuple((name, f"{w:.9g}") for name, w in weights), message)

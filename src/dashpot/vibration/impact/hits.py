@@ -425,7 +425,7 @@ def _list_faults(hit: HitBlock) -> Iterator[str]:
     overloads = tuple(_overloads(hit))
     yield from overloads
     if not overloads:
-        yield from (says for says, rings in _standing(hit) if rings)
+        yield from (message for message, rings in _standing(hit) if rings)
 
 
 def _standing(hit: HitBlock) -> Iterator[tuple[str, bool]]:
@@ -438,11 +438,11 @@ def _standing(hit: HitBlock) -> Iterator[tuple[str, bool]]:
             first, last = runs[np.argmax(np.diff(runs)[:, 0])]
             before = row[max(first - length, 0) : first + 1]
             loudest = float(row[hit.onset :][:length].std())
-            says = (
+            message = (
                 f"acceleration {number} has one and the same value for {last - first + 1} samples, "
                 f"from {first / hit.rate:.3g} s on; check the cable and the converter"
             )
-            yield says, bool(float(before.std()) > DECAYED * loudest)
+            yield message, bool(float(before.std()) > DECAYED * loudest)
 
 
 def _overloads(hit: HitBlock) -> Iterator[str]:
@@ -489,7 +489,7 @@ def _list_doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
         )
     yield from _ringing(hit, windowed)
     yield from _undershoot(hit)
-    yield from (says for says, rings in _standing(hit) if not rings)
+    yield from (message for message, rings in _standing(hit) if not rings)
 
 
 def _ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:

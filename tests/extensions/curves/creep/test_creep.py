@@ -116,7 +116,7 @@ def test_creep_fit_reports_flow() -> None:
     assert found.model.arms == 2
     checks = {check.name: check for check in found.checks}
     assert checks["flow_distinguished"].passed
-    assert "The part flows" in checks["creep_finished"].says
+    assert "The part flows" in checks["creep_finished"].message
     assert "plateau_determined" not in checks
     assert found.stiffness_limits is not None
     low, high = found.stiffness_limits["k_end"]
@@ -172,7 +172,7 @@ def test_creep_proportionality_is_checked_between_load_levels() -> None:
             CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"), arms=2
         )
         (check,) = [one for one in found.checks if one.name == "levels_agree"]
-        assert check.failed == failed, check.says
+        assert check.failed == failed, check.message
 
 
 def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
@@ -300,7 +300,7 @@ def test_creep_check_detects_motion_before_the_load(moved: float, fails: bool) -
     found = fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
     (check,) = [check for check in found.checks if check.name == "load_begins_at_rest"]
     assert check.failed is fails
-    assert "% of the travel" in check.says
+    assert "% of the travel" in check.message
 
 
 def test_a_curve_called_by_its_symbol_and_unit_is_a_compliance(tmp_path: Path) -> None:

@@ -262,7 +262,7 @@ def test_superpose_names_a_temperature_with_another_gain():
         "no_temperature_outlier"
     ]
     assert told.failed
-    assert told.says.startswith("50 degC lies ")
+    assert told.message.startswith("50 degC lies ")
 
 
 @pytest.mark.slow

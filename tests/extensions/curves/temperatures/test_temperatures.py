@@ -130,7 +130,7 @@ def test_fit_without_intervals_equals_the_full_fit(pair):
 def test_fit_of_two_temperatures_recommends_a_third(pair, triple):
     told = {check.name: check for check in pair.checks}["shifts_distinguished"]
     assert told.failed
-    assert "three are needed" in told.says
+    assert "three are needed" in told.message
     assert "shifts_distinguished" not in failed(triple)
 
 

@@ -67,7 +67,7 @@ def test_pieces_scatter_as_they_were_made(folder):
     names = {check["name"]: check["passed"] for check in found["checks"]}
     assert names["pieces_tested_alike"] is True
     said = ran(folder, *files, *WORDS, "--force-limits", "4:6.5N").stdout
-    assert "4 pieces" in said
+    assert "4 specimens" in said
     assert "Cpk" in said
 
 
@@ -94,7 +94,7 @@ def test_a_figure_is_drawn(folder, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (["p1.csv", "--force-limits", "1:2N"], "several pieces"),
         (["p1.csv", "p1.csv"], "same record as"),
@@ -103,12 +103,12 @@ def test_a_figure_is_drawn(folder, tmp_path):
         (["p1.csv", "--compression", "6N"], "length"),
     ],
 )
-def test_what_does_not_go_is_refused(folder, words, says):
-    assert says in ran(folder, *words, code=2).stderr
+def test_what_does_not_go_is_refused(folder, words, message):
+    assert message in ran(folder, *words, code=2).stderr
 
 
 @pytest.mark.parametrize(
-    ("head", "says"),
+    ("head", "message"),
     [
         (
             "time [s],displacement [m],force [N]",
@@ -125,9 +125,9 @@ def test_what_does_not_go_is_refused(folder, words, says):
         ("time [s],displacement [mm],force", "unit"),
     ],
 )
-def test_fit_asks_about_a_wrong_unit(tmp_path, head, says):
+def test_fit_asks_about_a_wrong_unit(tmp_path, head, message):
     path = pressed(bulb).write(tmp_path / "a.csv", head=head)
-    assert says in ran(tmp_path, path.name, code=2).stderr
+    assert message in ran(tmp_path, path.name, code=2).stderr
 
 
 def test_inspect_names_the_kind(folder):

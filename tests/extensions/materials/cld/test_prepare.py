@@ -119,7 +119,7 @@ def test_cld_retains_and_reports_a_preload():
     truth = pressed(gap=-1e-3, bias=0.0)
     one = evaluate_record(truth, at=5e-3)
     assert one.preload == pytest.approx(float(np.median(truth.clean[:100])), abs=4e-3)
-    assert "begins in contact, under 11 %" in one.verdict.says
+    assert "begins in contact, under 11 %" in one.verdict.message
     assert one.cycle.depth == pytest.approx(7e-3, abs=1e-5)
 
 
@@ -142,12 +142,12 @@ def test_cld_selects_the_requested_or_last_reaching_cycle():
     beyond = evaluate_record(truth, at=6e-3, between=(4e-3, 9e-3))
     assert beyond.most is None
     assert "compressions_reached" in failed(beyond)
-    for how, says in (
+    for how, message in (
         ({"at": 9e-3}, "at most 7.9"),
         ({"at": "-1mm"}, "expected a compression > 0"),
         ({"cycle": 4}, "holds 3 cycles"),
     ):
-        with pytest.raises(DataError, match=says):
+        with pytest.raises(DataError, match=message):
             evaluate_record(truth, **how)
 
 
@@ -201,7 +201,7 @@ def test_swapped_columns_make_energy_and_are_not_to_be_used():
     swapped = dp.CLDTest(1e-3 * truth.force, 1e3 * truth.displacement, truth.time, units="SI")
     one = cld(swapped)
     assert one.verdict.use == "do not use"
-    assert "swapped" in one.verdict.says
+    assert "swapped" in one.verdict.message
 
 
 def test_a_curve_typed_from_a_sheet_begins_where_it_begins():

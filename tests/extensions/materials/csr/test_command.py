@@ -86,7 +86,7 @@ def test_the_help_of_a_file_shows_what_it_takes(folder):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (["predict", "csr.json", "--temperature", "70degC", "--mass", "1kg"], "--mass is for"),
         (["predict", "csr.json", "--temperature", "70degC", "--band", "1:2Hz"], "--band is for"),
@@ -99,11 +99,11 @@ def test_the_help_of_a_file_shows_what_it_takes(folder):
         (["fit", "ovens.csv", "-o", "csr.csv"], "written as .json"),
     ],
 )
-def test_what_does_not_suit_is_refused_by_name(folder, words, says):
+def test_what_does_not_suit_is_refused_by_name(folder, words, message):
     verb, name, *rest = words
     done = ran(verb, folder / name, *rest)
     assert done.exit_code == 2
-    assert says in done.stderr
+    assert message in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -290,23 +290,23 @@ def test_life_limits_hold_with_a_drift(drift):
 
 
 @pytest.mark.parametrize(
-    ("machine", "says"),
+    ("machine", "message"),
     [({"sync": 1e-3}, "sync= does not suit"), ({"force_filter": 1.0}, "force-filter= does not")],
 )
-def test_fit_aging_refuses_statements_about_another_machine(machine, says):
-    with pytest.raises(DataError, match=says):
+def test_fit_aging_refuses_statements_about_another_machine(machine, message):
+    with pytest.raises(DataError, match=message):
         fit_aging([recorded(lot(TRUE))], machine=Machine(**machine))
 
 
 @pytest.mark.parametrize(
-    ("end", "says"),
+    ("end", "message"),
     [
         ("50", "50%, or a time"), (0.5, "50%, or a time"), ("0.5%", "1 to 99 %"),
         ("100%", "1 to 99 %"), ("20min", "more than 30 min"), ("1000N", "50%, or a time"),
     ],
 )  # fmt: skip
-def test_predict_aging_asks_for_a_valid_end(end, says):
-    with pytest.raises(DataError, match=f"--end {end}: expected .*{says}"):
+def test_predict_aging_asks_for_a_valid_end(end, message):
+    with pytest.raises(DataError, match=f"--end {end}: expected .*{message}"):
         predict_aging(usual(), temperature="70degC", until=end)
 
 
@@ -325,19 +325,19 @@ def test_a_prediction_is_of_a_temperature():
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "message"),
     [
         ({"method": "AB"}, "Fit each method by itself"),
         ({"time": lambda t: t - 0.4}, "first read 6 min after its compression"),
         ({"piece": lambda p: np.arange(len(p))}, "was read 1 times in one oven"),
     ],
 )
-def test_readings_that_are_no_lot_are_refused(change, says):
+def test_readings_that_are_no_lot_are_refused(change, message):
     one = lot(TRUE)
     arrays = {"time": one.hours, "force": one.force, "temperature": one.celsius, "piece": one.piece}
     for name, how in change.items():
         arrays[name] = how(arrays[name]) if callable(how) else how
-    with pytest.raises(DataError, match=says):
+    with pytest.raises(DataError, match=message):
         fit_aging([CSRTest(**arrays, units="h, N, degC")])
 
 
@@ -373,7 +373,7 @@ def test_a_fit_ages_as_the_force_does():
     assert old.standard_error["tau"] == new.standard_error["tau"]
     joint = old.covariance[0, 1]
     assert joint == pytest.approx(left.error**2 * PAPER.k_inf * PAPER.k[0])
-    assert "is left after 1000 h at 70 degC" in old.steps[-1].says
+    assert "is left after 1000 h at 70 degC" in old.steps[-1].message
     assert "stiffness_follows_force" not in failed(old)
     spent = aging.age_fit(new, temperature="125degC", time="1000h")
     assert "stiffness_follows_force" in failed(spent)

@@ -143,7 +143,7 @@ def test_read_csr_asks_about_fractions_labelled_per_cent(tmp_path, largest, fine
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "message"),
     [
         (
             rows("time [h],force [N],temperature [degC],method", *SHORT.values(), [125] * 3, "ABA"),
@@ -165,8 +165,8 @@ def test_read_csr_asks_about_fractions_labelled_per_cent(tmp_path, largest, fine
         ),
     ],
 )  # fmt: skip
-def test_read_csr_states_a_fault_in_one_sentence(tmp_path, text, says):
-    with pytest.raises(ReadError, match=says) as caught:
+def test_read_csr_states_a_fault_in_one_sentence(tmp_path, text, message):
+    with pytest.raises(ReadError, match=message) as caught:
         csr_files([written(tmp_path, text)])
     assert "\n" not in str(caught.value)
 

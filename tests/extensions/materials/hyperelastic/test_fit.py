@@ -96,7 +96,7 @@ def test_fit_hyperelastic_reports_a_sponge_fitted_as_rubber_with_a_remedy():
     fit = fit_hyperelastic([sponge])
     told = check(fit, "law_residual_small")
     assert told.failed
-    assert "A foam that does not swell sideways follows to 0." in told.says
+    assert "A foam that does not swell sideways follows to 0." in told.message
     assert (told.remedy.option, told.remedy.value) == ("poisson", "0")
     obeyed = fit_hyperelastic([sponge], poisson=float(told.remedy.value))
     assert obeyed.law.kind == "hyperfoam"
@@ -109,7 +109,7 @@ def test_fit_hyperelastic_reports_a_sponge_fitted_as_rubber_with_a_remedy():
 )
 def test_a_foam_is_named_where_it_follows_and_much_closer(left, swelling, named):
     found = checks.law_residual_small(left, "uniaxial", swelling)
-    assert ("foam" in found.says, found.remedy.option == "poisson") == (named, named)
+    assert ("foam" in found.message, found.remedy.option == "poisson") == (named, named)
 
 
 def test_a_bulk_modulus_comes_from_the_volumetric_test():
@@ -222,7 +222,7 @@ def test_fit_hyperelastic_reports_and_avoids_an_unstable_law():
     wrong = Hyperelastic("mooney-rivlin", (0.3e6, -0.12e6))
     tests = [loaded(wrong, "uniaxial", (1, 1.8))]
     named = fit_hyperelastic(tests, law="mooney-rivlin")
-    assert {one.name for one in named.verdict.because} >= {"stable_in_use"}
+    assert {one.name for one in named.verdict.failed_checks} >= {"stable_in_use"}
     assert named.verdict.use == "do not use"
     assert named.law.stable_range("uniaxial")[1] == pytest.approx((0.3 / 0.12) ** 0.5, rel=1e-4)
     assert check(fit_hyperelastic(tests), "stable_in_use").passed
@@ -300,7 +300,7 @@ def test_fit_hyperelastic_reports_too_few_points():
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         ({"law": "ogden", "terms": 4}, "1 to 3"),
         ({"law": "yeoh", "poisson": 0.3}, "belongs to a foam"),
@@ -308,8 +308,8 @@ def test_fit_hyperelastic_reports_too_few_points():
         ({"law": "hyperfoam"}, "--poisson 0"),
     ],
 )
-def test_what_does_not_fit_together_is_refused(words, says):
-    with pytest.raises(FitError, match=says):
+def test_what_does_not_fit_together_is_refused(words, message):
+    with pytest.raises(FitError, match=message):
         fit_hyperelastic([loaded(RUBBER, "uniaxial")], **words)
 
 

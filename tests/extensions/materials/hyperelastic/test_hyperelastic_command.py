@@ -105,7 +105,7 @@ def test_rates_without_their_memory(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("head", "scale", "says"),
+    ("head", "scale", "message"),
     [
         ("stretch,stress", (1, 1), "has no unit"),
         ("strain,stress [MPa]", (1, 1), "'strain' (strain) has no unit"),
@@ -124,12 +124,12 @@ def test_rates_without_their_memory(tmp_path):
         ),
     ],
 )
-def test_fit_reports_unreadable_stress_strain_files(tmp_path, head, scale, says):
+def test_fit_reports_unreadable_stress_strain_files(tmp_path, head, scale, message):
     columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
     columns = [np.arange(50.0), *columns] if "time" in head else columns
     file = saved(tmp_path / "a.csv", head, *columns)
     told = " ".join(did("fit", file, "--kind", "stress-strain", code=2).output.split())
-    assert says in told
+    assert message in told
 
 
 def test_fit_asks_for_a_file():

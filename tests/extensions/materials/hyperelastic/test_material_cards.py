@@ -147,7 +147,7 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         ({"units": None, "bulk_modulus": K}, "--unit-system"),
         ({}, "--bulk-modulus"),
@@ -157,18 +157,18 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
         ({"bulk_modulus": K, "frequency_range": (1.0, 9.0)}, "take no --band"),
     ],
 )
-def test_export_asks_for_missing_options_of_a_material_card(words, says):
+def test_export_asks_for_missing_options_of_a_material_card(words, message):
     from dataclasses import replace
 
     fit = fitted("mooney-rivlin")
     fit = replace(fit, temperature=None) if words.pop("cold", False) else fit
-    with pytest.raises(ExportError, match=says):
+    with pytest.raises(ExportError, match=message):
         deck_for("abaqus", fit, **{"units": "SI", **words})
 
 
 def test_others_are_refused():
-    for target, says in (("nastran", "abaqus, calculix, ansys"), ("lsdyna", "--density")):
-        with pytest.raises(ExportError, match=says):
+    for target, message in (("nastran", "abaqus, calculix, ansys"), ("lsdyna", "--density")):
+        with pytest.raises(ExportError, match=message):
             hyperelastic_card(
                 target, fitted("yeoh"), units="SI", bulk_modulus=K
             )  # fmt: skip

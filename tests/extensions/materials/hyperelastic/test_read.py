@@ -28,18 +28,18 @@ def test_read_stress_strain_keeps_a_valid_clock(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("head", "clock", "says"),
+    ("head", "clock", "message"),
     [("time", CLOCK, "has no unit"), ("time [s]", CLOCK % 5, "time falls from 4.75 s")],
     ids=["no unit", "starts again"],
 )
 def test_read_stress_strain_omits_an_invalid_clock_with_a_note(
-    tmp_path: Path, head: str, clock: np.ndarray, says: str
+    tmp_path: Path, head: str, clock: np.ndarray, message: str
 ) -> None:
     found = read_stress_strain(pulled(tmp_path, head, clock), "uniaxial")
     assert found.time is None
     assert len(found.stress) == len(PULL)
     (note,) = [one for one in found.source.notes if "the clock is left out" in one]
-    assert says in note
+    assert message in note
 
 
 def test_read_cld_asks_for_the_unit_of_the_clock(tmp_path: Path) -> None:

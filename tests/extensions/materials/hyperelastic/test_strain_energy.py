@@ -138,7 +138,7 @@ def test_power_laws_of_positive_terms_are_stable_everywhere():
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (("mooney", (1.0,)), "expected one of neo-hooke"),
         (("mooney-rivlin", (1.0,)), "1 constants"),
@@ -149,8 +149,8 @@ def test_power_laws_of_positive_terms_are_stable_everywhere():
         (("neo-hooke", (1.0,), (), 0.5, -1.0), "bulk modulus"),
     ],
 )
-def test_what_is_no_law_is_refused(words, says):
-    with pytest.raises(DataError, match=says):
+def test_what_is_no_law_is_refused(words, message):
+    with pytest.raises(DataError, match=message):
         Hyperelastic(*words)
 
 

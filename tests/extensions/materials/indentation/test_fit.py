@@ -146,7 +146,7 @@ class TestSpoilt:
         found = fitted(spoilt=lambda t, y: y / 9.80665)
         told = next(check for check in found.checks if check.name == "velocity_agrees")
         assert told.failed
-        assert "g and m/s^2" in told.says
+        assert "g and m/s^2" in told.message
 
     def test_a_trigger_in_the_contact(self):
         end = ball()[0][-1]
@@ -167,7 +167,7 @@ class TestSpoilt:
         found = fit_indentation(first, law=HKV)
         holds(found, k=K, restitution=E)
         assert found.touch == pytest.approx(3e-3, abs=2e-5)
-        assert "1 later contacts" in str([check.says for check in found.checks])
+        assert "1 later contacts" in str([check.message for check in found.checks])
         again = replace(first, signal=first.signal[::-1])
         assert "first_contact" in failed(fit_indentation(again, law=HKV))
 
@@ -215,9 +215,11 @@ class TestRefusals:
 
 
 def test_parameters_check_gives_no_factor_for_an_undetermined_parameter():
-    assert "c is known within a factor of 99" in parameters_determined("c", 99.0).says
-    assert parameters_determined("c", 5e21).says.startswith("c is not known, not even in its size")
-    assert parameters_determined("k", 1.0, "c is below 2 N s/m").says.endswith(
+    assert "c is known within a factor of 99" in parameters_determined("c", 99.0).message
+    assert parameters_determined("c", 5e21).message.startswith(
+        "c is not known, not even in its size"
+    )
+    assert parameters_determined("k", 1.0, "c is below 2 N s/m").message.endswith(
         "; c is below 2 N s/m."
     )
 
@@ -303,7 +305,7 @@ def test_fit_indentation_bounds_an_insignificant_loss():
     assert 1e-6 < bound.high < 2e-5
     known = next(check for check in found.checks if check.name == "parameters_determined")
     assert known.passed
-    assert f"viscous time is below {bound.high:.3g} s" in known.says
+    assert f"viscous time is below {bound.high:.3g} s" in known.message
     assert found["k"].low < K < found["k"].high
     assert slight(5e-5, 3)["viscous_time"].low > 4e-5
 

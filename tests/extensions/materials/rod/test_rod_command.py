@@ -172,7 +172,7 @@ def test_the_example(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (("--density", "1000", "--mass", "1g"), "--shape disc:"),
         (("--shape", "disc:20mm", "--density", "1000", "--mass", "1g"), "expected 2"),
@@ -181,9 +181,9 @@ def test_the_example(tmp_path):
         ((*WORDS, "--band", "300:400Hz", "-o", "fit.json"), "-o writes a fit"),
     ],
 )
-def test_fit_asks_for_missing_or_wrong_rod_input(tmp_path, words, says):
+def test_fit_asks_for_missing_or_wrong_rod_input(tmp_path, words, message):
     path = written(tmp_path / "a.csv", shaken())
-    assert says in " ".join(ran(path, *words, code=2).stderr.split())
+    assert message in " ".join(ran(path, *words, code=2).stderr.split())
 
 
 def test_rest_is_taken_at_its_word_no_further_than_its_lines_scatter():

@@ -61,4 +61,6 @@ def test_impact_fit_with_one_arm_warns_for_a_broad_spectrum(
         memory=[pressed(*truth, random)],
     )
     assert found.verdict.use == use
-    assert ("spectrum_has_gaps" in {one.name for one in found.verdict.because}) == (use != "use")
+    assert ("spectrum_has_gaps" in {one.name for one in found.verdict.failed_checks}) == (
+        use != "use"
+    )

@@ -40,7 +40,7 @@ def test_predict_writes_an_impact(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "says"),
+    ("more", "message"),
     [
         (("--drop", "0.3m/s"), "--mass 200g"),
         (("--drop", "0.3m/s", "--mass", "200g", "--band", "1:50Hz"), "--band is for a vibration"),
@@ -48,11 +48,11 @@ def test_predict_writes_an_impact(folder: Path, tmp_path: Path) -> None:
     ],
 )
 def test_what_does_not_suit_a_slam_is_refused(
-    folder: Path, more: tuple[str, ...], says: str
+    folder: Path, more: tuple[str, ...], message: str
 ) -> None:
     done = ran("predict", folder / "law.json", *more)
     assert done.exit_code == 2
-    assert says in done.stderr
+    assert message in done.stderr
 
 
 # the page of the documents runs the same

@@ -134,7 +134,7 @@ def test_three_speeds_and_the_slow_law_tell_the_loss_factor() -> None:
 def test_fit_of_one_impact_on_a_free_law_is_undetermined() -> None:
     found = fitted(1, (0.6,))
     assert found.verdict.use == "do not use"
-    assert "not determined" in found.verdict.says
+    assert "not determined" in found.verdict.message
     assert "slam_speeds_spread" in {one.name for one in found.checks if one.failed}
 
 
@@ -193,7 +193,7 @@ def test_slams_of_separates_impacts_of_one_record() -> None:
 
 
 @pytest.mark.parametrize(
-    ("how", "says"),
+    ("how", "message"),
     [
         ({}, "--mass 200g"),
         (
@@ -203,8 +203,8 @@ def test_slams_of_separates_impacts_of_one_record() -> None:
         ({"mass": "200g", "slam": "0.3"}, "expected the speed at the touch"),
     ],
 )
-def test_fit_slams_reports_missing_input(how: dict[str, object], says: str) -> None:
-    with pytest.raises(DataError, match=re.escape(says)):
+def test_fit_slams_reports_missing_input(how: dict[str, object], message: str) -> None:
+    with pytest.raises(DataError, match=re.escape(message)):
         fit_slams([record(0.6)], **how)
 
 

@@ -161,7 +161,7 @@ def test_predict_slam_marks_conditions_outside_the_test() -> None:
     marked = {one.name for one in deep.checks if one.failed}
     assert {"slam_within_measured_depth", "air_escapes", "piece_length_given"} <= marked
     assert "20 mm" in next(
-        one.says for one in deep.checks if one.name == "slam_within_measured_depth"
+        one.message for one in deep.checks if one.name == "slam_within_measured_depth"
     )
     bare = predict_slam(replace(fit, elastic_law=None), slam=0.3, mass="200g")
     assert "slam_within_measured_depth" in {one.name for one in bare.checks if one.failed}
@@ -179,7 +179,7 @@ def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
 
 
 @pytest.mark.parametrize(
-    ("how", "says"),
+    ("how", "message"),
     [
         ({"slam": "18", "mass": "200g"}, "--drop 18: expected the speed"),
         ({"slam": "0.6m/s"}, "--mass 200g"),
@@ -188,8 +188,8 @@ def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
         ({"slam": "18mm", "mass": "200kg"}, "not thrown back"),
     ],
 )
-def test_predict_slam_refuses_invalid_options(how: dict[str, str], says: str) -> None:
-    with pytest.raises(DataError, match=re.escape(says)):
+def test_predict_slam_refuses_invalid_options(how: dict[str, str], message: str) -> None:
+    with pytest.raises(DataError, match=re.escape(message)):
         dp.predict(seal(LAWS["linear"]), **how)
 
 

@@ -40,8 +40,8 @@ export async function showLot() {
 export function take(/** @type {any} */ head) {
   table = head;
   $("lot-name").textContent = head.name;
-  $("lot-says").textContent = head.says;
-  status(`a lot of ${head.says}`);
+  $("lot-message").textContent = head.message;
+  status(`a lot of ${head.message}`);
   draw();
 }
 

@@ -188,7 +188,7 @@ function settled(/** @type {any} */ head) {
   solid(head.solid, false, head.arms);
   $("beside").innerHTML = head.beside;
   $("beside").hidden = !Object.keys(state.job.cuts).length;
-  $("pressed").textContent = head.pressed.says;
+  $("pressed").textContent = head.pressed.message;
   field("compression").placeholder = head.pressed.value || "weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
   found = { arms: head.arms, law: head.law, cuts: head.cuts, end: head.end };

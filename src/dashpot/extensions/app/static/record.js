@@ -3,7 +3,7 @@ import { $, all, field, made, status, words } from "./dom.js";
 import { call } from "./wire.js";
 
 /** @typedef {{name: string, now: string, svg: string}} Drawn */
-/** @typedef {{running: boolean, rows: number, says: string, failed: string, drawn: Drawn[], kept: {id: string, name: string} | null}} Seen */
+/** @typedef {{running: boolean, rows: number, message: string, failed: string, drawn: Drawn[], kept: {id: string, name: string} | null}} Seen */
 
 const BEAT = 500;
 const TALL = 210, TALL_NARROW = 180, NARROW = 900;
@@ -28,10 +28,10 @@ function show(/** @type {Seen} */ seen) {
   button("start").disabled = running;
   button("stop").disabled = !running;
   button("fit").disabled = !seen.kept;
-  $("simulated").hidden = !seen.says.includes("simulated");
+  $("simulated").hidden = !seen.message.includes("simulated");
   const over = seen.rows ? "recorded" : "nothing is recorded";
   status(running ? `recording, ${seen.rows} samples` : over);
-  $("says").textContent = seen.says;
+  $("message").textContent = seen.message;
   if (seen.failed) refuse(seen.failed);
   $("panels").replaceChildren(...seen.drawn.map(({ name, now, svg }) => {
     const [, what, unit] = name.match(/(.*) \[(.*)\]/) || ["", name, ""];

@@ -95,8 +95,8 @@ export function fileList() {
   const of = test();
   $("files").replaceChildren(...state.files.map((one) => {
     const level = isLevel(one) && one.level ? `, at ${levelWords(one)}` : "";
-    const says = `${one.line || "reading"}${level}`;
-    const words = made("span", {}, made("b", {}, one.name), made("i", {}, says));
+    const message = `${one.line || "reading"}${level}`;
+    const words = made("span", {}, made("b", {}, one.name), made("i", {}, message));
     const item = made(
       "li",
       {},
@@ -118,11 +118,11 @@ export function fileList() {
   }));
   if (state.lot) {
     const name = state.lot.replace(/[\\/]+$/, "").split(/[\\/]/).at(-1) || state.lot;
-    const says = made("span", {}, made("b", {}, name), made("i", {}, "a lot"));
+    const message = made("span", {}, made("b", {}, name), made("i", {}, "a lot"));
     const current = String(state.current === LOT);
     const open = { class: "file", "data-show": LOT, "aria-current": current };
     const away = { class: "link away", "data-remove": LOT, "aria-label": `remove ${name}` };
-    const button = made("button", open, icon("note"), says);
+    const button = made("button", open, icon("note"), message);
     $("files").prepend(made("li", {}, button, made("button", away, "\u00d7")));
   }
   document.body.classList.toggle("empty", !state.files.length && !state.lot);

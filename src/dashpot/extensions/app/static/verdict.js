@@ -4,8 +4,8 @@ import { door, isBench, questionOf, shown, state, test } from "./job.js";
 
 /** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
 /** @typedef {{words: string, act?: string, remove?: string}} Cure The one control that mends it */
-/** @typedef {{name: string, mark: string, says: string}} Light */
-/** @typedef {{word: string, says: string, colour: "open" | "bad", cure?: Cure, alert?: boolean, lights?: Light[]}} Said */
+/** @typedef {{name: string, mark: string, message: string}} Light */
+/** @typedef {{word: string, message: string, colour: "open" | "bad", cure?: Cure, alert?: boolean, lights?: Light[]}} Said */
 
 const OPEN = "Not judged yet";
 /** What is asked now; why there is no verdict of it, and whether anything is at work on one. */
@@ -45,9 +45,9 @@ export function asks(
 }
 
 /** Say how far what is asked has moved, and what is left of the force: unless it was let go. */
-export function moves(/** @type {string} */ says, rest = "") {
+export function moves(/** @type {string} */ message, rest = "") {
   if (called === OPEN) return;
-  [why, left] = [says, rest];
+  [why, left] = [message, rest];
   render();
 }
 
@@ -150,29 +150,29 @@ function wordOf(/** @type {Judged} */ head) {
 
 /** What is to be said in place of the answer; nothing where that is whole, and of all files. */
 function instead() {
-  /** @type {(says: string, cure?: Cure) => Said} */
-  const open = (says, cure) => ({ word: called, says, colour: "open", cure, lights: lights() });
+  /** @type {(message: string, cure?: Cure) => Said} */
+  const open = (message, cure) => ({ word: called, message, colour: "open", cure, lights: lights() });
   const { fit, file } = refused, out = leftOut();
   if (away) {
-    const says = "This session is open in another tab, so this one is read only.";
+    const message = "This session is open in another tab, so this one is read only.";
     const cure = { words: "Take over", act: "take-over" };
-    return { ...open(says, cure), word: "Open elsewhere", lights: [] };
+    return { ...open(message, cure), word: "Open elsewhere", lights: [] };
   }
   if (fit && GONE.test(fit.said)) {
-    const says = `The program that computes has ended. These numbers are of ${known.at}, and may ` +
+    const message = `The program that computes has ended. These numbers are of ${known.at}, and may ` +
       "not be what the files say now. Start it again, and go on with the last session.";
-    return said("Connection lost", { ...fit, said: says });
+    return said("Connection lost", { ...fit, said: message });
   }
   if (fit?.cure.act === "all-hits") {
     const hits = state.job.hammer.reject.length;
-    const says = `All ${hits} hits are rejected, so no response is measured. Accept three or more.`;
-    return said("Do not use: no hit is left", { ...fit, said: says });
+    const message = `All ${hits} hits are rejected, so no response is measured. Accept three or more.`;
+    return said("Do not use: no hit is left", { ...fit, said: message });
   }
   if (fit) return said("Do not use", fit);
   if (file) return said("Not read", file);
   if (!asked && reading()) {
-    const says = `${reading()?.name}: its columns, and what they hold. Esc ends it.`;
-    return { ...open(says), word: "Reading" };
+    const message = `${reading()?.name}: its columns, and what they hold. Esc ends it.`;
+    return { ...open(message), word: "Reading" };
   }
   if (typing) return open("What is typed counts once you press Enter or leave the field.");
   if (known.of === asked && known.head?.colour === "bad") return null;
@@ -193,16 +193,16 @@ function instead() {
 const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}} */ of) => ({
   word,
   // a word begins with a capital, the name of a file as it is
-  says: of.said.replace(/^\p{Ll}(?=\p{L}*[ ,])/u, (first) => first.toUpperCase()),
+  message: of.said.replace(/^\p{Ll}(?=\p{L}*[ ,])/u, (first) => first.toUpperCase()),
   colour: "bad",
   cure: of.cure,
   alert: true,
 });
 
 /** @type {(of: Said) => Node[]} */
-function drawn({ word, says, colour, cure, alert, lights = [] }) {
-  const line = made("div", { class: "says" }),
-    text = made("p", alert ? { role: "alert" } : {}, says);
+function drawn({ word, message, colour, cure, alert, lights = [] }) {
+  const line = made("div", { class: "message" }),
+    text = made("p", alert ? { role: "alert" } : {}, message);
   line.append(icon(colour, "icon big"), made("strong", { class: "word" }, word));
   const parts = [made("div", { class: "said" }, line, text)];
   // where nothing is known what mends it stands there alone
@@ -220,16 +220,16 @@ function lights() {
   const lit = all(".lights dd", own || made("div"));
   return (test() ? ["Test", "Stiffness", "Damping"] : []).map((name, i) => {
     const mark = lit[i]?.querySelector("use")?.getAttribute("href")?.slice(3);
-    const says = lit[i]?.textContent || (i ? "" : left) || "not judged";
-    return { name, mark: mark || "open", says };
+    const message = lit[i]?.textContent || (i ? "" : left) || "not judged";
+    return { name, mark: mark || "open", message };
   });
 }
 
 /** @type {(of: Light[]) => HTMLElement} */
 function lamps(of) {
   const list = made("dl", { class: "lights" });
-  for (const { name, mark, says } of of) {
-    list.append(made("dt", {}, name), made("dd", {}, icon(mark), says));
+  for (const { name, mark, message } of of) {
+    list.append(made("dt", {}, name), made("dd", {}, icon(mark), message));
   }
   return list;
 }

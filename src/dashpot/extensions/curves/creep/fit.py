@@ -415,10 +415,10 @@ def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
     if not record.lead:
         return ()
     way = "earlier" if record.lead > 0 else "later"
-    says = (
+    message = (
         f"took the load {format_quantity(abs(record.lead), 'ms', '.3g')} {way}, as it is answered"
     )
-    return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), says),)
+    return (Step("lead", (("lead_s", f"{record.lead:.6g}"),), message),)
 
 
 def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedModel:
@@ -569,11 +569,11 @@ def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, f
 def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
     count = len(result.spectrum.d)
     flow = " and a flow" if result.flows else ""
-    says = (
+    message = (
         f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the solid, with "
         f"{result.model.arms} arm{'s' * (result.model.arms != 1)}, is their exact interconversion"
     )
-    return Step("fit_creep", (("arms", str(arms)),), says)
+    return Step("fit_creep", (("arms", str(arms)),), message)
 
 
 # -- a curve --------------------------------------------------------------------------------------

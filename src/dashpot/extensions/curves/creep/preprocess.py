@@ -324,9 +324,9 @@ def _is_noise(left: FloatArray, noise: float, chance: float) -> bool:
 def _step(held: _HeldLoad, turn: int, unit: str) -> Step:
     word = "N" if unit == "N/m" else "Pa"
     begun = f"the load of {held.level:.4g} {word} rises from {held.onset:.5g} s and is held from "
-    says = (
+    message = (
         f"{begun}{held.ramp_end:.5g} to {held.hold_end:.5g} s, after {held.preload:.3g} {word} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
     options = (("force turned", str(held.turn)), ("displacement turned", str(turn)))
-    return Step("load_hold", options, says)
+    return Step("load_hold", options, message)

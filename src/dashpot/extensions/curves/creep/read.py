@@ -79,7 +79,7 @@ def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComplianc
     specimen, sentences = add_specimen_temperature(file, specimen, chosen)
 
     def source(notes: list[str]) -> Source:
-        return channels.source(file, [channel.says for channel in chosen], [*notes, *sentences])
+        return channels.source(file, [channel.message for channel in chosen], [*notes, *sentences])
 
     values, notes = load_signals(file, chosen)
     time, displacement, pushed = (values[role] for role in wanted)
@@ -118,7 +118,7 @@ def _curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepC
         si_unit(chosen[1].unit.dimension).word,
         specimen,
         channels.source(
-            file, [channel.says for channel in chosen], [*file.table.notes, *notes, *sentences]
+            file, [channel.message for channel in chosen], [*file.table.notes, *notes, *sentences]
         ),
         warm,
         units="SI",

@@ -334,7 +334,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, its load and hold, and what preparation noticed."""
-        failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
+        failed = (f"  {check.name}: {check.message}" for check in self.checks if check.failed)
         return (
             describe_record_source(self.source, len(self.time)),
             (

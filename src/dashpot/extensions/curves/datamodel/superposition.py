@@ -88,5 +88,5 @@ class Superposition(EqualByValue, Plottable):
                 f"{shifts.vertical}"
             ),
             f"{self.solid.arms} arms leave {100 * self.rms:.2g} % rms",
-            *(check.says for check in self.checks if check.failed),
+            *(check.message for check in self.checks if check.failed),
         )

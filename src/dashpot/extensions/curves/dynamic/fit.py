@@ -538,8 +538,8 @@ def _step(
 ) -> Step:
     n = len(records)
     text = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
-    says = (
+    message = (
         f"fitted {describe_fit(selection)} to storage and loss at {len(data.frequency)} "
         f"frequencies{text}"
     )
-    return Step("fit_dynamic", options, says)
+    return Step("fit_dynamic", options, message)

@@ -66,6 +66,6 @@ def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
         values.get("temperature"),
         unit,
         specimen,
-        channels.source(file, [c.says for c in chosen], notes),
+        channels.source(file, [c.message for c in chosen], notes),
         units="SI",
     )

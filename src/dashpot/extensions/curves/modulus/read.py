@@ -55,7 +55,9 @@ def read_modulus(
             si_unit(chosen[1].unit.dimension).word,
             specimen,
             channels.source(
-                file, [channel.says for channel in chosen], (*file.table.notes, *notes, *sentences)
+                file,
+                [channel.message for channel in chosen],
+                (*file.table.notes, *notes, *sentences),
             ),
             warm,
             units="SI",

@@ -345,9 +345,9 @@ def _step(
         ("vertical", temperatures.vertical),
         ("shifts", "given" if provided else "fitted"),
     )
-    says = (
+    message = (
         f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(warm)} onto one "
         f"spectrum at {celsius(temperatures.reference)}, b_T = {temperatures.vertical}, and laid "
         f"a law through the shifts (BIC: {tried})"
     )
-    return Step("superpose", options, says)
+    return Step("superpose", options, message)

@@ -89,7 +89,7 @@ def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
 def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     arms = best.point.order
     listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
-    says = (
+    message = (
         f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} to "
         f"{len(best.tests)} tests at {listed}; the solid is that of {celsius(shifts.reference)}, "
         f"its shifts follow the {shifts.law.kind} law"
@@ -102,7 +102,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
         ("reference_K", repr(shifts.reference)),
         ("law", shifts.law.kind),
     )
-    return Step("fit", parameters, says)
+    return Step("fit", parameters, message)
 
 
 def build_point_fit(

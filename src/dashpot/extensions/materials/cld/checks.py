@@ -255,11 +255,11 @@ def relaxation_tests_agree(difference: float | None) -> Finding:
 def one_relaxation_explains_speeds(over: float) -> Finding:
     """Relaxation explains the speeds as well as a dashpot that depends on compression."""
     if over >= -BETTER:
-        says = "The speeds do not separate one memory from a dashpot that depends on compression"
+        message = "The speeds do not separate one memory from a dashpot that depends on compression"
     else:
-        says = "One memory explains the speeds better than a dashpot that depends on compression"
+        message = "One memory explains the speeds better than a dashpot that depends on compression"
     return Finding(
-        f"{says} (BIC {over:+.3g})",
+        f"{message} (BIC {over:+.3g})",
         over,
         instead=f"A dashpot that depends on compression explains the speeds better than one memory "
         f"(BIC {over:+.3g})",

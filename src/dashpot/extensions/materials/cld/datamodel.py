@@ -548,7 +548,7 @@ class ProcessCapability(Protocol):
         None where the forces do not scatter.
     cpk_interval : (float, float) or None
         95 %.
-    says : str
+    message : str
         Cpk with its interval.
     """
 

@@ -60,7 +60,7 @@ def cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
         notes.append("the file has no clock: nothing is known of the speed")
     notes += _refuse_sizes(file, chosen, values)
     specimen, sentences = add_specimen_temperature(file, specimen, chosen)
-    source = channels.source(file, [channel.says for channel in chosen], [*notes, *sentences])
+    source = channels.source(file, [channel.message for channel in chosen], [*notes, *sentences])
     return CLDTest(
         values["displacement"],
         values["force"],

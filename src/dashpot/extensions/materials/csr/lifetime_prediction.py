@@ -75,8 +75,8 @@ class Aged(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        says = f"at {celsius(self.temperature)} {format_fact_clause(self.answers[0])}"
-        return verdict(self.checks, headline=says)
+        message = f"at {celsius(self.temperature)} {format_fact_clause(self.answers[0])}"
+        return verdict(self.checks, headline=message)
 
 
 def predict_aging(
@@ -175,9 +175,11 @@ def aged_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
     prediction = predict_aging(aging, temperature=temperature, until=f"{seconds!r}s")
     law, (fact, *_) = aging.law, prediction.answers
     chemical = replace(law, physical=0.0).compute_retention(prediction.temperature, seconds)
-    says = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(prediction.temperature)}"
+    message = f"after {format_quantity(seconds, 'h', '.6g')} at {celsius(prediction.temperature)}"
     checks = (*prediction.checks, stiffness_follows_force(1 - chemical))
-    return scale_for_aging(fit, fact, says, checks=tuple(check for check in checks if check.failed))
+    return scale_for_aging(
+        fit, fact, message, checks=tuple(check for check in checks if check.failed)
+    )
 
 
 def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:

@@ -107,7 +107,7 @@ def read_csr(
         read = {name.upper() for name in _SAID.findall(" ".join(file.table.header).casefold())}
         read |= {word.strip()[-1:].upper() for word in methods.tolist()}
         source = channels.source(
-            file, [channel.says for channel in chosen], [*file.table.notes, *notes, *sentences]
+            file, [channel.message for channel in chosen], [*file.table.notes, *notes, *sentences]
         )
         return CSRTest(
             values["time"], values["force"], kelvin, number + 1,

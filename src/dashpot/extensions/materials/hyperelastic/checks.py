@@ -245,9 +245,9 @@ def _reading(
                 if mode != elastic_curve.mode
             },
         }
-        for says, other in named.items():
+        for message, other in named.items():
             misfit = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
-            result = min(result, (misfit, f"{_name(elastic_curve)} read as {says}"))
+            result = min(result, (misfit, f"{_name(elastic_curve)} read as {message}"))
     return best / max(result[0], SMALL), result[1], best
 
 
@@ -264,16 +264,16 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
     `swelling` is the residual of a foam law without lateral strain.
     """
     remedy = Remedy("Use a law of more constants, or name the test of each file.", "model")
-    because = ""
+    reason = ""
     if swelling <= min(FOLLOWED, _MUCH_CLOSER * residual):
-        because = f"A foam that does not swell sideways follows to {100 * swelling:.2g} %"
+        reason = f"A foam that does not swell sideways follows to {100 * swelling:.2g} %"
         remedy = Remedy(
             "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
         )
     return Finding(
         f"The law misses the stress by up to {100 * residual:.2g} %, in {worst}",
         residual,
-        because,
+        reason,
         remedy,
         grade="stop" if residual > 0.2 else "limit",
     )
@@ -322,7 +322,7 @@ def stable_in_use(
         f"The law is stable over the stretches of use{text}",
         least,
         instead=f"The law is not stable in use, first at {where}{text if ends else ''}",
-        because="A solver stops there, or gives a wrong result",
+        reason="A solver stops there, or gives a wrong result",
         remedy=Remedy("Use another law, such as one of power terms.", "model", "ogden"),
     )
 
@@ -394,9 +394,9 @@ def unmeasured_modes_determined(doubt: float | None, mode: str, why: str) -> Fin
 @criterion("largest strain of use / measured", "<=", 1.0, "beyond it nothing was measured")
 def use_range_measured(ratio: float) -> Finding:
     """The stretches of use lie within the measured range."""
-    says = "not measured at all" if math.isinf(ratio) else f"{ratio:.3g} times those measured"
+    message = "not measured at all" if math.isinf(ratio) else f"{ratio:.3g} times those measured"
     return Finding(
-        f"The largest strains of use are {says}",
+        f"The largest strains of use are {message}",
         ratio,
         "The law is extrapolated",
         Remedy("Test as far as the part goes, in tension and compression.", "stretches"),
@@ -483,14 +483,14 @@ def zero_stress_at_zero_strain(part: float, name: str) -> Finding:
 
 
 @criterion("residual as read / as read otherwise", "<=", 3.0, "our choice: a third of the residual")
-def labels_agree(ratio: float | None, says: str, as_read: float) -> Finding:
+def labels_agree(ratio: float | None, message: str, as_read: float) -> Finding:
     """No other label of a file makes the modes agree much better."""
     if ratio is None:
         return Finding("One mode cannot show whether it, or its stress, is labelled right")
     return Finding(
         f"As labelled, a stable law misses the stress by {100 * as_read:.2g} %",
         ratio,
-        f"With {says} it misses {100 * as_read / ratio:.2g} %",
+        f"With {message} it misses {100 * as_read / ratio:.2g} %",
         Remedy("Check the label.", "test"),
         excused=as_read <= 0.02,
     )

@@ -137,10 +137,10 @@ def hyperelastic_card(
     comment = {"ansys": "!", "lsdyna": "$"}.get(target, "**")
     header = [
         byline(f"{law.kind} material for {_NAMES[target]}"),
-        f"{fit.verdict.use.upper()}: {fit.verdict.says}",
+        f"{fit.verdict.use.upper()}: {fit.verdict.message}",
         *_format_header_lines(card, kelvin, measured),
         *map("OVERRIDE: {}".format, overrides),
-        *(f"CHECK FAILED: {check.says}" for check in fit.checks if check.failed),
+        *(f"CHECK FAILED: {check.message}" for check in fit.checks if check.failed),
         {"calculix": VERIFIED}.get(target, NOT_VERIFIED),
         *remarks,
     ]
@@ -189,7 +189,7 @@ def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str
             "the test temperature is not stated", "give --temperature 23degC"
         )  # fmt: skip
     if fit.verdict.use == "do not use":
-        problems["not_identified"] = fit.verdict.says, "see dashpot fit"
+        problems["not_identified"] = fit.verdict.message, "see dashpot fit"
     return problems
 
 
@@ -275,10 +275,10 @@ def _abaqus(card: _Card) -> Body:
 
 
 def _calculix(card: _Card) -> Body:
-    says = ["D1 = 2 / K"]
+    message = ["D1 = 2 / K"]
     if card.prony:
-        says.append("CalculiX has no memory beside these: the law is that at rest")
-    return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], says
+        message.append("CalculiX has no memory beside these: the law is that at rest")
+    return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], message
 
 
 _OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2"
@@ -290,8 +290,8 @@ def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
     incompressible = 2 / (ratio * card.bulk)
     values = [ratio * c for c in card.constants]
     if kind == "neo-hooke":
-        says = ["the first constant is the shear modulus, 2 C10"]
-        return ",NEO", [2 * values[0], incompressible], says
+        message = ["the first constant is the shear modulus, 2 C10"]
+        return ",NEO", [2 * values[0], incompressible], message
     if kind == "yeoh":
         return "3,YEOH", [*values, incompressible, 0.0, 0.0], []
     return "2,MOONEY", [*values, incompressible], []
@@ -312,7 +312,7 @@ def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
 def _ansys(card: _Card) -> Body:
     law = card.fit.law
     name, values, sentences = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
-    says = ["d = 2 / K", *sentences]
+    message = ["d = 2 / K", *sentences]
     body = [f"TB,HYPER,1,1,{name}", *format_tbdata(values)]
     if card.prony:
         body += [
@@ -320,10 +320,12 @@ def _ansys(card: _Card) -> Body:
             *format_tbdata([v for p in card.prony for v in p]),
         ]
         times = f"{card.ratio:.6g} times those at rest"
-        says.append(f"the constants are the instantaneous ones, {times}")
+        message.append(f"the constants are the instantaneous ones, {times}")
         if law.kind == "hyperfoam":
-            says.append("repeat TB,PRONY with BULK: a foam keeps its Poisson's ratio as it relaxes")
-    return body, says
+            message.append(
+                "repeat TB,PRONY with BULK: a foam keeps its Poisson's ratio as it relaxes"
+            )
+    return body, message
 
 
 def _lsdyna(card: _Card) -> Body:
@@ -338,7 +340,7 @@ def _lsdyna(card: _Card) -> Body:
     K = card.bulk
     poisson = (3 * K - 2 * G) / (6 * K + 2 * G)
     head = format_fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
-    says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
+    message = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
     if law.kind in POWERS:
         entries = dict(zip(law.constant_names, card.constants, strict=True))
         order = ("C10", "C01", "C11", "C20", "C02", "C30")
@@ -346,19 +348,19 @@ def _lsdyna(card: _Card) -> Body:
         body = ["*MAT_HYPERELASTIC_RUBBER", head, format_fields(*constants, 0.0)]
     else:
         body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]
-        says.append(_OTHER_MU)
+        message.append(_OTHER_MU)
     if shear:
-        says.append(
+        message.append(
             "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
         )
-    return ["*KEYWORD", *body, *(format_fields(*pair) for pair in shear), "*END"], says
+    return ["*KEYWORD", *body, *(format_fields(*pair) for pair in shear), "*END"], message
 
 
 def _hill_foam(card: _Card, density: float) -> Body:
     law = card.fit.law
     beta = law.poisson / (1 - 2 * law.poisson)
     bulk = card.units.stress(law.bulk_modulus or 0.0)
-    says = [
+    message = [
         "C = 2 mu / alpha, b = alpha, n = nu / (1 - 2 nu); K serves contact",
         *([f"n = {_NO_SWELLING:g} stands for 0, by which it would divide"] * (beta == 0)),
         *(["no memory: *MAT_177 takes none"] * bool(card.prony)),
@@ -370,7 +372,7 @@ def _hill_foam(card: _Card, density: float) -> Body:
         *_eight_terms(card),
         format_fields(0.0, 0.0),
         "*END",
-    ], says
+    ], message
 
 
 def _eight_terms(card: _Card) -> list[str]:

@@ -17,7 +17,7 @@ Measure: TypeAlias = Literal["auto", "nominal", "true"]
 class FilesOfMode(NamedTuple):
     """Files of one mode of test: their texts, and whether their specimen was pressed."""
 
-    says: str
+    message: str
     mode: Mode
     pressed: bool = False
 

@@ -81,7 +81,7 @@ def read_stress_strain(
         if mode == "uniaxial" and elongated == "strain":
             poisson, said_sideways = _sideways(file, chosen[-2], measures, pressed=pressed)
             notes += said_sideways
-        source = channels.source(file, [channel.says for channel in chosen], notes)
+        source = channels.source(file, [channel.message for channel in chosen], notes)
         return StressStrainTest(
             mode, strain, stress, values.get("time"), stated, source, poisson, units="SI"
         )

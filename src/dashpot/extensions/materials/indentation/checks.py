@@ -130,8 +130,8 @@ def flights_recorded(before: float, after: float) -> Finding:
     short = min(before, after)
     side = "begins" if before <= after else "ends"
     where = "before the touch" if before <= after else "after the release"
-    says = f"The record {side} {abs(short):.2g} contact times {where}"
-    because = "Offset, touch and damping cannot be separated" if short >= 0 else ""
+    message = f"The record {side} {abs(short):.2g} contact times {where}"
+    reason = "Offset, touch and damping cannot be separated" if short >= 0 else ""
     instead = (
         f"The record {side} in the contact: {100 * -short:.0f} % of it is missing, so stiffness "
         "and damping are not known"
@@ -139,9 +139,9 @@ def flights_recorded(before: float, after: float) -> Finding:
         else ""
     )
     return Finding(
-        says,
+        message,
         short,
-        because,
+        reason,
         "Trigger earlier, and record longer.",
         instead,
         grade="stop" if short < -1 / 3 else "limit",
@@ -302,9 +302,9 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
 )
 def gravity_stated(part: float, stated: float | None) -> Finding:
     """The direction of gravity is stated, or it makes no difference."""
-    says = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
+    message = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
     return Finding(
-        says if stated is None else "Whether the indenter falls is known",
+        message if stated is None else "Whether the indenter falls is known",
         part if stated is None else None,
         "Whether the indenter falls is not given",
         Remedy("Give the height of fall, or the speed of approach.", "drop-height"),

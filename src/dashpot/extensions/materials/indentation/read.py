@@ -56,7 +56,9 @@ def read_indentation(
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
         _refuse_sizes(file, chosen, time, float(np.abs(values[of]).max()))
-        source = channels.source(file, [c.says for c in chosen], [*file.table.notes, *gaps, *noted])
+        source = channels.source(
+            file, [c.message for c in chosen], [*file.table.notes, *gaps, *noted]
+        )
         return IndentationTest(
             time, values[of], of, indenter or Indenter(),
             values["force"] if forces else None, source, units="SI",
@@ -88,8 +90,8 @@ def _acceleration(file: OpenedFile) -> RoleAssignment | None:
             f"{listed} are accelerations, and one indenter has one; name it with "
             "--column acceleration=NAME"
         )
-    says = "its name or unit says acceleration"
-    return RoleAssignment("acceleration", indices[0], says) if indices else None
+    message = "its name or unit says acceleration"
+    return RoleAssignment("acceleration", indices[0], message) if indices else None
 
 
 def _refuse_sizes(

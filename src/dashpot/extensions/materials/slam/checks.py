@@ -17,7 +17,7 @@ def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
     if depth is None:
         return Finding(
             f"{pressed}, and the fit holds no elastic law of a pressed piece",
-            because="The law is taken as straight",
+            reason="The law is taken as straight",
             remedy="Fit a relaxation or load deflection test of the piece.",
             faulted=True,
         )

@@ -55,7 +55,7 @@ def read_slams(
         time = np.arange(len(rows)) / rate if rate else values["time"]
         resolved_specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         source = channels.source(
-            file, [channel.says for channel in chosen], [*file.table.notes, *gaps, *sentences]
+            file, [channel.message for channel in chosen], [*file.table.notes, *gaps, *sentences]
         )
         return SlamTest(
             time,
@@ -75,5 +75,5 @@ def _acceleration(file: OpenedFile) -> RoleAssignment | None:
         raise ReadError(
             f"{listed} are accelerations, and one mass has one. Name it: --column acceleration=NAME"
         )
-    says = "its name or unit says acceleration"
-    return RoleAssignment("acceleration", indices[0], says) if indices else None
+    message = "its name or unit says acceleration"
+    return RoleAssignment("acceleration", indices[0], message) if indices else None

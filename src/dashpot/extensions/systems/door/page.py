@@ -160,7 +160,7 @@ def lights_of(
     if closed is not None:
         least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
         topics.append(Topic("Closing", _CLOSING, least, _format_speed_interval(closed)))
-    yield from lights(every, Topic("Seal line", says=_line_says(result, closed)), *topics)
+    yield from lights(every, Topic("Seal line", message=_line_says(result, closed)), *topics)
     scatter = None if closed is None else closed.closing.scatter
     above = None if scatter is None else scatter.share_above_limit
     if above is not None and scatter is not None:

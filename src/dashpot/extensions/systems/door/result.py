@@ -216,12 +216,12 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         number, hz = self.modes.index(first) + 1, first.mode.frequency
         if not held:
             return f"mode 1 lies at {hz:.3g} Hz"
-        says = f"the seal stores {100 * first.share(SEAL):.2g} % of the energy of mode {number}"
+        message = f"the seal stores {100 * first.share(SEAL):.2g} % of the energy of mode {number}"
         if first.without_seal is None:
-            return f"{says} ({hz:.3g} Hz)"
+            return f"{message} ({hz:.3g} Hz)"
         shift = hz - first.without_seal
         way = "raises" if shift >= 0 else "lowers"
-        return f"{says} ({hz:.3g} Hz) and {way} it by {abs(shift):.2g} Hz"
+        return f"{message} ({hz:.3g} Hz) and {way} it by {abs(shift):.2g} Hz"
 
     @property
     def stations(self) -> Stations | None:
