@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import (
+from dashpot.base.serialisation import EVERY_FIELD, Key, (
     DIGEST,
     Serialisable,
     compute_document_digest,
@@ -70,7 +70,10 @@ class Part:
 @dataclass(frozen=True)
 class Result(Serialisable):
     schema = "dashpot/result@0"
-    _keys = ("law", "part.length", "high=part.length", "part.inside?", "*more", "part")
+    _keys = (
+        "law", "part.length", Key("high", "part.length"), Key("inside", "part.inside", optional=True),
+        Key("more", flatten=True), "part",
+    )
 
     law: str
     part: Part
@@ -88,7 +91,10 @@ def test_a_document_is_a_list_of_attributes() -> None:
 
 @dataclass(frozen=True)
 class Whole(Serialisable):
-    _keys = ("*", "high=part.length~", "*result", "gone=nothing.length", "left=nothing?")
+    _keys = (
+        EVERY_FIELD, Key("high", "part.length", nonfinite_as_null=True), Key("result", flatten=True),
+        Key("gone", "nothing.length"), Key("left", "nothing", optional=True),
+    )
 
     part: Part
     result: Result | None = None
@@ -112,7 +118,7 @@ def test_document_writes_null_for_nan_and_omits_missing_fields() -> None:
 
 @dataclass(frozen=True)
 class Taken(Serialisable):
-    _keys = ("*whole", "more")
+    _keys = (Key("whole", flatten=True), "more")
 
     whole: Whole
     more: float = 2.0

@@ -18,7 +18,7 @@ from dashpot.base.plain_text import (
     sentence,
     sentences,
 )
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 
 P = ParamSpec("P")
 
@@ -161,7 +161,7 @@ class Verdict(Serialisable):
     'use'
     """
 
-    _keys = ("verdict_grade=use", "message", "failed_checks=reasons")
+    _keys = (Key("verdict_grade", "use"), "message", Key("failed_checks", "reasons"))
 
     use: Use
     message: str

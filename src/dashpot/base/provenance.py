@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol, Self
 
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 
 SIMULATED = "simulated"
 """What a table says of a file that simulation made."""
@@ -71,7 +71,7 @@ class Source(Serialisable):
         "columns",
         "notes",
         "simulated",
-        "cautions=cautions_or_none?",
+        Key("cautions", "cautions_or_none", optional=True),
     )
 
     file: str
@@ -99,7 +99,7 @@ def describe_record_source(source: Source | None, samples: int) -> str:
 class Step(Serialisable):
     """Processing step: its name, its parameters as text, and a sentence on its effect."""
 
-    _keys = ("*", "message")
+    _keys = (EVERY_FIELD, "message")
 
     name: str
     parameters: tuple[tuple[str, str], ...] = ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache, reduce, singledispatch
@@ -18,6 +18,46 @@ DIGEST = "digest"
 """The key of a digested document that shows whether the rest was edited."""
 
 
+class Key(NamedTuple):
+    """Key of a document, and the attribute that it holds.
+
+    Attributes
+    ----------
+    name : str
+    attribute : str
+        A dotted path; by default the name.
+    optional : bool
+        Whether it is left out where it is None.
+    nonfinite_as_null : bool
+        Whether numbers in it that are not finite are null.
+    flatten : bool
+        Whether each item of a mapping, or of another document, stands under its own name.
+    """
+
+    name: str
+    attribute: str = ""
+    optional: bool = False
+    nonfinite_as_null: bool = False
+    flatten: bool = False
+
+    @property
+    def path(self) -> list[str]:
+        """The names of the attributes on the way."""
+        return (self.attribute or self.name).split(".")
+
+    def item(self, result: object) -> dict[str, Any]:
+        """Return the items of a document for a key: none where it is left out, or several."""
+        value = to_plain_value(reduce(_attribute, self.path, result))
+        if self.nonfinite_as_null:
+            value = replace_nonfinite_numbers(value)
+        if self.flatten:
+            return dict(value or {})
+        return {} if value is None and self.optional else {self.name: value}
+
+
+EVERY_FIELD = Key("", flatten=True)
+
+
 class Serialisable:
     """Value whose document is a list of its attributes.
 
@@ -25,16 +65,15 @@ class Serialisable:
     ----------
     schema : str
         Its versioned name, ``"dashpot/rod@2"``; empty for a part of another document.
-    _keys : tuple of str
-        ``"law"``, the attribute of this name; ``"fit.law"``, one on the way, under its last word;
-        ``"key=fit.law"``, under another; None where one on the way is. With ``"?"`` at the end
-        left out where it is None, with ``"~"`` numbers that are not finite are None.
-        ``"*fit.values"``: every item of a mapping, or of another document, under its own;
-        ``"*"``: every field of the dataclass that no other key names, as where there are no keys.
+    _keys : tuple of str or Key
+        ``"law"``, the attribute of this name; ``"fit.law"``, one on the path, under its last word;
+        a :class:`Key` where the document has another name for it, or another form;
+        ``EVERY_FIELD``, every field of the dataclass that no other key names, as where there are
+        no keys. None where an attribute on the path is.
     """
 
     schema: ClassVar[str] = ""
-    _keys: ClassVar[tuple[str, ...]] = ()
+    _keys: ClassVar[tuple[str | Key, ...]] = ()
     _is_loadable: ClassVar[bool] = True
     """Whether a document with a schema holds the whole value, so that it can be read."""
 
@@ -47,35 +86,10 @@ class Serialisable:
         """Plain dictionaries, lists, texts and numbers, SI units."""
         entries: dict[str, Any] = {"schema": self.schema} if self.schema else {}
         kind: Any = type(self)
-        for key in _parse_keys(kind):
+        for key in _list_keys(kind):
             entries |= key.item(self)
         sealed = entries.pop(DIGEST, None) is not None or self._has_digest
         return {**entries, DIGEST: compute_document_digest(entries)} if sealed else entries
-
-
-class _Key(NamedTuple):
-    name: str
-    way: tuple[str, ...]
-    spread: bool
-    optional: bool
-    known: bool
-
-    @classmethod
-    def parse_key(cls, text: str) -> _Key:
-        body = text.rstrip("?~")
-        marks = text[len(body) :]
-        name, _, path = body.lstrip("*").rpartition("=")
-        way = tuple(path.split("."))
-        return cls(name or way[-1], way, body.startswith("*"), "?" in marks, "~" in marks)
-
-    def item(self, result: object) -> dict[str, Any]:
-        """Return the items of a document for a key: none where it is left out, or several."""
-        value = to_plain_value(reduce(_attribute, self.way, result))
-        if self.known:
-            value = replace_nonfinite_numbers(value)
-        if self.spread:
-            return dict(value or {})
-        return {} if value is None and self.optional else {self.name: value}
 
 
 def _attribute(result: Any, name: str) -> Any:
@@ -83,44 +97,44 @@ def _attribute(result: Any, name: str) -> Any:
 
 
 @cache
-def _parse_keys(kind: Any) -> tuple[_Key, ...]:
-    names = (
-        [field.name for field in fields(kind) if EDGE not in field.metadata]
-        if is_dataclass(kind)
-        else []
-    )
-    texts = kind._keys or ("*",)
-    alone = {key.way for key in map(_Key.parse_key, texts) if not key.spread}
-    rest = [name for name in names if (name,) not in alone]
-    return tuple(
-        _Key.parse_key(name) for text in texts for name in (rest if text == "*" else [text])
-    )
+def _list_keys(kind: Any) -> tuple[Key, ...]:
+    keys = [
+        entry if isinstance(entry, Key) else Key(entry.rpartition(".")[2], entry)
+        for entry in kind._keys or (EVERY_FIELD,)
+    ]
+    if EVERY_FIELD not in keys:
+        return tuple(keys)
+    named = {".".join(key.path) for key in keys if not key.flatten}
+    names = [field.name for field in fields(kind) if EDGE not in field.metadata]
+    others = [Key(name) for name in names if name not in named]
+    at = keys.index(EVERY_FIELD)
+    return (*keys[:at], *others, *keys[at + 1 :])
 
 
 def decode_fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a value from its document, each attribute converted back.
 
-    What was spread gets the whole document, and takes of it what it knows.
+    What was flattened gets the whole document, and takes of it what it knows.
     """
     names = {field.name for field in fields(kind)}
     value: dict[str, Any] = {name: document[name] for name in names & document.keys()}
     value |= {field.name: field.metadata[EDGE] for field in fields(kind) if EDGE in field.metadata}
-    for key in _parse_keys(kind) if issubclass(kind, Serialisable) else ():
-        first = key.way[0]
+    for key in _list_keys(kind) if issubclass(kind, Serialisable) else ():
+        first = key.path[0]
         if first not in names or first in document:
             continue
-        if key.spread:
+        if key.flatten:
             value[first] = document
         elif key.name in document:
-            value = _set_nested_value(value, key.way, document[key.name])
+            value = _set_nested_value(value, key.path, document[key.name])
     return value
 
 
-def _set_nested_value(place: Mapping[str, Any], way: tuple[str, ...], value: Any) -> dict[str, Any]:
-    first, *rest = way
+def _set_nested_value(place: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+    first, *rest = path
     return {
         **place,
-        first: _set_nested_value(place.get(first, {}), tuple(rest), value) if rest else value,
+        first: _set_nested_value(place.get(first, {}), rest, value) if rest else value,
     }
 
 

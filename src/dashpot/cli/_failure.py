@@ -16,7 +16,7 @@ import click
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.plain_text import escaped_json
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.version import __version__
 from dashpot.cli import COMMANDS
 from dashpot.cli._command import CommandOption
@@ -34,7 +34,7 @@ class Failure(Serialisable):
     """Failure of a command: its kind, sentence, exit code, output and place."""
 
     schema = "dashpot/error@2"
-    _keys = ("kind", "message", "exit_code=code", "traceback?")
+    _keys = ("kind", "message", Key("exit_code", "code"), Key("traceback", optional=True))
 
     kind: str
     message: str

@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ExportError
 from dashpot.base.plain_text import paragraph
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
 from dashpot.cli._command_io import CommandResult, write
@@ -36,7 +36,7 @@ class Exported(Serialisable):
     """Exported deck: target, units, overridden refusals, and its file or text."""
 
     schema = "dashpot/deck@1"
-    _keys = ("target", "units", "file", "overrides", "deck?")
+    _keys = ("target", "units", "file", "overrides", Key("deck", optional=True))
 
     target: str
     units: str | None

@@ -10,7 +10,7 @@ import click
 
 from dashpot import workflow
 from dashpot.base.progress import send_progress
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt, verb
 from dashpot.cli._command_io import (
@@ -44,7 +44,7 @@ _VIBRATION = set(options.VIBRATION.split())
 class Reported(Serialisable):
     """Study, with the file of its report and the hash of its project's history."""
 
-    _keys = ("*study", "report", "history?")
+    _keys = (Key("study", flatten=True), "report", Key("history", optional=True))
 
     study: Study
     report: str

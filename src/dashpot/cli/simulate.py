@@ -10,7 +10,7 @@ import click
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Rehearsed, get_choice_values
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, mark_advanced, opt, verb
 from dashpot.cli._command_io import CommandResult, claim, format_command, write
@@ -25,7 +25,7 @@ class Simulated(Serialisable):
     """Simulated test, with the files of the test and of its truth, or its text."""
 
     schema = "dashpot/simulated@1"
-    _keys = ("what", "file", "truth", "text?")
+    _keys = ("what", "file", "truth", Key("text", optional=True))
 
     what: str
     file: str

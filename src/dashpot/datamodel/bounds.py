@@ -14,7 +14,7 @@ from dashpot.base.arrays import EqualByValue, FloatArray, FrozenArrays, frozen, 
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, interval, round_to_error
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.datamodel.frf import Kind
 from dashpot.solids.maxwell import Solid
@@ -94,9 +94,15 @@ class EndOfHold(Serialisable):
     """
 
     _keys = (
-        "k_inf", "k_end", "k_at_3_end=k_3end", "end_time=time", "slope_limit=falling",
-        "if_machine_named=named", "k_at_10_end=k_10end", "test_kind=ended",
-    )  # fmt: skip
+        "k_inf",
+        "k_end",
+        Key("k_at_3_end", "k_3end"),
+        Key("end_time", "time"),
+        Key("slope_limit", "falling"),
+        Key("if_machine_named", "named"),
+        Key("k_at_10_end", "k_10end"),
+        Key("test_kind", "ended"),
+    )
 
     time: float
     k_end: tuple[float, float]
@@ -266,7 +272,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
         What the limits hold for, in one sentence.
     """
 
-    _keys = ("*", "message")
+    _keys = (EVERY_FIELD, "message")
 
     frequency: FloatArray
     storage: FloatArray
@@ -314,7 +320,7 @@ class FRFBounds(FrozenArrays, Serialisable):
         Accelerance or transmissibility.
     """
 
-    _keys = ("*", "unmeasured=unseen", "message")
+    _keys = (EVERY_FIELD, Key("unmeasured", "unseen"), "message")
 
     frequency: FloatArray
     magnitude: FloatArray

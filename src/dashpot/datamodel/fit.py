@@ -18,7 +18,7 @@ from dashpot.base.plain_text import sentence
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.result_mixins import Plottable
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
@@ -80,27 +80,27 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     schema = "dashpot/fit@2"
     _keys = (
-        "id=identity",
+        Key("id", "identity"),
         "status",
         "ok",
-        "message=status.value",
+        Key("message", "status.value"),
         "verdict",
         "model",
-        "solid=_document_solid~",
-        "standard_error=_document_errors~",
-        "interval_95=_document_intervals~",
+        Key("solid", "_document_solid", nonfinite_as_null=True),
+        Key("standard_error", "_document_errors", nonfinite_as_null=True),
+        Key("interval_95", "_document_intervals", nonfinite_as_null=True),
         "estimate.residual",
-        "band_hz=evidence.band",
+        Key("band_hz", "evidence.band"),
         "elastic_law",
-        "end_of_hold_limits=evidence.end_of_hold",
-        "error_in_band=evidence.band_error?",
-        "temperature=temperatures",
-        "mass=_fitted_mass?",
-        "evidence.creep?",
+        Key("end_of_hold_limits", "evidence.end_of_hold"),
+        Key("error_in_band", "evidence.band_error", optional=True),
+        Key("temperature", "temperatures"),
+        Key("mass", "_fitted_mass", optional=True),
+        Key("creep", "evidence.creep", optional=True),
         "provenance.method",
         "estimate.parameters",
         "estimate.covariance",
-        "noise_covariance=estimate.of_noise?",
+        Key("noise_covariance", "estimate.of_noise", optional=True),
         "estimate.dof",
         "evidence.orders",
         "evidence.certificate",
@@ -109,7 +109,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         "evidence.checks",
         "provenance.source",
         "provenance.steps",
-        "by_depth=evidence.stiffness_by_depth",
+        Key("by_depth", "evidence.stiffness_by_depth"),
         "provenance.specimen",
         "evidence.parameter_changes",
         "evidence.explanations",

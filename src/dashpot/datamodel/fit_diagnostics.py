@@ -10,7 +10,7 @@ from dashpot.base.checks import Check
 from dashpot.base.option_fields import Family
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.parameter_estimate import CreepEstimate
 from dashpot.datamodel.specimen import Specimen
@@ -44,8 +44,12 @@ class Alternative(Serialisable):
     """
 
     _keys = (
-        "family", "*", "is_sufficient=explains", "differs_from_hz=parts_at", "message",
-    )  # fmt: skip
+        "family",
+        EVERY_FIELD,
+        Key("is_sufficient", "explains"),
+        Key("differs_from_hz", "parts_at"),
+        "message",
+    )
 
     solid: Solid
     bic: float
@@ -103,7 +107,7 @@ class Certificate(Serialisable):
         The sentence printed with the fit.
     """
 
-    _keys = ("*", "message")
+    _keys = (EVERY_FIELD, "message")
 
     optimal: bool
     gap: float
@@ -185,9 +189,12 @@ class Explanation(Serialisable):
     """
 
     _keys = (
-        "*", "relative_deviation=departure", "deviance_fall=fall", "is_sufficient=explains",
+        EVERY_FIELD,
+        Key("relative_deviation", "departure"),
+        Key("deviance_fall", "fall"),
+        Key("is_sufficient", "explains"),
         "message",
-    )  # fmt: skip
+    )
 
     name: str
     value: float

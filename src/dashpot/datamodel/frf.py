@@ -27,7 +27,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, Range, parse_unit
 
 if TYPE_CHECKING:
@@ -156,9 +156,21 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     schema = "dashpot/frf@2"
     _keys = (
-        "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "shift_sd", "record",
-        "pulse", "averages", "hits", "checks", "source", "steps",
-    )  # fmt: skip
+        "frequency",
+        "value",
+        Key("kind", "quantity"),
+        "coherence",
+        "sd",
+        "shift",
+        "shift_sd",
+        "record",
+        "pulse",
+        "averages",
+        "hits",
+        "checks",
+        "source",
+        "steps",
+    )
 
     frequency: FloatArray
     value: ComplexArray
@@ -498,7 +510,7 @@ class Mode(Serialisable):
     0.724
     """
 
-    _keys = ("frequency_hz=frequency", "damping_ratio")
+    _keys = (Key("frequency_hz", "frequency"), "damping_ratio")
 
     frequency: float
     damping_ratio: float

@@ -24,7 +24,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, FrozenArrays, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import get_display_unit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.interconversion import CreepSpectrum
@@ -86,7 +86,7 @@ class Residual(Serialisable):
         the scatter of each set; else that of the modulus.
     """
 
-    _keys = ("*", "variance_inflation=kappa")
+    _keys = (EVERY_FIELD, Key("variance_inflation", "kappa"))
 
     n: int
     sse: float

@@ -22,7 +22,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import Quantity, format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record, require_positive
 from dashpot.datamodel.machine import Machine
@@ -229,7 +229,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     """
 
     schema = "dashpot/ramp-hold@2"
-    _keys = ("*", "machine_deflection=given")
+    _keys = (EVERY_FIELD, Key("machine_deflection", "given"))
 
     time: FloatArray
     displacement: FloatArray

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import EqualByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
@@ -86,7 +86,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         of and with `slope`; empty where nothing is known of it.
     """
 
-    _keys = ("reference", "*")
+    _keys = ("reference", EVERY_FIELD)
 
     law: TemperatureLaw
     shifts: tuple[Shift, ...]

@@ -26,7 +26,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.datamodel.bounds import STANDS, naming
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, rows_with
@@ -221,7 +221,7 @@ class ExpectedEnd(Serialisable):
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
 
-    _keys = ("*", "if_machine_named=named")
+    _keys = (EVERY_FIELD, Key("if_machine_named", "named"))
 
     time: float
     stiffness: float

@@ -12,7 +12,7 @@ from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.plain_text import sentence
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import Quantity, convert_to_si, convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.planning import checks
@@ -255,7 +255,7 @@ class Plan(HasChecks, Serialisable):
     """
 
     schema = "dashpot/plan@2"
-    _keys = ("verdict", "*")
+    _keys = ("verdict", EVERY_FIELD)
 
     at: float
     model: GeneralizedMaxwell

@@ -23,7 +23,7 @@ from typing import Any, Literal, NoReturn
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.registry.row import Extension, FileFormat, KindOfTest, SolverInput
 
 Group = Literal["formats", "kinds", "solver_inputs"]
@@ -130,7 +130,7 @@ class Installed(Serialisable):
     """The plug-ins of this environment, and the rows that hold none, each as a sentence."""
 
     schema = "dashpot/plugins@1"
-    _keys = ("plugins", "refused?")
+    _keys = ("plugins", Key("refused", optional=True))
     _is_loadable = False
 
     plugins: tuple[Plugin, ...]

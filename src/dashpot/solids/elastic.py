@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import format_quantity
 
 # Elastic law: equilibrium force against compression.
@@ -60,7 +60,7 @@ class ElasticLaw(Serialisable):
         Standard error of :math:`t` at the knots; empty where nothing is known of it.
     """
 
-    _keys = ("kind", "knots", "tangent=tangents", "ratio", "ratio_se", "stiffness")
+    _keys = ("kind", "knots", Key("tangent", "tangents"), "ratio", "ratio_se", "stiffness")
 
     knots: tuple[float, ...]
     ratio: tuple[float, ...]

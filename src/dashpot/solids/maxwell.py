@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
 
@@ -189,7 +189,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     """
 
     schema = "dashpot/model@1"
-    _keys = ("k_inf", "b", "arms=arms_list")
+    _keys = ("k_inf", "b", Key("arms", "arms_list"))
 
     k_inf: float
     k: tuple[float, ...] = ()

@@ -12,7 +12,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import HasVerdict, Series
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.fit import Fit
@@ -97,7 +97,7 @@ class LeaveOneOut(Serialisable):
         And of its height, relative.
     """
 
-    _keys = ("error", "hits", "frequency_error_hz=frequency", "height_error=height")
+    _keys = ("error", "hits", Key("frequency_error_hz", "frequency"), Key("height_error", "height"))
 
     error: float
     hits: int
@@ -143,10 +143,15 @@ class FRFComparison(HasVerdict, Serialisable):
 
     # the verdict is of the measured FRF too, not of the comparison alone
     _keys = (
-        "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unmeasured=unseen",
+        Key("comparison", flatten=True),
+        "mass",
+        "mass_inferred",
+        "seals",
+        "in_sample",
+        Key("unmeasured", "unseen"),
         "verdict",
-        "*at_rest.summary",
-    )  # fmt: skip
+        Key("at_rest.summary", flatten=True),
+    )
 
     comparison: Comparison
     mass: float

@@ -17,7 +17,7 @@ from dashpot.base.number_format import format_band
 from dashpot.base.option_fields import PartMode
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.value_ranges import SIZES
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.checks import temperature_tested
@@ -179,7 +179,12 @@ class ResponseLimits(Serialisable):
         By both kinds of ignorance, if the relaxation record is at hand.
     """
 
-    _keys = ("kind", "frequency_hz=frequency", "parameter", "*admissible~")
+    _keys = (
+        "kind",
+        Key("frequency_hz", "frequency"),
+        "parameter",
+        Key("admissible", flatten=True, nonfinite_as_null=True),
+    )
 
     kind: Kind
     frequency: FloatArray
@@ -211,7 +216,12 @@ class ShakenMass(Serialisable):
         If the relaxation record is at hand.
     """
 
-    _keys = ("*response", "of", "band_hz=band", "limits~?")
+    _keys = (
+        Key("response", flatten=True),
+        "of",
+        Key("band_hz", "band"),
+        Key("limits", optional=True, nonfinite_as_null=True),
+    )
 
     response: RandomResponse
     of: str
@@ -261,25 +271,25 @@ class Prediction(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/prediction@2"
-    _keys: ClassVar[tuple[str, ...]] = (
+    _keys: ClassVar[tuple[str | Key, ...]] = (
         "mass",
         "moving_mass",
         "seals",
-        "temperature=fit.specimen.temperature",
-        "kind=frf.quantity",
+        "fit.specimen.temperature",
+        Key("kind", "frf.quantity"),
         "frf.unit",
-        "*at_rest.summary",
-        "peak=max_magnitudes",
+        Key("at_rest.summary", flatten=True),
+        Key("peak", "max_magnitudes"),
         "modes",
-        "alternative=rival",
-        "band_hz=fit.band",
-        "extrapolated=has_extrapolated_modes",
-        "frequency_hz=frf.frequency",
+        Key("alternative", "rival"),
+        Key("band_hz", "fit.band"),
+        Key("extrapolated", "has_extrapolated_modes"),
+        Key("frequency_hz", "frf.frequency"),
         "frf.value.real",
         "frf.value.imag",
-        "limits=limited",
-        "random=shaken?",
-        "isolation_hz=isolation?",
+        Key("limits", "limited"),
+        Key("random", "shaken", optional=True),
+        Key("isolation_hz", "isolation", optional=True),
         "verdict",
     )
 

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.version import byline
 from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.datamodel.frf import FRF
@@ -49,10 +49,16 @@ class DirectStiffness(Serialisable):
     """Stiffness and damping of a seal from the FRF directly, each with all its errors."""
 
     _keys = (
-        "frequency_hz=of.frequency", "stiffness=of.storage", "stiffness_sd=of.storage_sd",
-        "of.damping", "of.loss_factor", "of.loss_factor_sd", "stiffness_band_hz=of.storage_band~",
-        "loss_band_hz=of.loss_band~", "sensitivity",
-    )  # fmt: skip
+        Key("frequency_hz", "of.frequency"),
+        Key("stiffness", "of.storage"),
+        Key("stiffness_sd", "of.storage_sd"),
+        "of.damping",
+        "of.loss_factor",
+        "of.loss_factor_sd",
+        Key("stiffness_band_hz", "of.storage_band", nonfinite_as_null=True),
+        Key("loss_band_hz", "of.loss_band", nonfinite_as_null=True),
+        "sensitivity",
+    )
 
     of: DynamicStiffness
 
@@ -97,9 +103,14 @@ class Identified(HasVerdict, Serialisable):
     """
 
     _keys = (
-        "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
-        "*at_rest.summary",
-    )  # fmt: skip
+        Key("fit", flatten=True),
+        "checks",
+        "verdict",
+        Key("modes", "vibration.modes", optional=True),
+        Key("hits", "vibration.frf.hits", optional=True),
+        "direct",
+        Key("at_rest.summary", flatten=True),
+    )
 
     fit: Fit
     direct: DirectStiffness

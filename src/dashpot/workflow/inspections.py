@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.prepare import prepare
@@ -55,7 +55,10 @@ class InspectedFile(Inspection, Serialisable):
         Why a relaxation test cannot be prepared.
     """
 
-    _keys = (*(field.name for field in fields(Inspection)), "preparation=account?")
+    _keys = (
+        *(field.name for field in fields(Inspection)),
+        Key("preparation", "account", optional=True),
+    )
 
     preparation: Preparation | None = None
     refusal: str = ""

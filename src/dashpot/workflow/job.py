@@ -25,7 +25,7 @@ from dashpot.base.option_fields import (
     make_nested_options,
     option,
 )
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -216,7 +216,7 @@ class Job(Serialisable):
     """
 
     schema = "dashpot/job@2"
-    _keys = ("*", "time_limits=cuts", "other_tests=further")
+    _keys = (EVERY_FIELD, Key("time_limits", "cuts"), Key("other_tests", "further"))
 
     relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
     impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)

@@ -16,7 +16,7 @@ from dashpot.base.number_format import hertz, seals
 from dashpot.base.plain_text import paragraph
 from dashpot.base.progress import send_progress
 from dashpot.base.result_mixins import Plottable
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import Quantity, Range, format_quantity, si_range
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import (
@@ -163,8 +163,12 @@ class Study(Plottable, Serialisable):
 
     schema = "dashpot/study@2"
     _keys = (
-        "verdict", "*", "unmeasured=unseen", "static_equilibrium=at_rest", "other_tests=further",
-    )  # fmt: skip
+        "verdict",
+        EVERY_FIELD,
+        Key("unmeasured", "unseen"),
+        Key("static_equilibrium", "at_rest"),
+        Key("other_tests", "further"),
+    )
 
     test: RelaxationTest
     prepared: RampHold

@@ -14,7 +14,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Dimension, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.machine import Machine
@@ -94,7 +94,7 @@ class LevelResonance(Serialisable):
         "level",
         "unit",
         "peak",
-        "frequency_between_hz=frequency_between",
+        Key("frequency_between_hz", "frequency_between"),
         "value_between",
         "amplitude",
         "strain",
@@ -158,9 +158,14 @@ class SweptPart(Serialisable):
     """
 
     _keys = (
-        "sweep.file", "law.law", "laws=names", "*law.constants", "height",
-        "strain_factors=factors", "fitted_at",
-    )  # fmt: skip
+        "sweep.file",
+        "law.law",
+        Key("laws", "names"),
+        Key("law.constants", flatten=True),
+        "height",
+        Key("strain_factors", "factors"),
+        "fitted_at",
+    )
 
     laws: tuple[AmplitudeFit, ...]
     factors: tuple[float, ...]

@@ -24,7 +24,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, round_to_error
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.friction import Kraus, RelativeToAmplitude
@@ -207,10 +207,17 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     """
 
     _keys = (
-        "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "delay_sd",
-        "linear=lines",
-        "*numbers", "k3_detection_limit=k3_unseen", "orders=bic_by_law",
-    )  # fmt: skip
+        "residual",
+        "law",
+        "unit",
+        "of",
+        Key("loss_factor_per_lag", "loss_per_lag"),
+        "delay_sd",
+        Key("linear", "lines"),
+        Key("numbers", flatten=True),
+        Key("k3_detection_limit", "k3_unseen"),
+        Key("orders", "bic_by_law"),
+    )
 
     law: str
     frequency: FloatArray

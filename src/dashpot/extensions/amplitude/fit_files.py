@@ -14,7 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
@@ -64,7 +64,13 @@ class AmplitudeResult(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/levels@2"
-    _keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=requested_levels?")
+    _keys = (
+        "fit.amplitudes",
+        "verdict",
+        "checks",
+        Key("fit", flatten=True),
+        Key("at", "requested_levels", optional=True),
+    )
 
     fit: AmplitudeFit | LevelFit | HitLevels
     at: tuple[PeakAtLevel, ...]

@@ -9,6 +9,7 @@ from typing import ClassVar
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.reported_values import ReportedValue
+from dashpot.base.serialisation import Key
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.amplitude_response import (
     VANISHING,
@@ -39,11 +40,13 @@ class LevelPrediction(Prediction):
         By an elastic law that bends.
     """
 
-    _keys: ClassVar[tuple[str, ...]] = tuple(
+    _keys: ClassVar[tuple[str | Key, ...]] = tuple(
         key
         for old in Prediction._keys
         for key in (
-            ("levels=resonances?", "sweep=swept?", old) if old == "random=shaken?" else (old,)
+            (Key("levels", "resonances", optional=True), Key("sweep", "swept", optional=True), old)
+            if old == Key("random", "shaken", optional=True)
+            else (old,)
         )
     )
 

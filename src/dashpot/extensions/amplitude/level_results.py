@@ -17,7 +17,7 @@ from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasSummary, Series
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, convert_to_unit, format_quantity
 from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.jenkins import Jenkins
@@ -111,10 +111,22 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     schema = "dashpot/levels@2"
     _keys = (
-        "amplitudes", "verdict", "checks", "residual", "mass", "seals", "band_hz=band",
-        "linear_residual", "model=solid", "sliders", "cubic", "orders=two_ln_l", "levels", "source",
+        "amplitudes",
+        "verdict",
+        "checks",
+        "residual",
+        "mass",
+        "seals",
+        Key("band_hz", "band"),
+        "linear_residual",
+        Key("model", "solid"),
+        "sliders",
+        "cubic",
+        Key("orders", "two_ln_l"),
+        "levels",
+        "source",
         "at",
-    )  # fmt: skip
+    )
 
     solid: GeneralizedMaxwell
     rate_independent: Elements

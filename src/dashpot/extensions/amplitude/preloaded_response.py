@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL, ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
@@ -60,7 +60,7 @@ class LevelInterval(Serialisable):
         Of the response, at the lines of the FRF.
     """
 
-    _keys = ("frequency_hz=frequency", "value", "mean_shift=shift", "harmonics")
+    _keys = (Key("frequency_hz", "frequency"), "value", Key("mean_shift", "shift"), "harmonics")
 
     frequency: Ends
     value: Ends | None
@@ -95,11 +95,23 @@ class PreloadedLevel(Serialisable):
     """
 
     _keys = (
-        "level", "unit", "peak", "amplitude", "orbit.rest", "mean_shift=orbit.shift",
-        "harmonics=orbit.harmonic_amplitudes", "phases=orbit.phases", "floquet=orbit.growth",
-        "lost_contact=orbit.lost", "compression=deepest", "second_harmonic", "unsteady",
-        "jumps_hz", "interval", "response",
-    )  # fmt: skip
+        "level",
+        "unit",
+        "peak",
+        "amplitude",
+        "orbit.rest",
+        Key("mean_shift", "orbit.shift"),
+        Key("harmonics", "orbit.harmonic_amplitudes"),
+        "orbit.phases",
+        Key("floquet", "orbit.growth"),
+        Key("lost_contact", "orbit.lost"),
+        Key("compression", "deepest"),
+        "second_harmonic",
+        "unsteady",
+        "jumps_hz",
+        "interval",
+        "response",
+    )
 
     level: float
     unit: str

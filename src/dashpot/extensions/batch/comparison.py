@@ -10,7 +10,7 @@ from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.plain_text import sentence
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.extensions.batch.lot import ALIKE, DEGREES, Lot
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key
@@ -36,9 +36,12 @@ class Compared(Serialisable):
     """
 
     _keys = (
-        "quantity=quantity.name", "quantity.column", "different", "p_value_adjusted=p_value",
-        "*difference",
-    )  # fmt: skip
+        Key("quantity", "quantity.name"),
+        "quantity.column",
+        "different",
+        Key("p_value_adjusted", "p_value"),
+        Key("difference", flatten=True),
+    )
 
     quantity: Quantity
     difference: Difference
@@ -71,7 +74,7 @@ class LotComparison(HasChecks, Serialisable):
     """
 
     schema = "dashpot/lot-comparison@2"
-    _keys = ("lots=names", "verdict", "differences=each", "checks")
+    _keys = (Key("lots", "names"), "verdict", Key("differences", "each"), "checks")
 
     names: tuple[str, str]
     each: tuple[Compared, ...]

@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.progress import send_progress
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli._command_io import CommandResult, format_json, write
 from dashpot.text_output.layout import Text
 
@@ -55,15 +55,15 @@ class LotOutput(Serialisable):
     _keys = (
         "folder",
         "files",
-        "found.lot.computed?",
-        "simulated=found.lot.simulated_count?",
-        "found.lot.outcomes?",
-        "found.lot.verdicts?",
-        "found.lot.agreements?",
-        "components?",
-        "outliers?",
-        "found.lot.short_holds?",
-        "*found",
+        Key("computed", "found.lot.computed", optional=True),
+        Key("simulated", "found.lot.simulated_count", optional=True),
+        Key("outcomes", "found.lot.outcomes", optional=True),
+        Key("verdicts", "found.lot.verdicts", optional=True),
+        Key("agreements", "found.lot.agreements", optional=True),
+        Key("components", optional=True),
+        Key("outliers", optional=True),
+        Key("short_holds", "found.lot.short_holds", optional=True),
+        Key("found", flatten=True),
     )
 
     folder: str

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.statistics.control_chart import (
     Chart,
     individuals,
@@ -30,7 +30,7 @@ class Seal(Serialisable):
         Of a quantity, SI.
     """
 
-    _keys = ("lot", "seal=name", "tests", "mean", "repeats_sd=deviation")
+    _keys = ("lot", Key("seal", "name"), "tests", "mean", Key("repeats_sd", "deviation"))
 
     lot: str
     name: str

@@ -14,7 +14,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.plain_text import sentence
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.acceptance import SealDecision, check_lot_acceptance
 from dashpot.extensions.batch.checks import (
     capability_as_asked,
@@ -121,7 +121,7 @@ class LotControlCharts(NamedTuple):
 class LotCapability(Serialisable):
     """Process capability of one lot."""
 
-    _keys = ("lot", "*capability")
+    _keys = ("lot", Key("capability", flatten=True))
 
     lot: str
     capability: Capability
@@ -151,16 +151,16 @@ class OfQuantity(Serialisable):
     """
 
     _keys = (
-        "quantity=quantity.name",
+        Key("quantity", "quantity.name"),
         "quantity.column",
         "seals",
-        "charts=charts_by_lot",
+        Key("charts", "charts_by_lot"),
         "lots",
         "components",
         "gauge",
-        "limits?",
-        "capability=capable?",
-        "decisions?",
+        Key("limits", optional=True),
+        Key("capability", "capable", optional=True),
+        Key("decisions", optional=True),
     )
 
     quantity: Quantity
@@ -256,10 +256,10 @@ class Summary(HasChecks, Serialisable):
 
     _keys = (
         "verdict",
-        "summary=lights",
-        "statistics=quantities~",
+        Key("summary", "lights"),
+        Key("statistics", "quantities", nonfinite_as_null=True),
         "flags",
-        "dissimilar=unlike",
+        Key("dissimilar", "unlike"),
         "copies",
         "checks",
     )

@@ -13,7 +13,7 @@ import numpy as np
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.structure import FRFSet
 from dashpot.extensions.modes.checks import one_solid_explains_masses
@@ -64,7 +64,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
 
     schema = "dashpot/modes-by-mass@2"
     _keys = (
-        "tests=modes_by_mass",
+        Key("tests", "modes_by_mass"),
         "stiffness",
         "model",
         "together.distance",

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import OverBase
+from dashpot.base.serialisation import EVERY_FIELD
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.extensions.modes.checks import (
@@ -119,7 +120,7 @@ class MeasuredModes(Modes):
     """
 
     schema = "dashpot/modes@2"
-    _keys = ("frf.checks", "verdict", "frf.source", "*")
+    _keys = ("frf.checks", "verdict", "frf.source", EVERY_FIELD)
 
     modes: tuple[MeasuredMode, ...]
     band: tuple[float, float]

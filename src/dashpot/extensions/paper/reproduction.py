@@ -17,7 +17,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.progress import send_progress
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.datamodel.fit import Fit, list_known_values
@@ -91,9 +91,14 @@ class Statement(Serialisable):
         return bool(self.off <= self.tolerance)
 
     _keys = (
-        "part", "name", "paper", "reproduced=found", "difference=off", "tolerance",
-        "within_interval=holds",
-    )  # fmt: skip
+        "part",
+        "name",
+        "paper",
+        Key("reproduced", "found"),
+        Key("difference", "off"),
+        "tolerance",
+        Key("within_interval", "holds"),
+    )
 
 
 @dataclass(frozen=True)
@@ -110,7 +115,7 @@ class Coefficient(Serialisable):
         the paper does it.
     """
 
-    _keys = ("*",)
+    _keys = (EVERY_FIELD,)
 
     name: str
     unit: str
@@ -178,7 +183,7 @@ class Reproduction(Serialisable):
     schema = "dashpot/paper@2"
     _keys = (
         "seed",
-        "reproduced=is_reproduced",
+        Key("reproduced", "is_reproduced"),
         "rows",
         "table",
         "force",

@@ -9,7 +9,7 @@ from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict, Series
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/plugged@2"
-    _keys = ("verdict", "*", "values=found")
+    _keys = ("verdict", EVERY_FIELD, Key("values", "found"))
 
     kind: str
     by: str

@@ -28,7 +28,7 @@ from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import PART, open_exclusive_lock, validate_path, write_atomic
-from dashpot.base.serialisation import Serialisable, to_plain_value
+from dashpot.base.serialisation import Key, Serialisable, to_plain_value
 from dashpot.extensions.projects.document_versions import name_present_schema
 from dashpot.extensions.projects.history import FileEntry, append, file_of, read_history, sha256
 from dashpot.reading.raw_file import missing, open_raw
@@ -213,7 +213,7 @@ class ResultNumbers(Serialisable):
     """Numbers of a study that verification recomputes and compares."""
 
     schema = "dashpot/result@2"
-    _keys = ("study.mass", "fit", "alternatives", "*hammer_results")
+    _keys = ("study.mass", "fit", "alternatives", Key("hammer_results", flatten=True))
 
     study: Study
 

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.result_mixins import Plottable, Series
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.frf import FRF
 
 
@@ -80,7 +80,7 @@ class Comparison(Plottable, Serialisable):
     """
 
     schema = "dashpot/comparison@2"
-    _keys = ("peak", "damping", "verdict", "*", "message")
+    _keys = ("peak", "damping", "verdict", EVERY_FIELD, "message")
 
     predicted: FRF
     measured: FRF

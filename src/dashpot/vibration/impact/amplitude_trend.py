@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.spectral_estimators import Spectra
@@ -44,7 +44,7 @@ class RegressionLine(Serialisable):
     dof : int
     """
 
-    _keys = ("change=slope", "se", "found")
+    _keys = (Key("change", "slope"), "se", "found")
 
     slope: float
     sure: float

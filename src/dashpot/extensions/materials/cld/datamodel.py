@@ -18,7 +18,7 @@ from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.specimen import Specimen
@@ -152,7 +152,7 @@ class Cycle(EqualByValue, Serialisable):
         "contact",
         "peak",
         "energy",
-        "returned=recovered_energy",
+        Key("returned", "recovered_energy"),
         "hysteresis",
         "hysteresis_se",
     )
@@ -215,7 +215,7 @@ class AtCompression(Serialisable):
         Standard error of `unloading`, N.
     """
 
-    _keys = ("*", "secant", "hysteresis")
+    _keys = (EVERY_FIELD, "secant", "hysteresis")
 
     compression: float
     loading: float
@@ -241,7 +241,7 @@ class AtCompression(Serialisable):
 class Quoted(Serialisable):
     """Values of a cycle at one compression, also of 100 mm, where the length is known."""
 
-    _keys = ("*at", "per_100mm?")
+    _keys = (Key("at", flatten=True), Key("per_100mm", optional=True))
 
     at: AtCompression
     of: CLD
@@ -296,10 +296,24 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     """
 
     _keys = (
-        "source.file", "source.sha256", "specimen.length", "specimen", "contact", "contact_se",
-        "preload", "drift", "delay_sd", "cycle=cycle.number", "softening", "set", "least=least_of",
-        "nominal=nominal_of", "most=most_of", "cycles", "checks",
-    )  # fmt: skip
+        "source.file",
+        "source.sha256",
+        "specimen.length",
+        "specimen",
+        "contact",
+        "contact_se",
+        "preload",
+        "drift",
+        "delay_sd",
+        Key("cycle", "cycle.number"),
+        "softening",
+        "set",
+        Key("least", "least_of"),
+        Key("nominal", "nominal_of"),
+        Key("most", "most_of"),
+        "cycles",
+        "checks",
+    )
 
     cycles: tuple[Cycle, ...]
     index: int
@@ -442,9 +456,13 @@ class RelaxedLaw(Serialisable):
     """
 
     _keys = (
-        "elastic_law=law.without_evidence", "force_se=knot_se", "residual", "hysteresis",
-        "residual_hysteresis=left", "softening",
-    )  # fmt: skip
+        Key("elastic_law", "law.without_evidence"),
+        Key("force_se", "knot_se"),
+        "residual",
+        "hysteresis",
+        Key("residual_hysteresis", "left"),
+        "softening",
+    )
 
     law: ElasticLaw
     memory: GeneralizedMaxwell
@@ -502,9 +520,15 @@ class RateLaw(EqualByValue, Serialisable):
     """
 
     _keys = (
-        "elastic_law=law.without_evidence", "knots", "damping", "damping_se", "arms", "residual",
-        "bic_over_relaxation=bic", "checks",
-    )  # fmt: skip
+        Key("elastic_law", "law.without_evidence"),
+        "knots",
+        "damping",
+        "damping_se",
+        "arms",
+        "residual",
+        Key("bic_over_relaxation", "bic"),
+        "checks",
+    )
 
     law: ElasticLaw
     knots: tuple[float, ...]

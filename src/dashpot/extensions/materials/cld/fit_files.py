@@ -15,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, Range, format_quantity
 from dashpot.datamodel.checks import caution_checks
@@ -112,9 +112,16 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
 
     schema = "dashpot/cld@2"
     _keys = (
-        "unit", "specimens=pieces", "scatter", "capability", "relaxed?", "rate?", "verdict",
-        "checks", "fit?",
-    )  # fmt: skip
+        "unit",
+        Key("specimens", "pieces"),
+        "scatter",
+        "capability",
+        Key("relaxed", optional=True),
+        Key("rate", optional=True),
+        "verdict",
+        "checks",
+        Key("fit", optional=True),
+    )
 
     pieces: tuple[CLD, ...]
     scatter: tuple[PieceStatistics, ...]

@@ -22,7 +22,7 @@ from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict, Series, collect_arrays, load_function
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import Quantity, celsius, format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import tested_at
@@ -152,7 +152,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/csr@2"
-    _keys = ("verdict", "values=found", "*")
+    _keys = ("verdict", Key("values", "found"), EVERY_FIELD)
 
     law: AgingLaw
     ovens: tuple[Oven, ...]

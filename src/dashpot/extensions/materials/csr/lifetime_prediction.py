@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity, parse_quantity
 from dashpot.datamodel.fit import Fit, scale_stiffness
 from dashpot.datamodel.specimen import tested_at
@@ -48,7 +48,7 @@ class Aged(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/aged@2"
-    _keys = ("verdict", "values=answers", "*", "latest_time=furthest")
+    _keys = ("verdict", Key("values", "answers"), EVERY_FIELD, Key("latest_time", "furthest"))
 
     aging: Aging
     temperature: float

@@ -20,7 +20,7 @@ from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source, sources_of
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -206,7 +206,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     """
 
     schema = "dashpot/hyperelastic@2"
-    _keys = ("verdict", "*", "values=found")
+    _keys = ("verdict", EVERY_FIELD, Key("values", "found"))
 
     law: Hyperelastic
     found: tuple[ReportedValue, ...]

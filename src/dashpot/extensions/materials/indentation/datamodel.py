@@ -20,7 +20,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Dimension
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw
 from dashpot.extensions.materials.indentation.indenter import Indenter
@@ -155,9 +155,20 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     schema = "dashpot/indentation@2"
     _keys = (
-        "law", "of", "indenter", "*values", "intervals", "units", "orders=scores", "touch",
-        "noise", "residual", "verdict", "checks", "source",
-    )  # fmt: skip
+        "law",
+        "of",
+        "indenter",
+        Key("values", flatten=True),
+        "intervals",
+        "units",
+        Key("orders", "scores"),
+        "touch",
+        "noise",
+        "residual",
+        "verdict",
+        "checks",
+        "source",
+    )
     _is_loadable = False
 
     law: str

@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.provenance import Step
 from dashpot.base.result_mixins import HasVerdict, Series, collect_arrays
-from dashpot.base.serialisation import Serialisable, to_plain_value
+from dashpot.base.serialisation import Key, Serialisable, to_plain_value
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -60,11 +60,23 @@ class Rod(HasVerdict, Serialisable):
 
     schema = "dashpot/rod@2"
     _keys = (
-        "shape", "part.shape_factor", "bonded", "mass", "rod_mass=own_mass", "errors",
+        "shape",
+        "part.shape_factor",
+        "bonded",
+        "mass",
+        Key("rod_mass", "own_mass"),
+        "errors",
         "modulus.frequency",
-        "modulus.storage", "modulus.loss_factor", "modulus.storage_sd", "modulus.loss_factor_sd",
-        "sensitivity", "band", "verdict", "checks", "fit?",
-    )  # fmt: skip
+        "modulus.storage",
+        "modulus.loss_factor",
+        "modulus.storage_sd",
+        "modulus.loss_factor_sd",
+        "sensitivity",
+        "band",
+        "verdict",
+        "checks",
+        Key("fit", optional=True),
+    )
 
     frf: FRF
     modulus: RodModulus

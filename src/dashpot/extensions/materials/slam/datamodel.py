@@ -20,7 +20,7 @@ from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict, Series, collect_arrays
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.datamodel.specimen import Specimen
 
@@ -120,7 +120,7 @@ class SlamHit(EqualByValue, Serialisable):
         "compression",
         "contact",
         "rebound",
-        "lost_fraction=lost_part",
+        Key("lost_fraction", "lost_part"),
     )
 
     name: str
@@ -158,7 +158,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     _keys = (
         "verdict",
         "frequency",
-        "values=found",
+        Key("values", "found"),
         "mass",
         "hits",
         "checks",

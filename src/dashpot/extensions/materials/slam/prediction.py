@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
@@ -48,9 +48,16 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
 
     schema = "dashpot/slammed@2"
     _keys = (
-        "verdict", "*approach", "mass", "seals", "values=answers", "time", "compression", "force",
+        "verdict",
+        Key("approach", flatten=True),
+        "mass",
+        "seals",
+        Key("values", "answers"),
+        "time",
+        "compression",
+        "force",
         "checks",
-    )  # fmt: skip
+    )
     _is_loadable = False
 
     approach: Approach

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.systems.door.closing import (
@@ -51,7 +51,13 @@ class Share(Serialisable):
         The largest against closing, N m.
     """
 
-    _keys = ("name", "work", "stored~", "lost=dissipated_energy~", "peak_moment=moment")
+    _keys = (
+        "name",
+        "work",
+        Key("stored", nonfinite_as_null=True),
+        Key("lost", "dissipated_energy", nonfinite_as_null=True),
+        Key("peak_moment", "moment"),
+    )
 
     name: str
     work: float
@@ -80,10 +86,14 @@ class Scatter(Serialisable):
     """
 
     _keys = (
-        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=share_above_limit",
-        "share_leaking=leaking",
-        "least_compression=least", "least_contact_force=contact",
-    )  # fmt: skip
+        Key("variation", flatten=True),
+        Key("least_speed", "speed", nonfinite_as_null=True),
+        Key("least_speed_95", nonfinite_as_null=True),
+        Key("above_limit", "share_above_limit"),
+        Key("share_leaking", "leaking"),
+        Key("least_compression", "least"),
+        Key("least_contact_force", "contact"),
+    )
 
     variation: Tolerances
     speed: FloatArray

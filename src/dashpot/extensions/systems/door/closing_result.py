@@ -9,7 +9,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis
 from dashpot.extensions.systems.door.door_model import Door
@@ -33,24 +33,24 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
         "closing.speed",
         "closing.door.edge",
         "closing.door.inertia",
-        "latched=closing.is_latched",
+        Key("latched", "closing.is_latched"),
         "closing.energy",
-        "energy_left=closing.remaining_energy",
-        "stopped=closing.stopped_gap",
+        Key("energy_left", "closing.remaining_energy"),
+        Key("stopped", "closing.stopped_gap"),
         "closing.rebound",
-        "time=closing.seconds",
-        "sealing_time=closing.sealing",
+        Key("time", "closing.seconds"),
+        Key("sealing_time", "closing.sealing"),
         "closing.terms",
         "peak_pressure",
-        "least_speed=closing.minimum~",
-        "least_speed_interval=closing.interval~",
+        Key("least_speed", "closing.minimum", nonfinite_as_null=True),
+        Key("least_speed_interval", "closing.interval", nonfinite_as_null=True),
         "least_compression",
         "least_contact_force",
         "closing.scatter",
-        "history~",
+        Key("history", nonfinite_as_null=True),
         "verdict",
         "checks",
-        "source=sources",
+        Key("source", "sources"),
     )
 
     door: Door

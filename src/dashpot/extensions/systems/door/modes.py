@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.seal_line import Shear
 from dashpot.extensions.systems.door.assembly import DOOR, Assembly
 from dashpot.extensions.systems.door.energy_shares import EnergyShare, energy_shares
@@ -41,9 +41,12 @@ class DoorMode(Serialisable):
     """
 
     _keys = (
-        "frequency_hz=mode.frequency", "mode.damping_ratio", "loss_factor",
-        "without_seal_hz=without_seal", "shares",
-    )  # fmt: skip
+        Key("frequency_hz", "mode.frequency"),
+        "mode.damping_ratio",
+        "loss_factor",
+        Key("without_seal_hz", "without_seal"),
+        "shares",
+    )
 
     mode: ComplexMode
     shares: tuple[EnergyShare, ...]

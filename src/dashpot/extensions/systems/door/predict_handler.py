@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from dashpot.base.checks import verdict
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli._command_io import CommandResult, format_json, write, write_figure
 from dashpot.cli.predict import is_page
 from dashpot.extensions.systems.door.analyse_file import door_file
@@ -25,7 +25,7 @@ from dashpot.text_output.layout import Text
 class DoorPrediction(Serialisable):
     """Prediction of a door: vibration and closing."""
 
-    _keys = ("*found", "closing")
+    _keys = (Key("found", flatten=True), "closing")
 
     found: DoorResult
     closing: ClosingResult

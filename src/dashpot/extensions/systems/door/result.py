@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.random_response import RandomResponse
@@ -35,7 +35,7 @@ class BaseResponse(Serialisable):
         None where nothing else damps what the base shakes.
     """
 
-    _keys = ("point=name", "sealed", "bare")
+    _keys = (Key("point", "name"), "sealed", "bare")
 
     name: str
     sealed: RandomResponse
@@ -72,20 +72,20 @@ class SealOfDoor(Serialisable):
 
     _keys = (
         "line.length",
-        "closed=line.is_closed",
+        Key("closed", "line.is_closed"),
         "stations",
         "pitch",
         "compression",
         "touching",
         "stiffness",
-        "stiffness_per_metre=section.solid.k_inf",
+        Key("stiffness_per_metre", "section.solid.k_inf"),
         "sideways",
-        "slip_limit=sticks?",
+        Key("slip_limit", "sticks", optional=True),
         "force",
         "line.joints",
         "fit.specimen.temperature",
-        "band_hz=fit.band",
-        "fit=fit.identity",
+        Key("band_hz", "fit.band"),
+        Key("fit", "fit.identity"),
     )
 
     line: SealLine
@@ -175,9 +175,15 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     schema = "dashpot/door@2"
     _keys = (
-        "seal", "modes", "without_seal_hz=bare", "frf=responses", "random=shaken", "verdict",
-        "checks", "source=sources",
-    )  # fmt: skip
+        "seal",
+        "modes",
+        Key("without_seal_hz", "bare"),
+        Key("frf", "responses"),
+        Key("random", "shaken"),
+        "verdict",
+        "checks",
+        Key("source", "sources"),
+    )
 
     assembly: Assembly
     fit: Fit | None
