@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import EVERY_FIELD, Key, (
+from dashpot.base.serialisation import (
     DIGEST,
+    EVERY_FIELD,
+    Key,
     Serialisable,
     compute_document_digest,
     decode_fields,
@@ -71,8 +73,12 @@ class Part:
 class Result(Serialisable):
     schema = "dashpot/result@0"
     _keys = (
-        "law", "part.length", Key("high", "part.length"), Key("inside", "part.inside", optional=True),
-        Key("more", flatten=True), "part",
+        "law",
+        "part.length",
+        Key("high", "part.length"),
+        Key("inside", "part.inside", optional=True),
+        Key("more", flatten=True),
+        "part",
     )
 
     law: str
@@ -92,8 +98,11 @@ def test_a_document_is_a_list_of_attributes() -> None:
 @dataclass(frozen=True)
 class Whole(Serialisable):
     _keys = (
-        EVERY_FIELD, Key("high", "part.length", nonfinite_as_null=True), Key("result", flatten=True),
-        Key("gone", "nothing.length"), Key("left", "nothing", optional=True),
+        EVERY_FIELD,
+        Key("high", "part.length", nonfinite_as_null=True),
+        Key("result", flatten=True),
+        Key("gone", "nothing.length"),
+        Key("left", "nothing", optional=True),
     )
 
     part: Part
