@@ -29,8 +29,8 @@ from playwright.sync_api import Page, sync_playwright
 
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD
 
 LISTEN = """() => {

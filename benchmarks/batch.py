@@ -40,8 +40,8 @@ from dashpot.extensions.batch.parquet_parts import tasks
 from dashpot.extensions.batch.process_pool import processors
 from dashpot.extensions.batch.table_row import row
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 KINDS: dict[str, dict[str, Any]] = {

@@ -21,7 +21,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 ENVIRONMENT = {

@@ -20,7 +20,7 @@ from cold_start import cpu_and_wall
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.report import html
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.job import BlockOnSeals

@@ -128,7 +128,7 @@ def judge(lot: dp.Lot, sound: dict[str, float], spoilt: dict[str, str]) -> None:
         ours = [name for name, one in spoilt.items() if one == way]
         left = [name for name in ours if name in used]
         example = rows[ours[0]]
-        said = example["reason"] or lot.unlike.get(example["file"], "nothing")
+        said = example["reason"] or lot.dissimilar.get(example["file"], "nothing")
         print(f"  {way:18} {len(ours)} files, {len(left)} in the statistics; says: {said[:110]}")
     lost = [name for name in sound if name not in used]
     print(f"  sound tests left out of the statistics: {len(lost)} of {len(sound)}")

@@ -105,7 +105,7 @@ def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]
     mass = one.seal.mass_at(HERTZ, SEALS)
     bound = frf_band(found, record, mass=mass, frequency=[HERTZ], seals=SEALS)
     there = abs(one.seal.accelerance(HERTZ, mass, SEALS))
-    limits = {"frf": (bound.unseen[0, 0], there, bound.unseen[1, 0])}
+    limits = {"frf": (bound.unmeasured[0, 0], there, bound.unmeasured[1, 0])}
     # the bound's resonance is where K' = m w^2/n: where the mass was chosen to have it
     for name, truth, pair in (
         ("peak_frequency", HERTZ, bound.peak_frequency),
@@ -487,7 +487,7 @@ def _late_creep(one: Sheet) -> Answer:
     test = dp.CreepTest(one["time"], 1e-3 * one["displacement"], one["force"], units="SI")
     found = dp.fit(test)
     low, high = found.stiffness_limits["k_end"]
-    truth = over_displacement(one.truth["solid"], found.evidence.end_of_hold.time)
+    truth = over_displacement(one.truth["solid"], found.evidence.end_of_hold.end_time)
     return found.verdict, WITHIN * abs(truth - (low + high) / 2) / ((high - low) / 2)
 
 

@@ -122,7 +122,9 @@ def _drawn() -> dict[str, dp.plot.Picture]:
         "hero": study.plot(),
         "segments": study.prepared.plot(),
         "fit": dp.plot.fit(study.fit, study.prepared),
-        "stiffness": dp.plot.stiffness(study.fit, parameters=study.parameters, unseen=study.unseen),
+        "stiffness": dp.plot.stiffness(
+            study.fit, parameters=study.parameters, unseen=study.unmeasured
+        ),
         "spectrum": dp.plot.spectrum(study.fit, joint=study.joint),
         "hits": dp.plot.hits(hits, frf),
         "frf": frf.plot(),

@@ -25,7 +25,7 @@ from dashpot.datamodel.relaxation import RampHold  # noqa: E402
 from dashpot.fitting.relaxation import fit  # noqa: E402
 from dashpot.preprocessing.prepare import prepare  # noqa: E402
 from dashpot.simulation.impact import simulate_impact  # noqa: E402
-from dashpot.simulation.motion import simulate_relaxation  # noqa: E402
+from dashpot.simulation.relaxation import simulate_relaxation  # noqa: E402
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS  # noqa: E402
 from dashpot.solids.maxwell import GeneralizedMaxwell  # noqa: E402
 from dashpot.vibration.impact.frf_estimation import estimate_frf  # noqa: E402

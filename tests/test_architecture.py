@@ -13,7 +13,7 @@ import pytest
 
 import dashpot as dp
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -136,7 +136,7 @@ def test_fitting_a_text_file_loads_numpy_only(tmp_path):
     code = (
         "import dashpot as dp\n"
         f"p = {str(tmp_path / 'seal.csv')!r}\n"
-        "from dashpot.simulation.motion import simulate_relaxation\n"
+        "from dashpot.simulation.relaxation import simulate_relaxation\n"
         "from dashpot.solids.demo_seals import PAPER\n"
         "from dashpot.reading.write import write_relaxation\n"
         "made = simulate_relaxation(PAPER, hold_time=5.0)\n"

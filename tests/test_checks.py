@@ -399,7 +399,7 @@ def check_k_end(width: float) -> Check:
 def curve_end(levels: float, falls: float = 0.0) -> EndOfHold:
     """A curve that may fall to so much of its end in ten times as long."""
     ends = (0.9, 1.0), (0.5, 1.0), (0.0, 1.0)
-    return EndOfHold(40.0, *ends, falling=falls, k_10end=(levels, 1.0), ended="curve")
+    return EndOfHold(40.0, *ends, slope_limit=falls, k_10end=(levels, 1.0), test_kind="curve")
 
 
 def falling(share: float) -> RampHold:
@@ -718,7 +718,7 @@ CURVES = [
     ),
     Case(
         "plateau_determined",
-        lambda x: curves.plateau_determined(replace(curve_end(x), ended="creep"), "Pa"),
+        lambda x: curves.plateau_determined(replace(curve_end(x), test_kind="creep"), "Pa"),
         0.651,
         0.649,
     ),

@@ -13,7 +13,7 @@ import dashpot as dp
 from dashpot.cli import main
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.workflow.json_archive import from_json, to_json
 

@@ -61,7 +61,6 @@ from dashpot.reading.readers import detect_kind
 from dashpot.reading.readers.detect_kind import Recognised
 from dashpot.workflow.bench_tests import BenchFitOptions
 from dashpot.workflow.job import (
-    Cuts,
     HammerChoices,
     Job,
     LevelChoices,
@@ -70,6 +69,7 @@ from dashpot.workflow.job import (
     PartChoices,
     RodChoices,
     ShiftChoices,
+    TimeLimits,
 )
 from dashpot.workflow.study import characterise
 
@@ -80,11 +80,11 @@ INDENTER = tuple(one.name for one in iterate_option_fields(Indenter) if one.name
 """Its mass is the mass of the block of other tests."""
 FACES: dict[str, dict[type, tuple[str, ...]]] = {
     "report": {
-        Job: (), Cuts: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
+        Job: (), TimeLimits: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
     },
     "fit": {
         Job: (*RIG, "arms", "method", "filter", "band", "temperatures", "impact_temperature"),
-        Cuts: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
+        TimeLimits: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
         LevelJob: ("levels", "at"), ModesJob: ("masses", "band"), RodChoices: (),
         ShiftChoices: (), Measures: (), KnownSolid: (), Indenter: INDENTER,
     },
@@ -392,7 +392,7 @@ def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     (files,), said = told.heard, told.named
     first, *further = files
     named = {name: said[name] for name in OF_FIT if name in said}
-    assert Job(first, further=(*further,), reading=said["options"], **named) == job
+    assert Job(first, other_tests=(*further,), reading=said["options"], **named) == job
 
 
 @given(instances(LevelJob).filter(lambda job: job.files))
@@ -440,7 +440,7 @@ def test_a_page_says_a_job_back(job: Job) -> None:
     try:
         file = store.put("a.csv", b"")
         at_hand = replace(
-            job, relaxation=file, impact=(), further=(), logo=None,
+            job, relaxation=file, impact=(), other_tests=(), logo=None,
             reading=replace(job.reading, calibration=None),
             reading_impact=replace(job.reading_impact, calibration=None),
         )  # fmt: skip

@@ -27,7 +27,7 @@ from dashpot.cli import main
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.text_output.layout import Text, format_for_screen
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -317,7 +317,7 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
     study = characterise(bench, estimate_frf(hammer, mass=mass), block=BlockOnSeals(mass, 2))
     assert study.verdict.use == "do not use"
     # what the page shows of both tests is of the one cause that explains them
-    assert study.joint.evidence.explanations[0].explains
+    assert study.joint.evidence.explanations[0].is_sufficient
     assert abs(study.joint_comparison.frequency_error) < 2e-3
     assert not wrong(check.message for check in (*study.verdict_checks, *study.every_check))
     said = [study.verdict.message, study.comparison.message]

@@ -38,7 +38,7 @@ from .solids.part_geometry import Block, Disc, Geometry
 from .vibration.comparison.comparison import Comparison
 from .workflow.frf_comparison import FRFComparison as FRFComparison
 from .workflow.frf_prediction import Prediction as Prediction
-from .workflow.job import Cuts, HammerChoices
+from .workflow.job import HammerChoices, TimeLimits
 from .workflow.measured_frf import Modes as Modes
 
 Vibration: TypeAlias = ImpactTest | ShakenTest | FRF | FRFSet
@@ -126,7 +126,7 @@ def fit(
     method: Literal["full", "hold"] = "full",
     thorough: bool = False,
     filter: str | None = None,
-    cuts: Cuts | None = None,
+    time_limits: TimeLimits | None = None,
     machine: Machine | None = None,
     cycle: int | None = None,
     reference: Quantity | None = None,

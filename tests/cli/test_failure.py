@@ -19,8 +19,8 @@ from dashpot.base.plain_text import escape_terminal_text, escaped_json
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Output
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 HIDDEN = "\x1b[2J\x1b]0;title\x07\x9b31m\u202e"

@@ -19,7 +19,7 @@ from dashpot.cli._param_types import Keyed
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
-from dashpot.workflow.job import Cuts, HammerChoices
+from dashpot.workflow.job import HammerChoices, TimeLimits
 
 
 @dataclass(frozen=True)
@@ -99,11 +99,11 @@ def test_what_cannot_be_is_refused(words, message):
 @pytest.mark.parametrize(
     ("command", "nouns"),
     [
-        ("fit", (ReadOptions, Specimen, Machine, Cuts, HammerChoices)),
+        ("fit", (ReadOptions, Specimen, Machine, TimeLimits, HammerChoices)),
         ("predict", (Machine, ReadOptions)),
         ("inspect", (ReadOptions,)),
         ("compare", (ReadOptions, HammerChoices)),
-        ("report", (ReadOptions, Specimen, HammerChoices, Machine, Cuts)),
+        ("report", (ReadOptions, Specimen, HammerChoices, Machine, TimeLimits)),
         ("batch", (ReadOptions,)),
         ("export", (Specimen,)),
     ],

@@ -21,7 +21,7 @@ from dashpot.reading.write import write_relaxation
 from dashpot.registry import FIGURES
 from dashpot.report.result_output import picture
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.dataframes import frame
 

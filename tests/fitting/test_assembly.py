@@ -28,8 +28,8 @@ from dashpot.fitting.fit_construction import (
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.checks import force_relaxes
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 SOURCES = Path(dp.__file__).parent

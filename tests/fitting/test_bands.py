@@ -26,8 +26,8 @@ from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_a
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -99,11 +99,11 @@ def test_the_measured_frf_lies_in_the_band(
         broad_fit, broad_test, mass=BROAD_MASS, seals=2, frequency=lines.frequency, level=0.99
     )
     measured = np.abs(lines.value)
-    inside = (measured >= band.unseen[0]) & (measured <= band.unseen[1])
+    inside = (measured >= band.unmeasured[0]) & (measured <= band.unmeasured[1])
     formal = (measured >= band.parameter[0]) & (measured <= band.parameter[1])
     assert inside.mean() > 0.97
     assert formal.mean() < inside.mean()
-    assert (band.unseen[0] <= band.magnitude * (1 + 1e-6)).all()
+    assert (band.unmeasured[0] <= band.magnitude * (1 + 1e-6)).all()
     assert (band.parameter[0] <= band.magnitude).all()
 
 
@@ -264,7 +264,7 @@ def test_band_of_a_hold_leaves_the_dashpot_unbounded() -> None:
     test = prepare(simulate_relaxation(BROAD, seed=5).test)
     hold = fit(test, arms=2, method="hold")
     band = frf_band(hold, test, mass=BROAD_MASS, seals=2, frequency=[8.0, 12.7])
-    assert (band.unseen[0] < 1e-3 * band.magnitude).all()
+    assert (band.unmeasured[0] < 1e-3 * band.magnitude).all()
 
 
 def test_a_higher_level_is_a_wider_band(broad_fit: Fit, broad_test: RampHold) -> None:
@@ -373,11 +373,11 @@ def test_over_a_base_every_limit_holds_what_it_should(broad_fit: Fit, broad_test
     band = frf_band(broad_fit, broad_test, kind="transmissibility", **words)
     K = 2 * BROAD.complex_stiffness(omega=2 * np.pi * f)
     T = np.abs(K / (K - BROAD_MASS * (2 * np.pi * f) ** 2))
-    assert ((band.unseen[0] <= T) & (band.unseen[1] >= T)).mean() >= 0.9
-    for low, high in (band.unseen, band.parameter):
+    assert ((band.unmeasured[0] <= T) & (band.unmeasured[1] >= T)).mean() >= 0.9
+    for low, high in (band.unmeasured, band.parameter):
         assert ((low <= band.magnitude) & (high >= band.magnitude)).all()
     # a base at rest in the limit
-    assert band.unseen[:, 0] == pytest.approx(1.0, abs=1e-3)
+    assert band.unmeasured[:, 0] == pytest.approx(1.0, abs=1e-3)
     # near the peak the motion is that of the accelerance, and so is its doubt
     forced = frf_band(broad_fit, broad_test, **words)
     assert band.peak_frequency == pytest.approx(forced.peak_frequency, rel=1e-12)

@@ -30,7 +30,7 @@ def answers(kind: Kind, *, seed: int, bench: Bench) -> tuple[bool, bool, bool, b
     test = prepare(relaxation_test(one))
     found = fit(test)
     band = frf_band(found, test, mass=mass, seals=2, frequency=f[peak : peak + 1])
-    (low,), (high,) = band.unseen
+    (low,), (high,) = band.unmeasured
     least, most = band.peak_height or (0.0, np.inf)
     left, T = found.stiffness_limits, test.hold_time
     assert left is not None

@@ -31,7 +31,7 @@ from dashpot.fitting.relaxation_likelihood import (
 from dashpot.numerics.design_matrices.displacement_correlation import upper_factor
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -320,11 +320,11 @@ def test_end_of_hold_states_the_gain_of_naming_the_machine(record: RampHold) -> 
     end = fit(record).evidence.end_of_hold
     assert end is not None
     known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
-    assert end.named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
+    assert end.if_machine_named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
     assert "give the drift, compliance and creep of the machine" in end.format_with_remedy("N/m")
-    assert replace(end, named=0.79).remedy.startswith("Record a baseline")
-    assert replace(end, named=0.81).remedy == "Hold longer."
-    assert replace(end, named=math.nan).remedy == "Hold longer."
+    assert replace(end, if_machine_named=0.79).remedy.startswith("Record a baseline")
+    assert replace(end, if_machine_named=0.81).remedy == "Hold longer."
+    assert replace(end, if_machine_named=math.nan).remedy == "Hold longer."
 
 
 def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
@@ -341,7 +341,7 @@ def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
         end = fit(prepare(test, machine=Machine(**one.told))).evidence.end_of_hold
         assert end is not None
         low, high = end.k_end
-        assert low < one.seal.secant(end.time) < high
+        assert low < one.seal.secant(end.end_time) < high
         half.append((high - low) / (high + low))
     assert np.median(half) < 0.008
 
@@ -382,7 +382,7 @@ def test_limits_hold_a_fit_that_the_record_would_not() -> None:
     end = poor.evidence.end_of_hold
     assert end is not None
     assert end.beyond > 0.25
-    assert end.k_end[0] <= float(poor.model.relaxation(end.time)) <= end.k_end[1]
+    assert end.k_end[0] <= float(poor.model.relaxation(end.end_time)) <= end.k_end[1]
 
 
 # -- a compliance that is named, a force that is late ---------------------------------------------
@@ -390,19 +390,21 @@ def test_limits_hold_a_fit_that_the_record_would_not() -> None:
 
 def test_a_named_compliance_carries_no_noise_of_the_force() -> None:
     one, record, found = foreign(0, "compliance 50 um/N, named")
-    assert record.given is not None
+    assert record.machine_deflection is not None
     # the encoder's readings are what they were
     steps = record.travel / record.displacement_quantum
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-3)
-    held = record.given[record.settled_samples]
+    held = record.machine_deflection[record.settled_samples]
     assert np.std(np.diff(held)) < 0.2 * 50e-6 * np.sqrt(2) * record.force_noise
     assert np.mean(held) == pytest.approx(
         50e-6 * np.mean(record.force[record.settled_samples]), rel=1e-3
     )
     mass = one.seal.mass_at(12.7, 2)
     bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
-    assert bound.unseen[0, 0] <= bound.magnitude[0] <= bound.unseen[1, 0]
-    assert bound.unseen[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unseen[1, 0]
+    assert bound.unmeasured[0, 0] <= bound.magnitude[0] <= bound.unmeasured[1, 0]
+    assert (
+        bound.unmeasured[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unmeasured[1, 0]
+    )
 
 
 def test_a_force_that_is_five_milliseconds_late_leaves_the_bound_right() -> None:
@@ -414,7 +416,9 @@ def test_a_force_that_is_five_milliseconds_late_leaves_the_bound_right() -> None
     bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
     assert bound.peak_frequency is not None
     assert bound.peak_frequency[0] < 12.7 < bound.peak_frequency[1]
-    assert bound.unseen[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unseen[1, 0]
+    assert (
+        bound.unmeasured[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unmeasured[1, 0]
+    )
 
 
 def truth_named(name: str) -> int:
@@ -444,7 +448,9 @@ def test_fit_reports_an_unstated_filter_with_a_valid_bound(
     bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
     assert bound.peak_frequency is not None
     assert bound.peak_frequency[0] < 12.7 < bound.peak_frequency[1]
-    assert bound.unseen[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unseen[1, 0]
+    assert (
+        bound.unmeasured[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unmeasured[1, 0]
+    )
 
 
 def test_a_force_is_too_late_from_so_much_on() -> None:
@@ -494,7 +500,9 @@ def holds(truth: int, rig: str) -> bool:
     one, _, found = foreign(truth, rig)
     end = found.evidence.end_of_hold
     assert end is not None
-    wanted = {n: one.seal.secant(times * end.time) for n, times in (("k_end", 1), ("k_3end", 3))}
+    wanted = {
+        n: one.seal.secant(times * end.end_time) for n, times in (("k_end", 1), ("k_3end", 3))
+    }
     wanted["k_inf"] = one.seal.secant(np.inf)
     ends = {name: getattr(end, name) for name in wanted}
     return all(ends[name][0] <= value <= ends[name][1] for name, value in wanted.items())
@@ -522,7 +530,7 @@ def test_limits_hold_the_solid_that_is_shown():
     limits = found.stiffness_limits
     assert limits is not None
     here, later = (
-        float(found.model.relaxation(n * found.evidence.end_of_hold.time)) for n in (1, 3)
+        float(found.model.relaxation(n * found.evidence.end_of_hold.end_time)) for n in (1, 3)
     )
     assert limits["k_end"][0] <= here <= limits["k_end"][1]
     assert limits["k_3end"][0] <= later <= limits["k_3end"][1]

@@ -109,9 +109,9 @@ def test_explanations_name_stiffer_seals_under_the_hammer(scale: float) -> None:
     found = joint(1, scale=scale)
     lead = found.evidence.explanations[0]
     assert lead.name == "stiffness"
-    assert lead.explains
+    assert lead.is_sufficient
     assert lead.value == pytest.approx(scale, abs=max(3 * lead.standard_error, 0.003))
-    assert lead.fall > 100
+    assert lead.deviance_fall > 100
     assert found.verdict.use == "do not use"
     assert (
         "stiffer" in get_agreement_sentence(found)
@@ -133,26 +133,26 @@ def test_intervals_hold_the_doubt_of_which_is_right() -> None:
 def test_explanations_name_a_wrong_mass_and_a_wrong_gain() -> None:
     found = joint(1, mass=1.05 * MASS)
     mass = found.evidence.explanations[0]
-    assert (mass.name, mass.explains) == ("mass", True)
+    assert (mass.name, mass.is_sufficient) == ("mass", True)
     # the cause leads, and what follows from it is no graver
     lead, *others = found.verdict.failed_checks
     assert lead.name == "tests_agree"
     assert {one.grade for one in others} <= {lead.grade}
     assert mass.value == pytest.approx(1.05 * MASS, rel=2e-3)
     gain = joint(1, gain=1.08).evidence.explanations[0]
-    assert (gain.name, gain.explains) == ("gain", True)
+    assert (gain.name, gain.is_sufficient) == ("gain", True)
     assert gain.value == pytest.approx(1.08, rel=5e-3)
 
 
 def test_explanations_name_two_simultaneous_causes() -> None:
     found = joint(1, scale=1.15, gain=1.3)
     lead, *others = found.evidence.explanations
-    assert (lead.name, lead.explains) == ("mass and stiffness", True)
+    assert (lead.name, lead.is_sufficient) == ("mass and stiffness", True)
     # of lines alone a gain looks like a mass and a stiffness: both are named
     assert "It is as well explained by another gain and stiffness of the seals" in lead.message
     singles = [one for one in others if " and " not in one.name]
     assert len(singles) == 4
-    assert not any(one.explains for one in singles)
+    assert not any(one.is_sufficient for one in singles)
     # one value: what else was tried is named alone
     assert not [one.message for one in others if re.search(r"\d", one.message)]
 
@@ -162,7 +162,7 @@ def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, said: float)
     """Of a mass given a tenth off the truth lies within three standard errors, one value of it."""
     found = joint(seed, mass=MASS / said)
     lead = found.evidence.explanations[0]
-    assert lead.explains
+    assert lead.is_sufficient
     assert lead.name.startswith("mass")
     assert lead.value == pytest.approx(MASS / said, abs=3 * lead.standard_error)
     # the solid is the one that explains both: nothing else on the screen is of another
@@ -179,7 +179,7 @@ def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, said: float)
     assert {one for one in printed if abs(one - 1e3 * lead.value) > 0.1} == {1e3 * MASS}
     # and none is named where nothing explains both
     lost = replace(
-        found, evidence=replace(found.evidence, explanations=(replace(lead, explains=False),))
+        found, evidence=replace(found.evidence, explanations=(replace(lead, is_sufficient=False),))
     )
     assert list_reported_nuisances(found) == found.estimate.nuisance
     assert list_reported_nuisances(lost) == ()
@@ -193,7 +193,7 @@ def test_of_twenty_wrong_masses_the_named_value_is_right() -> None:
     for seed in range(20):
         said = (0.85, 0.9, 0.93, 1.07, 1.1, 1.15)[seed % 6]
         lead = joint(seed, mass=MASS / said).evidence.explanations[0]
-        right = lead.explains and lead.name.startswith("mass")
+        right = lead.is_sufficient and lead.name.startswith("mass")
         far += not (right and abs(lead.value - MASS / said) < 3 * lead.standard_error)
     assert far <= 1
 
@@ -223,7 +223,7 @@ def test_explanations_cover_an_earlier_fit() -> None:
 @pytest.mark.slow
 def test_explanations_detect_fifteen_per_cent_over_many_seeds() -> None:
     leads = [joint(seed, scale=1.15).evidence.explanations[0] for seed in range(40)]
-    assert sum(one.name == "stiffness" and one.explains for one in leads) >= 38
+    assert sum(one.name == "stiffness" and one.is_sufficient for one in leads) >= 38
     z = [(one.value - 1.15) / one.standard_error for one in leads]
     assert sum(abs(value) < 1.96 for value in z) >= 34
     sound = [joint(seed).evidence.explanations for seed in range(40)]

@@ -21,8 +21,8 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.fitting.nuisance_priors import priors
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -118,7 +118,10 @@ def test_naive_intervals_would_not_cover() -> None:
         record = coverage.record(coverage.SEAL, noise, seed, rate=200.0)
         found = fit(record, arms=2, method="hold", nuisance=coverage.KNOWN_CLOCKS)
         value, error = estimates(of_noise(found))
-        hits.append(np.abs(value - TRUTH) < 1.96 * error / np.sqrt(found.estimate.residual.kappa))
+        hits.append(
+            np.abs(value - TRUTH)
+            < 1.96 * error / np.sqrt(found.estimate.residual.variance_inflation)
+        )
     assert np.mean(hits) < 0.75
 
 

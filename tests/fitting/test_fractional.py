@@ -54,7 +54,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.json_archive import from_json, to_json
-from dashpot.workflow.static_equilibrium import family_checks, find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study
 
 RESONANCE = 2 * np.pi * 12.71
@@ -108,11 +108,11 @@ def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
     found = fitted(truth)
     other = found.evidence.alternative
     assert other is not None
-    assert (other.family, other.explains) == ("maxwell", True)
+    assert (other.family, other.is_sufficient) == ("maxwell", True)
     assert other.bic > 10
     # they put the loss at a resonance far lower, which the record cannot contradict
     assert other.solid.loss(omega=RESONANCE) < 0.75 * found.solid.loss(omega=RESONANCE)
-    assert 0.3 < other.parts_at < 12.71
+    assert 0.3 < other.differs_from_hz < 12.71
     check = next(one for one in found.checks if one.name == "model_families_distinguished")
     assert check.failed
     assert check.message == other.message
@@ -126,7 +126,7 @@ def test_a_seal_of_arms_keeps_them(seal) -> None:
     found = fit(pressed(Seal.of_arms(*seal)), family="auto")
     assert found.family == "maxwell"
     assert found.evidence.alternative.family == "fractional"
-    assert not found.evidence.alternative.explains
+    assert not found.evidence.alternative.is_sufficient
     assert not any(one.failed for one in found.checks if one.name == "model_families_distinguished")
 
 
@@ -135,7 +135,7 @@ def test_a_seal_that_is_not_linear_is_not_called_fractional(law: str) -> None:
     found = fit(pressed(Seal.of_arms(*PAPER), law=law), family="auto")
     assert found.family == "maxwell"
     assert found.elastic_law.kind == "piecewise"
-    assert not found.evidence.alternative.explains
+    assert not found.evidence.alternative.is_sufficient
 
 
 def test_fractional_fit_with_coloured_noise_reports_the_maxwell_alternative() -> None:
@@ -144,7 +144,7 @@ def test_fractional_fit_with_coloured_noise_reports_the_maxwell_alternative() ->
     assert found.family == "fractional"
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
     assert found.solid.loss(omega=RESONANCE) == pytest.approx(true.imag, rel=0.15)
-    assert (found.evidence.alternative.family, found.evidence.alternative.explains) == (
+    assert (found.evidence.alternative.family, found.evidence.alternative.is_sufficient) == (
         "maxwell",
         True,
     )
@@ -166,7 +166,7 @@ def test_a_fractional_solid_that_arms_contradict_says_so() -> None:
     assert found.verdict.use == "do not use"
     failed = {one.name for one in found.checks if one.failed}
     assert {"fractional_model_suffices", "residuals_steady"} <= failed
-    assert found.evidence.alternative.explains
+    assert found.evidence.alternative.is_sufficient
 
 
 def test_arms_stay_the_default() -> None:
@@ -295,7 +295,7 @@ def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
         test=relaxation_test(record(Seal.fractional(*TRUTHS[0]), seed=1)), prepared=held,
         fit=found, alternatives=(), hold_fit=None, seals=2, mass=0.114, mass_inferred=False,
         prediction=dp.systems.predict_frf(found, mass=0.114, seals=2), impact=None, measured=None,
-        comparison=None, at_rest=rests,
+        comparison=None, static_equilibrium=rests,
     )  # fmt: skip
     own, other = (find_peak(one) for one in (study.prediction, study.rival))
     assert other.height > 1.5 * own.height
@@ -341,7 +341,7 @@ def test_a_sweep_of_a_fractional_rubber_is_called_so() -> None:
     assert found.estimate.residual.rms == pytest.approx(0.01, rel=0.3)
     assert found.evidence.alternative.family == "maxwell"
     coarse = fit_dynamic(sweep(RUBBER, noise=0.05, unit="N/m"), family="auto").evidence.alternative
-    assert coarse.explains
+    assert coarse.is_sufficient
     assert "A sweep to higher frequencies or a colder one separates them." in coarse.message
 
 
@@ -349,7 +349,7 @@ def test_a_sweep_of_arms_keeps_them() -> None:
     rubber = dp.GeneralizedMaxwell(1e6, k=(5e5, 2e5), tau=(1e-3, 0.1))
     found = fit_dynamic(sweep(rubber, noise=0.01), family="auto")
     assert (found.family, found.model.arms) == ("maxwell", 2)
-    assert not found.evidence.alternative.explains
+    assert not found.evidence.alternative.is_sufficient
 
 
 def test_joint_fit_of_sweep_and_hold_is_one_fractional_model() -> None:
@@ -399,7 +399,7 @@ def test_identify_distinguishes_fractional_from_arms_by_hammer_test() -> None:
     assert inside(found)
     # three arms follow the lines as well, and put the stiffness at rest elsewhere
     other = found.evidence.alternative
-    assert (other.family, other.explains) == ("maxwell", True)
+    assert (other.family, other.is_sufficient) == ("maxwell", True)
     assert other.bic > 10
     assert other.solid.k_inf > 1.2 * TRUTHS[0][0]
     assert "A relaxation test of the seal separates them." in other.message
@@ -477,7 +477,7 @@ def test_a_seal_of_arms_keeps_them_under_the_hammer() -> None:
     frf = estimate_frf(impact_test(strike(seal, seed=3, **RIG)))
     found = identify(frf, tests=pressed(seal), family="auto", arms=4, **RIG)
     assert found.family == "maxwell"
-    assert not found.evidence.alternative.explains
+    assert not found.evidence.alternative.is_sufficient
 
 
 @pytest.mark.slow
@@ -488,7 +488,7 @@ def test_a_wrong_mass_does_not_hide_the_true_family() -> None:
     assert any(one.name == "tests_agree" and one.failed for one in found.checks)
     other = found.evidence.alternative
     # with the mass free the element is decisively better, whichever was taken
-    better = found.family == "fractional" or (other.explains and other.bic < -10)
+    better = found.family == "fractional" or (other.is_sufficient and other.bic < -10)
     assert better
 
 
@@ -511,7 +511,7 @@ def test_an_element_that_the_hammer_contradicts_says_so() -> None:
     forced = identify(frf, tests=pressed(seal), family="fractional", **RIG)
     assert forced.verdict.use == "do not use"
     assert any(one.name == "fractional_model_suffices" and one.failed for one in forced.checks)
-    assert forced.evidence.alternative.explains
+    assert forced.evidence.alternative.is_sufficient
 
 
 def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:

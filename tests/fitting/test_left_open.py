@@ -14,8 +14,8 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_document, to_json
@@ -97,7 +97,7 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
     assert found.elastic_law.kind == "piecewise"
     left, truth = found.stiffness_limits, (1 + 4000.0 * 8e-3**2) * BROAD
     assert left is not None
-    T = found.evidence.end_of_hold.time  # type: ignore[union-attr]
+    T = found.evidence.end_of_hold.end_time  # type: ignore[union-attr]
     for name, t in (("k_end", T), ("k_3end", 3 * T)):
         for solid in (truth, found.model):
             assert left[name][0] < solid.relaxation(t) < left[name][1]  # type: ignore[literal-required]
@@ -124,7 +124,7 @@ def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
         "and ends at 0.1950 N/mm or below. Hold longer."
     )
     assert (
-        replace(end, named=0.2)
+        replace(end, if_machine_named=0.2)
         .format_with_remedy("N/m")
         .endswith(
             "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "

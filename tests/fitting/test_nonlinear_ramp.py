@@ -30,8 +30,8 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
 )
 from dashpot.numerics.least_squares import require_optimum
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell

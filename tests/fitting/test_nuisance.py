@@ -15,8 +15,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.numerics.design_matrices.block import design_block
 from dashpot.numerics.inference.correlated_noise import marginal
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.json_archive import from_json, to_json
 

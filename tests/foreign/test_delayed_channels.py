@@ -79,7 +79,7 @@ def test_the_limits_of_a_creep_test_hold_whichever_channel_is_late():
         end = fit.evidence.end_of_hold
         for name, times in (("k_end", 1), ("k_3end", 3)):
             low, high = fit.stiffness_limits[name]
-            if not low <= over_displacement(one.truth["solid"], times * end.time) <= high:
+            if not low <= over_displacement(one.truth["solid"], times * end.end_time) <= high:
                 missed.append(f"{one.name}: {name}")
     assert len(missed) <= (1 - HOLD) * 2 * EVERY, missed
 

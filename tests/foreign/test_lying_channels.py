@@ -84,7 +84,7 @@ def test_readings_check_accepts_coarse_and_noiseless_records(rig, truth):
     assert checked(found, "readings_not_repeated").value == 0
     assert found.verdict.use == "use"
     # limits count noise: of a record that has none they are of the order of what arms may miss
-    assert rig == "without noise" or limits_hold(made, found, found.evidence.end_of_hold.time)
+    assert rig == "without noise" or limits_hold(made, found, found.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("seconds", [1.0, 5.0, 20.0])
@@ -111,7 +111,7 @@ def test_a_servo_that_hunts_on_record_is_answered_by_the_seal(rig, truth):
     made, found = fitted(rig, truth)
     assert not any("hum" in step.message for step in found.steps)
     assert found.verdict.use == "use"
-    assert limits_hold(made, found, found.evidence.end_of_hold.time)
+    assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rig", PICKED_UP)
@@ -119,7 +119,7 @@ def test_the_mains_in_both_channels_are_hum(rig):
     made, found = fitted(rig)
     assert any("50.02 Hz" in step.message for step in found.steps)
     assert found.verdict.use == "use"
-    assert limits_hold(made, found, found.evidence.end_of_hold.time)
+    assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rate", [10.0, 50.0])
@@ -132,7 +132,7 @@ def test_fit_accepts_sent_staircases(levels, rate):
     assert checked(found, "force_relaxes").passed
     assert checked(found, "depth_resolved").passed
     assert found.verdict.use == "use"
-    assert limits_hold(made, found, found.evidence.end_of_hold.time)
+    assert limits_hold(made, found, found.evidence.end_of_hold.end_time)
 
 
 @pytest.mark.parametrize("rate", [2e-3, 5e-3, 2e-2])

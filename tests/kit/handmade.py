@@ -27,7 +27,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.mass_on_seals import MassOnSeals, predict_frf
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-from dashpot.workflow.static_equilibrium import find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import find_static_equilibrium
 from dashpot.workflow.study import STIFFNESS_LINES, Study
 from kit.fits import a_fit, altered
 
@@ -200,7 +200,7 @@ def frf_limits() -> FRFBounds:
         frequency=frequency,
         magnitude=size,
         parameter=np.array([0.97 * size, 1.03 * size]),
-        unseen=np.array([0.6 * np.minimum(size, near), 1.5 * np.maximum(size, near)]),
+        unmeasured=np.array([0.6 * np.minimum(size, near), 1.5 * np.maximum(size, near)]),
         message="every spectrum that the relaxation test does not reject",
     )
 
@@ -230,9 +230,9 @@ def study() -> Study:
         joint_prediction=after,
         joint_comparison=compare(after, target, fit=joint(), mass=BROAD_MASS, seals=2.0),
         parameters=parameter_band(fit, STIFFNESS_LINES),
-        unseen=unresolved_arm_band(),
+        unmeasured=unresolved_arm_band(),
         frf_band=frf_limits(),
-        at_rest=find_static_equilibrium(fit, MassOnSeals(BROAD_MASS, 2.0)),
+        static_equilibrium=find_static_equilibrium(fit, MassOnSeals(BROAD_MASS, 2.0)),
         direct=dynamic_stiffness(target, BROAD_MASS, seals=2.0),
         checks=(Check("operating_point", False, "The mass sags 2.9 mm; the test held 8 mm.", 2.9),),
     )
@@ -243,6 +243,6 @@ def bench_only() -> Study:
     """The same without hammer, mass or joint fit."""
     return replace(
         study(), mass=None, prediction=None, impact=None, measured=None, comparison=None,
-        joint=None, joint_prediction=None, joint_comparison=None, parameters=None, unseen=None,
+        joint=None, joint_prediction=None, joint_comparison=None, parameters=None, unmeasured=None,
         frf_band=None, direct=None, checks=(), hold_fit=None,
     )  # fmt: skip

@@ -330,11 +330,11 @@ def test_plan_states_the_gain_of_naming_the_machine() -> None:
     told = planned()
     assert told.end.time == 40.0
     assert told.end.stiffness == pytest.approx(float(told.model.relaxation(40.0)))
-    assert told.end.named < 0.5 * told.end.half_width
+    assert told.end.if_machine_named < 0.5 * told.end.half_width
     assert told.end.message in str(told)
     assert "Record a baseline of 10 s" in told.end.message
     known = planned(baseline=10.0, compliance=0.0, creep=0.0).end
-    assert known.half_width == pytest.approx(told.end.named)
+    assert known.half_width == pytest.approx(told.end.if_machine_named)
     assert known.message == (
         f"At the end of the hold the stiffness k(40.0 s) would be known to about "
         f"{100 * known.half_width:.2g} %."

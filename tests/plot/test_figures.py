@@ -35,7 +35,7 @@ from dashpot.plot.solid import average_octave_bands, build_plotted_quantities
 from dashpot.plot.svg import strip as svg_strip
 from dashpot.plot.ticks import numbers
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.hits import HitBlock
@@ -51,7 +51,7 @@ DRAW = {
     "hold": lambda: plot.fit(S.hold_fit, S.prepared),
     "spectrum": lambda: plot.spectrum(S.fit, joint=S.joint),
     "stiffness": lambda: plot.stiffness(
-        S.fit, parameters=S.parameters, unseen=S.unseen, joint=S.joint, mark=12.71
+        S.fit, parameters=S.parameters, unseen=S.unmeasured, joint=S.joint, mark=12.71
     ),
     "comparison": lambda: plot.comparison(S.comparison, joint=S.joint_comparison, band=S.frf_band),
     "resonance": lambda: plot.resonance(
@@ -613,7 +613,7 @@ def test_words_from_a_file_stay_words():
 
 
 def test_limits_without_an_end_are_drawn_within_the_axes():
-    open_ended = replace(S.frf_band, unseen=np.array([S.frf_band.unseen[0],
+    open_ended = replace(S.frf_band, unmeasured=np.array([S.frf_band.unmeasured[0],
                          np.full(len(S.frf_band.frequency), math.inf)]))  # fmt: skip
     picture = plot.comparison(S.comparison, band=open_ended)
     bound = first(picture.panels[0], "worst-case bounds")

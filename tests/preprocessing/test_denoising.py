@@ -18,8 +18,8 @@ from dashpot.preprocessing.denoising import (
     denoise_values,
 )
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD
 
 

@@ -9,8 +9,8 @@ from dashpot.datamodel.relaxation import Hum, RampHold
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.preprocessing.signal_conditioning import hum_lines
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 TIME = np.arange(20_000) / 1000.0
@@ -69,7 +69,7 @@ def test_the_default_rig_is_fitted_to_its_noise() -> None:
     assert sorted(one.frequency for one in test.hum) == pytest.approx([37.0, 50.0], abs=2e-3)
     assert test.force_noise == pytest.approx(4e-3, rel=0.03)
     found = fit(test, arms=2)
-    assert found.estimate.residual.kappa < 1.2
+    assert found.estimate.residual.variance_inflation < 1.2
     quiet = prepare(simulate_relaxation(PAPER, seed=1, rig=Rig(hum=0.0, vibration=0.0)).test)
     alike = np.array(found.standard_error["k"]) / fit(quiet, arms=2).standard_error["k"]
     np.testing.assert_allclose(alike, 1.0, atol=0.1)

@@ -19,8 +19,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing import contact
 from dashpot.preprocessing.contact import find_contact
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import SimulatedRelaxation, simulate_path, simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import SimulatedRelaxation, simulate_path, simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.simulation.robot import Axis
 from dashpot.solids.demo_seals import BROAD, PAPER
 

@@ -217,12 +217,12 @@ def test_deck_of_a_page_equals_that_of_its_command(name, tmp_path):
 
 def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer_than_it():
     grave = Check("high_frequency_mass_agrees", False, "The mass is another.", grade="stop")
-    found = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.at_rest)
+    found = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.static_equilibrium)
     (name,) = [one for one in held_in(html(found)) if one not in {"numbers.json"}]
     kept = from_json(held_in(html(found))[name])
     assert kept.verdict.use == found.verdict.use == "do not use"
     assert kept.identity == S.fit.identity
-    calm = Identified(S.fit, DirectStiffness(S.direct), (), S.at_rest)
+    calm = Identified(S.fit, DirectStiffness(S.direct), (), S.static_equilibrium)
     assert calm._saved_result is S.fit
 
 

@@ -41,7 +41,7 @@ from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.static_equilibrium import find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import find_static_equilibrium
 
 pytestmark = pytest.mark.once
 
@@ -387,8 +387,8 @@ def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01,) * 3)
     hard = replace(S.fit, elastic_law=law)
     rests = find_static_equilibrium(hard, MassOnSeals(S.mass, 2.0))
-    page = html(replace(S, fit=hard, at_rest=rests, measured=None, comparison=None, joint=None,
-                        joint_comparison=None, impact=None, direct=None))  # fmt: skip
+    page = html(replace(S, fit=hard, static_equilibrium=rests, measured=None, comparison=None,
+                        joint=None, joint_comparison=None, impact=None, direct=None))  # fmt: skip
     k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.bdf"])[1])
     assert k == pytest.approx(1e-3 * rests.tangent.stiffness, rel=1e-3)
     assert "--compression" in page
@@ -686,7 +686,7 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
         measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
         impact=replace(S.impact, channels=(EVIL, EVIL)),
         comparison=replace(S.comparison, message=EVIL),
-        unseen=replace(S.unseen, message=EVIL),
+        unmeasured=replace(S.unmeasured, message=EVIL),
         checks=(check,),
     )
     text = html(study)
@@ -709,7 +709,7 @@ def test_two_tests_that_disagree_do_not_read_like_a_success():
     told = Explanation(
         "stiffness", 1.15, 0.002, "1", 0.15, 2800.0, True, "the seals are 15 % stiffer"
     )
-    rival = replace(told, name="k_inf", explains=False, message="k_inf is 24 % larger")
+    rival = replace(told, name="k_inf", is_sufficient=False, message="k_inf is 24 % larger")
     needed = (Nuisance("stiffness_factor", 1.15, 0.01, "1"),)
     joint = altered(S.joint, explanations=(told, rival), nuisance=needed)
     text = Page(html(replace(S, joint=joint))).text
@@ -724,8 +724,8 @@ def test_two_tests_that_disagree_do_not_read_like_a_success():
 
 def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
     lead = Explanation("mass", 0.115, 0.001, "kg", 0.1, 1067.0, True, "the mass is 115 g")
-    near = replace(lead, explains=False, fall=0.5)
-    tried = (lead, near, replace(near, fall=-251.1))
+    near = replace(lead, is_sufficient=False, deviance_fall=0.5)
+    tried = (lead, near, replace(near, deviance_fall=-251.1))
     lines = results.fit(altered(S.joint, explanations=tried)).lines
     ends = [line.partition(" (")[2] for line in lines if line.startswith("  tried  ")]
     assert ends == [
@@ -739,7 +739,7 @@ def test_the_page_tells_secant_and_tangent_where_they_differ():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01, 0.01, 0.01))
     hard = replace(S.fit, elastic_law=law)
     rests = find_static_equilibrium(hard, MassOnSeals(S.mass, 2.0))
-    text = Page(html(replace(S, fit=hard, at_rest=rests))).text
+    text = Page(html(replace(S, fit=hard, static_equilibrium=rests))).text
     assert "The mass rests at 3.4" in text
     assert "It vibrates on the tangent stiffness" in text
     assert "The mass rests at" not in Page(html(S)).text

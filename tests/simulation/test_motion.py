@@ -13,8 +13,8 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.reading.write import write_trajectory
-from dashpot.simulation.motion import simulate_motion, simulate_relaxation, soften_motion
-from dashpot.simulation.rig import Climate, Rig
+from dashpot.simulation.relaxation import simulate_motion, simulate_relaxation, soften_motion
+from dashpot.simulation.rig_errors import Climate, Rig
 from dashpot.simulation.robot import planned_trajectory
 from dashpot.solids.demo_seals import BROAD, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.motion import simulate_path, simulate_relaxation
-from dashpot.simulation.rig import Rig, round_to_quantum
+from dashpot.simulation.relaxation import simulate_path, simulate_relaxation
+from dashpot.simulation.rig_errors import Rig, round_to_quantum
 from dashpot.simulation.robot import Axis
 from dashpot.solids.demo_seals import (
     BROAD,

@@ -6,8 +6,8 @@ import json
 
 from dashpot.simulation.ground_truth import stamp, truth_json
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 
 

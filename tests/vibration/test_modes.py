@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import model_modes, predict_frf
-from dashpot.vibration.modal.modes import Method
+from dashpot.vibration.modal.modal_methods import Method
 from dashpot.vibration.modal.peaks import mount_band
 from dashpot.vibration.modal.pole_fit import BackgroundProjection, FRFLines, PoleTrial, pole_kernel
 

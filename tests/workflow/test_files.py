@@ -17,7 +17,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
 from dashpot.reading.text import rows
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -30,7 +30,7 @@ from dashpot.workflow.identification import identify_files
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, ShiftChoices
 from dashpot.workflow.measured_frf import total_mass
-from dashpot.workflow.static_equilibrium import _slid
+from dashpot.workflow.stiffness_under_mass import _slid
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unseen_a
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.job import BlockOnSeals
@@ -85,7 +85,7 @@ def test_unresolved_arm_band_contains_the_measured_frf(story):
     lines = story.measured.band(8.0, 18.0)
     band = frf_band(story.fit, story.prepared, mass=BROAD_MASS, frequency=lines.frequency, seals=2)
     size, slack = np.abs(lines.value), 3 * lines.sd
-    inside = (size >= band.unseen[0] - slack) & (size <= band.unseen[1] + slack)
+    inside = (size >= band.unmeasured[0] - slack) & (size <= band.unmeasured[1] + slack)
     assert inside.mean() > 0.98
 
 

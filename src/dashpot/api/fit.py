@@ -21,7 +21,7 @@ from dashpot.registry import FITS, KINDS, load_object, row_of
 from dashpot.workflow.bench_tests import BenchFitOptions, fit_records
 from dashpot.workflow.fit_routing import BENCH, route
 from dashpot.workflow.identification import identify_solid
-from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, ShiftChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices, ShiftChoices, TimeLimits
 from dashpot.workflow.measured_frf import Modes, measured_frf, modes_of_hits
 
 Arms: TypeAlias = int | Literal["auto"]
@@ -161,7 +161,7 @@ def fit_bench_tests(
     method: Literal["full", "hold"] = "full",
     thorough: bool = False,
     filter: str | None = None,
-    cuts: Cuts | None = None,
+    time_limits: TimeLimits | None = None,
     machine: Machine | None = None,
     cycle: int | None = None,
     reference: Quantity | None = None,
@@ -180,7 +180,7 @@ def fit_bench_tests(
     options = BenchFitOptions(
         arms=arms, method=method, depth_law=by_depth, thorough=thorough,
         law="auto" if elastic == "by-depth" else elastic, family=model, filter=filter,
-        cuts=cuts or Cuts(), machine=machine, cycle=cycle, shifting=shifting,
+        time_limits=time_limits or TimeLimits(), machine=machine, cycle=cycle, shifting=shifting,
     )  # fmt: skip
     return fit_records(records, options)[0]
 

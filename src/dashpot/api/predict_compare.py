@@ -26,7 +26,7 @@ from dashpot.fitting.fit_options import FitOptions
 from dashpot.registry import find_handler, load_object, row_of
 from dashpot.workflow.frf_comparison import FRFComparison, agreement
 from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
-from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, LevelChoices, PartChoices
+from dashpot.workflow.job import BlockOnSeals, HammerChoices, LevelChoices, PartChoices, TimeLimits
 
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import Solid
@@ -276,7 +276,7 @@ def report(
     elastic: Any = "auto",
     band: Range | None = None,
     filter: str | None = None,
-    cuts: Cuts | None = None,
+    time_limits: TimeLimits | None = None,
     cycle: int | None = None,
     machine: Machine | None = None,
     joint: bool = True,
@@ -330,7 +330,7 @@ def report(
         tests=tests[1:],
         impact=impact,
         options=FitOptions(arms, method, elastic, model),
-        cuts=cuts,
+        time_limits=time_limits,
         band=hertz,
         filter=filter,
         cycle=cycle,

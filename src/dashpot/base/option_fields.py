@@ -122,8 +122,8 @@ def key_of(attribute: Field[Any]) -> str:
 def flags_of(cls: type) -> str:
     """Return the options of a value as a sentence lists them.
 
-    >>> from dashpot.workflow.job import Cuts
-    >>> flags_of(Cuts)
+    >>> from dashpot.workflow.job import TimeLimits
+    >>> flags_of(TimeLimits)
     '--time-limits'
     """
     *others, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))

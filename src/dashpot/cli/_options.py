@@ -32,7 +32,7 @@ from dashpot.cli._param_types import (
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.read_options import ReadOptions
-from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, Job
+from dashpot.workflow.job import BlockOnSeals, HammerChoices, Job, TimeLimits
 
 MODEL, MASS, READING, RESULT = "Model", "Mass on seals", "Reading the files", "Result"
 RAMP, WARM, HITS = "Ramp and hold", "Several temperatures", "Hammer hits"
@@ -199,9 +199,9 @@ def machine(kinds: str = "") -> list[CommandOption]:
     return build_options(Machine, into="machine", kinds=kinds)
 
 
-def cuts(kinds: str = "") -> list[CommandOption]:
+def time_limits(kinds: str = "") -> list[CommandOption]:
     """Return the option of cuts that are made by hand."""
-    return build_options(Cuts, into="cuts", kinds=kinds)
+    return build_options(TimeLimits, into="time_limits", kinds=kinds)
 
 
 def piece(*, flag: bool = False, more: bool = True) -> list[CommandOption]:

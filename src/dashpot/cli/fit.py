@@ -101,7 +101,7 @@ _OPTIONS = (
             RAMP,
             _word("--method", get_choice_values(Method), default="full", kinds="relaxation",
                   help="Whole record (full), or equation (5) of the paper."),
-            options.cuts("relaxation"),
+            options.time_limits("relaxation"),
             options.machine(f"relaxation creep cyclic {VIBRATION} "
                             f"{find_kinds_by_option('machine')}"),
             build_options(Job, "filter", kinds="relaxation"),

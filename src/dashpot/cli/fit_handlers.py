@@ -205,7 +205,7 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
         law="auto" if elastic == "by-depth" else elastic,
         family=request.model(FamilyAsked, "maxwell"),
         options=request.reading,
-        **request.some("arms", "method", "thorough", "filter", "cuts", "machine", "specimen",
+        **request.some("arms", "method", "thorough", "filter", "time_limits", "machine", "specimen",
                      "temperatures", "shifting"),
     )  # fmt: skip
     request.draw(lambda: _draw_bench_tests(fit, records))
@@ -371,7 +371,7 @@ def run_joint(request: FitRequest) -> CommandResult:
         seals_assumed="--seals" not in request.get_option_words(),
         bench=BenchFitOptions(
             law=request["elastic"],
-            **request.some("method", "cuts", "filter", "thorough", "shifting", "machine",
+            **request.some("method", "time_limits", "filter", "thorough", "shifting", "machine",
                          "specimen"),
         ),
         **request.some("rig", "impact_temperature", "arms",

@@ -94,7 +94,7 @@ class Reported(Serialisable):
         group(
             RAMP,
             build_options(Job, "method"),
-            options.cuts(),
+            options.time_limits(),
             options.machine(),
             build_options(Job, "filter"),
         )
@@ -127,7 +127,7 @@ def command(
     _refuse_unused(hammer=bool(impact), mass=choices["mass"] is not None)
     job = Job(
         tests[0],
-        further=tests[1:],
+        other_tests=tests[1:],
         impact=impact,
         reading=_simplify_options(options.drop_fields(OF_HAMMER), tests),
         # columns named for the bench file need not exist in the hammer's; units do no harm
@@ -252,4 +252,6 @@ def _follow(files: Sequence[str], job: Job, study: Study) -> str:
         return ""
     hits = [option.flag for option in options.hammer()]
     again = options.get_typed_options_for("fit", but=(*_UNDER_MASS, *hits))
-    return format_command("fit", job.relaxation, *job.further, *again, "-o", "fit.json", why=why)
+    return format_command(
+        "fit", job.relaxation, *job.other_tests, *again, "-o", "fit.json", why=why
+    )

@@ -72,24 +72,24 @@ class EndOfHold(Serialisable):
 
     Attributes
     ----------
-    time : float
+    end_time : float
         T, the time that the seal was held, s; the longest of several tests. Of a sweep or an FRF
         1/omega of its lowest line.
     k_end, k_3end : (float, float)
         k(T) and k(3 T).
     k_inf : (float, float)
         Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
-    falling : float
+    slope_limit : float
         The steepest :math:`-dk/d\ln t` at T; nan but of a hold.
     beyond : float
         How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
         their width; no document holds it.
-    named : float
+    if_machine_named : float
         Part of the width of k(T) that would be left if the drift, the compliance and the creep of
         the machine were named; nan where they are, or it was not asked.
     k_10end : (float, float)
         k(10 T); nan of a hold, whose drift hides it.
-    ended : str
+    test_kind : str
         ``"hold"``, ``"curve"``, ``"sweep"``, ``"creep"`` or, of a hammer alone, ``"frf"``.
     """
 
@@ -97,29 +97,29 @@ class EndOfHold(Serialisable):
         "k_inf",
         "k_end",
         Key("k_at_3_end", "k_3end"),
-        Key("end_time", "time"),
-        Key("slope_limit", "falling"),
-        Key("if_machine_named", "named"),
+        "end_time",
+        "slope_limit",
+        "if_machine_named",
         Key("k_at_10_end", "k_10end"),
-        Key("test_kind", "ended"),
+        "test_kind",
     )
 
-    time: float
+    end_time: float
     k_end: tuple[float, float]
     k_3end: tuple[float, float]
     k_inf: tuple[float, float]
-    falling: float = field(default=math.nan, compare=False)
+    slope_limit: float = field(default=math.nan, compare=False)
     beyond: float = field(default=0.0, repr=False, compare=False)
-    named: float = field(default=math.nan, compare=False)
+    if_machine_named: float = field(default=math.nan, compare=False)
     k_10end: tuple[float, float] = field(default=_UNKNOWN, compare=False)
-    ended: Ended = "hold"
+    test_kind: Ended = "hold"
 
     def compute_stiffness(self, solid: Solid, times: float = 1.0) -> float:
         """Return the stiffness of a solid that the limits bound, at `times` T."""
-        t = times * self.time
+        t = times * self.end_time
         if self.is_frequency:
             return float(solid.complex_stiffness(omega=1 / t).real)
-        if self.ended == "creep":
+        if self.test_kind == "creep":
             return 1 / float(solid.creep(t))
         return float(solid.relaxation(t))
 
@@ -139,7 +139,7 @@ class EndOfHold(Serialisable):
     @property
     def is_frequency(self) -> bool:
         """Whether it is the lowest frequency that the test ends at, and not a time."""
-        return self.ended in {"sweep", "frf"}
+        return self.test_kind in {"sweep", "frf"}
 
     def widen(self, part: float) -> EndOfHold:
         """Return the limits, each moved outwards by a part of itself."""
@@ -166,7 +166,7 @@ class EndOfHold(Serialisable):
         subject = self._subject(unit)
         after = {
             "hold": "after the hold", "sweep": "below the sweep", "frf": "below the band",
-        }.get(self.ended, "later on")  # fmt: skip
+        }.get(self.test_kind, "later on")  # fmt: skip
         return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
 
     def format_limits(self, unit: str) -> str:
@@ -189,7 +189,7 @@ class EndOfHold(Serialisable):
 
     def _format_end(self, times: float) -> str:
         """When, or at which frequency, so many times as late as T."""
-        t = times * self.time
+        t = times * self.end_time
         return (
             f"{round_to_error(1 / (2 * math.pi * t))} Hz"
             if self.is_frequency
@@ -199,15 +199,15 @@ class EndOfHold(Serialisable):
     def _subject(self, unit: str) -> str:
         of_material = unit == "Pa"
         if self.is_frequency:
-            return "the storage" if self.ended == "sweep" else "the storage stiffness"
-        if self.ended == "creep":
+            return "the storage" if self.test_kind == "sweep" else "the storage stiffness"
+        if self.test_kind == "creep":
             return "stress over strain" if of_material else "force over displacement"
         return "the modulus" if of_material else "the stiffness"
 
     @property
     def remedy(self) -> str:
         """Remedy that would narrow the limits, and by how much."""
-        return self.naming or _MORE[self.ended]
+        return self.naming or _MORE[self.test_kind]
 
     @property
     def naming(self) -> str:
@@ -216,12 +216,12 @@ class EndOfHold(Serialisable):
         if not low + high > 0:
             return ""
         half = (high - low) / (high + low)
-        return naming(self.time, half, self.named * half)
+        return naming(self.end_time, half, self.if_machine_named * half)
 
     def fact(self, solid: Solid, unit: str) -> ReportedValue:
         """Return the stiffness of a solid at the end of the test, between these limits."""
-        at = self._format_end(1) if self.is_frequency else duration(self.time)
-        what = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.ended, "k")
+        at = self._format_end(1) if self.is_frequency else duration(self.end_time)
+        what = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.test_kind, "k")
         return ReportedValue(
             "k_end", self.compute_stiffness(solid), *self.k_end, unit, words=f"{what}({at})"
         )
@@ -238,7 +238,7 @@ class EndOfHold(Serialisable):
             k_3end=scale_ends(self.k_3end),
             k_10end=scale_ends(self.k_10end),
             k_inf=scale_ends(self.k_inf),
-            falling=count * self.falling,
+            slope_limit=count * self.slope_limit,
         )
 
 
@@ -307,7 +307,7 @@ class FRFBounds(FrozenArrays, Serialisable):
         Of the predicted accelerance, 1/kg, or transmissibility.
     parameter : array, shape (2, n)
         Lowest and highest magnitude that the standard errors of the fit allow.
-    unseen : array, shape (2, n)
+    unmeasured : array, shape (2, n)
         Lowest and highest magnitude over all non-negative spectra that the relaxation tests
         do not reject; infinite, unlimited, where one of them resonates there without loss.
     message : str
@@ -320,12 +320,12 @@ class FRFBounds(FrozenArrays, Serialisable):
         Accelerance or transmissibility.
     """
 
-    _keys = (EVERY_FIELD, Key("unmeasured", "unseen"), "message")
+    _keys = (EVERY_FIELD, "unmeasured", "message")
 
     frequency: FloatArray
     magnitude: FloatArray
     parameter: FloatArray
-    unseen: FloatArray
+    unmeasured: FloatArray
     message: str = ""
     peak_frequency: tuple[float, float] | None = None
     peak_height: tuple[float, float] | None = None

@@ -309,7 +309,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         """
         if end is None or self.temperatures is None:
             return None
-        s = np.array([1j / end.time], dtype=complex)
+        s = np.array([1j / end.end_time], dtype=complex)
         here = self._arm_estimate
         there = replace(
             here,
@@ -327,7 +327,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         if not np.isfinite(after):
             return None
         more = NORMAL * float(np.sqrt(max(after**2 - before**2, 0.0)))
-        return replace(end.widen(more), time=a_t * end.time)
+        return replace(end.widen(more), end_time=a_t * end.end_time)
 
     # -- how well it is known -----------------------------------------------------------------
 
@@ -420,7 +420,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         high = formal.high if end is None else end.k_inf[1]
         if self._has_given_k_inf or not np.isfinite(high):
             return formal
-        below = "" if end is None or end.ended != "frf" else "stiffness below the band"
+        below = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
         return replace(formal, low=np.nan, high=high, error=None, words=below)
 
     @property
@@ -735,7 +735,7 @@ def get_fitted_mass(fit: Fit) -> float | None:
 def get_hammer_stiffness_factor(fit: Fit) -> float:
     """Return the stiffness of a seal under the hammer over its own, if that explains two tests."""
     bent = fit.elastic_law is not None and fit.elastic_law.kind != "linear"
-    if bent or not any(explanation.explains for explanation in fit.evidence.explanations[:1]):
+    if bent or not any(explanation.is_sufficient for explanation in fit.evidence.explanations[:1]):
         return 1.0
     factors = (item.value for item in fit.estimate.nuisance if item.name == "stiffness_factor")
     return next(factors, 1.0)

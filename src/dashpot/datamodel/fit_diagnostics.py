@@ -10,7 +10,7 @@ from dashpot.base.checks import Check
 from dashpot.base.option_fields import Family
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.parameter_estimate import CreepEstimate
 from dashpot.datamodel.specimen import Specimen
@@ -34,9 +34,9 @@ class Alternative(Serialisable):
     solid : Solid
     bic : float
         Its Bayesian criterion less that of the fit's own solid.
-    explains : bool
+    is_sufficient : bool
         Chance may leave as much as is between the residuals of the two.
-    parts_at : float or None
+    differs_from_hz : float or None
         From which frequency on the two differ by more than data of this kind are worth, Hz;
         None if nowhere that a part vibrates.
     message : str
@@ -46,15 +46,15 @@ class Alternative(Serialisable):
     _keys = (
         "family",
         EVERY_FIELD,
-        Key("is_sufficient", "explains"),
-        Key("differs_from_hz", "parts_at"),
+        "is_sufficient",
+        "differs_from_hz",
         "message",
     )
 
     solid: Solid
     bic: float
-    explains: bool
-    parts_at: float | None
+    is_sufficient: bool
+    differs_from_hz: float | None
     message: str
 
     @property
@@ -178,11 +178,11 @@ class Explanation(Serialisable):
     value, standard_error : float
         What it would have to be.
     unit : str
-    departure : float
+    relative_deviation : float
         That over what it was supposed to be, less one.
-    fall : float
+    deviance_fall : float
         How much lower chi-square then is.
-    explains : bool
+    is_sufficient : bool
         Nothing else is then beyond what is known.
     message : str
         With its value only where it explains both tests best: one quantity has one value.
@@ -190,9 +190,9 @@ class Explanation(Serialisable):
 
     _keys = (
         EVERY_FIELD,
-        Key("relative_deviation", "departure"),
-        Key("deviance_fall", "fall"),
-        Key("is_sufficient", "explains"),
+        "relative_deviation",
+        "deviance_fall",
+        "is_sufficient",
         "message",
     )
 
@@ -200,9 +200,9 @@ class Explanation(Serialisable):
     value: float
     standard_error: float
     unit: str
-    departure: float
-    fall: float
-    explains: bool
+    relative_deviation: float
+    deviance_fall: float
+    is_sufficient: bool
     message: str
 
 
@@ -281,7 +281,7 @@ class Evidence:
     @property
     def has_unexplained_discrepancy(self) -> bool:
         """Whether tests disagree and not even the best explanation suffices."""
-        return any(not explanation.explains for explanation in self.explanations[:1])
+        return any(not explanation.is_sufficient for explanation in self.explanations[:1])
 
 
 @dataclass(frozen=True)

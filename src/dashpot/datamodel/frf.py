@@ -470,7 +470,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
             If the lines cannot support the method: fewer than 5 in the half-power band.
         """
         measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
-        find_modes = load_function("vibration.modal.modes", "find_modes")
+        find_modes = load_function("vibration.modal.modal_methods", "find_modes")
         modes: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
         if self.shift_sd == 0:
             return modes

@@ -24,7 +24,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, FrozenArrays, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import get_display_unit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.interconversion import CreepSpectrum
@@ -77,7 +77,7 @@ class Residual(Serialisable):
         Sum of squared residuals, in the square of `unit`.
     rms : float
         Root mean square residual, in `unit`.
-    kappa : float
+    variance_inflation : float
         n / effective n: how many neighbouring residuals say the same thing (1 if white).
     durbin_watson : float
         About 2 for white residuals, towards 0 for correlated ones.
@@ -86,12 +86,12 @@ class Residual(Serialisable):
         the scatter of each set; else that of the modulus.
     """
 
-    _keys = (EVERY_FIELD, Key("variance_inflation", "kappa"))
+    _keys = (EVERY_FIELD, "variance_inflation")
 
     n: int
     sse: float
     rms: float
-    kappa: float = 1.0
+    variance_inflation: float = 1.0
     durbin_watson: float = 2.0
     unit: str = "N"
 

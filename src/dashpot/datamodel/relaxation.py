@@ -22,7 +22,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import Quantity, format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record, require_positive
 from dashpot.datamodel.machine import Machine
@@ -208,7 +208,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         What the user knows of the machine.
     hum : tuple of Hum
         Lines found in the force and taken off it.
-    given : array, shape (n,), or None
+    machine_deflection : array, shape (n,), or None
         What the machine gave, m, and is off `displacement`; None if nothing was taken off.
     gap : float
         Air that the plate crossed before first contact, m; 0 if none shows.
@@ -229,7 +229,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     """
 
     schema = "dashpot/ramp-hold@2"
-    _keys = (EVERY_FIELD, Key("machine_deflection", "given"))
+    _keys = (EVERY_FIELD, "machine_deflection")
 
     time: FloatArray
     displacement: FloatArray
@@ -249,13 +249,15 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     unfiltered: RampHold | None = None
     machine: Machine = field(default_factory=Machine)
     hum: tuple[Hum, ...] = ()
-    given: FloatArray | None = None
+    machine_deflection: FloatArray | None = None
     gap: float = 0.0
     loading_start: float | None = None
     plate: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "displacement", "force", "given", "plate", minimum=8)
+        hold_measured(
+            self, "time", "displacement", "force", "machine_deflection", "plate", minimum=8
+        )
         if not self.onset < self.ramp_end < self.hold_end:
             raise DataError(
                 f"the ramp must start, end and be held in that order, found onset "
@@ -312,14 +314,20 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
         Compression and what the machine gave.
         """
-        return self.displacement if self.given is None else self.displacement + self.given
+        return (
+            self.displacement
+            if self.machine_deflection is None
+            else self.displacement + self.machine_deflection
+        )
 
     @cached_property
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
         if self.plate is None:
             return quantum(self.travel)
-        return quantum(self.plate if self.given is None else self.plate + self.given)
+        return quantum(
+            self.plate if self.machine_deflection is None else self.plate + self.machine_deflection
+        )
 
     @cached_property
     def start(self) -> int:
@@ -365,7 +373,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             time=self.time[span],
             displacement=self.displacement[span],
             force=self.force[span],
-            given=None if self.given is None else self.given[span],
+            machine_deflection=None
+            if self.machine_deflection is None
+            else self.machine_deflection[span],
             plate=None if self.plate is None else self.plate[span],
             loading_start=None,
         )

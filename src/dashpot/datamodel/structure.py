@@ -122,9 +122,9 @@ class FRFSet(EqualByValue):
         DataError
             If the band holds too few lines.
         """
-        shapes: tuple[ModeShape, ...] = load_function("vibration.modal.modes", "find_shapes")(
-            self, band=band, count=count
-        )
+        shapes: tuple[ModeShape, ...] = load_function(
+            "vibration.modal.modal_methods", "find_shapes"
+        )(self, band=band, count=count)
         return shapes
 
 

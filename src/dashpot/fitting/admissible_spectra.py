@@ -395,12 +395,12 @@ def compute_end_limits(
         spectra = spectra_of_holds(relaxations, time=time, own=own, dof=dof, level=level)
     falling = spectra.falling_at(time)
     end = EndOfHold(
-        time=time,
+        end_time=time,
         k_end=compute_nonnegative_limits(spectra, spectra.relaxed_to(time)),
         k_3end=compute_nonnegative_limits(spectra, spectra.relaxed_to(3 * time)),
         k_inf=(0.0, compute_upper_limit(spectra, spectra.relaxed_to(np.inf))),
-        falling=compute_upper_limit(spectra, falling),
-        named=_compute_named_rig_share(relaxations, spectra, time),
+        slope_limit=compute_upper_limit(spectra, falling),
+        if_machine_named=_compute_named_rig_share(relaxations, spectra, time),
     )
     return end.holding(own)
 

@@ -272,7 +272,7 @@ def frf_band(
         frequency=f,
         magnitude=values,
         parameter=formal,
-        unseen=unmeasured,
+        unmeasured=unmeasured,
         peak_frequency=peak,
         peak_height=height,
         kind=kind,

@@ -128,7 +128,7 @@ def check_filter_bias(test: RampHold) -> Check:
             raw,
             force=model.force(raw.time, raw.displacement),
             machine=Machine(),
-            given=None,
+            machine_deflection=None,
             checks=(),
         )
         changes = {

@@ -26,7 +26,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.bounds import STANDS, naming
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, rows_with
@@ -217,16 +217,16 @@ class ExpectedEnd(Serialisable):
         k(T) of the solid that was supposed, N/m.
     half_width : float
         Of its 95 % limits, over the value: all that machine and climate may do unseen is in them.
-    named : float
+    if_machine_named : float
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
 
-    _keys = (EVERY_FIELD, Key("if_machine_named", "named"))
+    _keys = (EVERY_FIELD, "if_machine_named")
 
     time: float
     stiffness: float
     half_width: float
-    named: float
+    if_machine_named: float
 
     @property
     def message(self) -> str:
@@ -234,7 +234,7 @@ class ExpectedEnd(Serialisable):
         return paragraph(
             f"At the end of the hold the stiffness k({duration(self.time)}) would be known to "
             f"about {round_to_error(100 * self.half_width, digits=2)} %",
-            naming(self.time, self.half_width, self.named),
+            naming(self.time, self.half_width, self.if_machine_named),
         )
 
 

@@ -173,7 +173,7 @@ def make_prediction_bands(bounds: FRFBounds | None) -> tuple[PredictionBand, ...
     if bounds is None:
         return ()
     return (
-        PredictionBand(bounds.frequency, bounds.unseen, BOUND),
+        PredictionBand(bounds.frequency, bounds.unmeasured, BOUND),
         PredictionBand(bounds.frequency, bounds.parameter, INTERVAL),
     )
 

@@ -69,8 +69,8 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
     x, residual = _remove_counts(test, time, travel)
-    if test.given is not None:
-        x = x - test.given[used]
+    if test.machine_deflection is not None:
+        x = x - test.machine_deflection[used]
     if test.machine.force_filter:
         # at rest before the record, as the force is
         displacement = x - x[0]

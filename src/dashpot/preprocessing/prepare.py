@@ -643,7 +643,7 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
         depth=record.depth - sank,
         preload=preload,
         machine=machine,
-        given=indices,
+        machine_deflection=indices,
     )
 
 

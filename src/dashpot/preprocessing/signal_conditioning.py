@@ -124,7 +124,9 @@ def filter_record(test: RampHold, by: Filter) -> RampHold:
         test,
         force=by(test.time, test.force),
         displacement=by(test.time, test.displacement),
-        given=None if test.given is None else by(test.time, test.given),
+        machine_deflection=None
+        if test.machine_deflection is None
+        else by(test.time, test.machine_deflection),
         unfiltered=test,
         steps=(*test.steps, step),
     )
@@ -207,7 +209,9 @@ def decimate(record: RampHold) -> RampHold:
         hold_end=min(record.hold_end, float(time[-1])),
         force_noise=scatter(time[late], force[late]),
         displacement_noise=noise,
-        given=None if record.given is None else block_means(record.given, count),
+        machine_deflection=None
+        if record.machine_deflection is None
+        else block_means(record.machine_deflection, count),
         plate=None if record.plate is None else block_means(record.plate, count),
         steps=(*record.steps, Step("average", (("samples", str(count)),), message)),
     )
@@ -218,7 +222,7 @@ def _count_neighbours(record: RampHold) -> int:
     step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
     most = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
     count = min(len(record.time) // ENOUGH_SAMPLES, most)
-    in_counts_of_force = record.given is not None and record.encoder_step > 0
+    in_counts_of_force = record.machine_deflection is not None and record.encoder_step > 0
     if count < 2 or in_counts_of_force or not evenly_sampled(record.time):
         return 1
     return count - 1 + count % 2

@@ -7,7 +7,7 @@ _PAIR = (
 )
 
 _BENCH = (
-    "model", "arms", "elastic", "method", "cuts", "machine", "filter", "thorough", "shifting",
+    "model", "arms", "elastic", "method", "time_limits", "machine", "filter", "thorough", "shifting",
     "save_shifts", "temperatures", "specimen",
 )  # fmt: skip
 

@@ -135,7 +135,7 @@ def lead(study: Study) -> plot.Picture:
     predicted = study.prediction
     if study.comparison is not None:
         # on lines of its own: its peak may lie beyond the measured ones
-        point = study.at_rest.point if study.at_rest is not None else None
+        point = study.static_equilibrium.point if study.static_equilibrium is not None else None
         compression = point.compression if point is not None and point.given else None
         predicted = predict_frf(
             study.fit, mass=study.mass, seals=study.seals, compression=compression
@@ -159,17 +159,19 @@ def _has_failed_joint_fit(study: Study) -> bool:
 def _make_relaxation_pictures(study: Study) -> Iterator[plot.Picture]:
     yield plot.segments(study.prepared)
     yield plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
-    if study.further and study.fit.temperatures is not None:
-        yield plot.bench(study.fit, (study.prepared, *study.further))
+    if study.other_tests and study.fit.temperatures is not None:
+        yield plot.bench(study.fit, (study.prepared, *study.other_tests))
     law = study.fit.elastic_law
     if law is not None and law.kind != "linear":
-        at = None if study.at_rest is None else study.at_rest.point.compression
+        at = (
+            None if study.static_equilibrium is None else study.static_equilibrium.point.compression
+        )
         yield plot.elastic_law(study.fit, compression=at)
     yield plot.spectrum(study.fit, joint=study.joint)
     yield plot.stiffness(
         study.fit,
         parameters=study.parameters,
-        unseen=study.unseen,
+        unseen=study.unmeasured,
         joint=study.joint,
         measured=study.direct,
         mark=None if study.comparison is None else study.comparison.measured_hz,

@@ -199,13 +199,13 @@ def _storage_at_peak(study: Study, recommendation: Recommendation) -> _Storage |
     near = STORAGE_LIMIT * abs(hammer)
     off = [_compute_excess(model, hammer - max(error, near), hammer + max(error, near))]
     test: tuple[float, ...] = ()
-    wide = study.unseen
+    wide = study.unmeasured
     if (
         recommendation.joint
         and wide is not None
         and wide.frequency[0] <= hertz <= wide.frequency[-1]
     ):
-        rests = 1.0 if study.at_rest is None else study.at_rest.point.factor
+        rests = 1.0 if study.static_equilibrium is None else study.static_equilibrium.point.factor
         test = low, high = tuple(
             rests * float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
             for edge in wide.storage
@@ -421,7 +421,7 @@ def _end(recommendation: Recommendation) -> str:
 
 def _resting(study: Study) -> str:
     """Return where the mass rests, if that makes a difference."""
-    rests = study.at_rest
+    rests = study.static_equilibrium
     if rests is None or rests.point.linear:
         return ""
     tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
@@ -462,7 +462,7 @@ def _joint(study: Study) -> str:
         return ""
     if joint.evidence.explanations:
         lead = joint.evidence.explanations[0]
-        if lead.explains:
+        if lead.is_sufficient:
             return f"The two tests match only if {lead.message}."
         return "No single seal matches both tests, whatever mass, gain or stiffness is taken."
     return (

@@ -302,7 +302,7 @@ def _format_model_name(fit: Fit) -> str:
 def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
     """Facts of a fit beside its specimen: the hold, the temperatures."""
     if fit.evidence.end_of_hold is not None and not fit.evidence.end_of_hold.is_frequency:
-        yield "Held", duration(fit.evidence.end_of_hold.time)
+        yield "Held", duration(fit.evidence.end_of_hold.end_time)
     if fit.temperatures is not None:
         every = [shift.temperature for shift in fit.temperatures.shifts]
         ends = " to ".join(
@@ -319,7 +319,7 @@ def make_solid_groups(fit: Fit) -> Iterator[Group]:
     first: list[Row] = []
     if fit.evidence.end_of_hold is not None:
         fact = fit.evidence.end_of_hold.fact(fit.model, fit.unit)
-        seconds = duration(fit.evidence.end_of_hold.time).replace(".0 ", NBSP)
+        seconds = duration(fit.evidence.end_of_hold.end_time).replace(".0 ", NBSP)
         first.append(
             row(fact, f"After {seconds}") if fit.estimate.residual.unit == "N" else row(fact)
         )

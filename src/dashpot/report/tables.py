@@ -37,7 +37,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.static_equilibrium import rival_of
+from dashpot.workflow.stiffness_under_mass import rival_of
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}
@@ -245,7 +245,7 @@ def nuisances(fit: Fit | None) -> TextTable | None:
 
 def make_frequency_table(study: Study) -> TextTable:
     """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
-    (low, high), bounds = study.fit.band, study.unseen
+    (low, high), bounds = study.fit.band, study.unmeasured
     marked = () if study.comparison is None else (study.comparison.measured_hz,)
     rows, marks = [], []
     for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked}):
@@ -351,7 +351,7 @@ def resonance(study: Study) -> TextTable | None:
     rows = [
         (f"measured: {message}", *_mode_cells(measured, way, c)) for way, message in ways.items()
     ]
-    rests = study.at_rest
+    rests = study.static_equilibrium
     compression = rests.point.compression if rests is not None and rests.point.given else None
     for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
@@ -428,8 +428,8 @@ def explanations(joint: Fit | None) -> TextTable | None:
     rows = tuple(
         (
             format_typographic(explanation.message),
-            round_to_error(explanation.fall, digits=4),
-            "yes" if explanation.explains else "no",
+            round_to_error(explanation.deviance_fall, digits=4),
+            "yes" if explanation.is_sufficient else "no",
         )
         for explanation in joint.evidence.explanations
     )

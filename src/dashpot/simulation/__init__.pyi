@@ -6,7 +6,7 @@ from .ground_truth import stamp as stamp
 from .ground_truth import truth_json as truth_json
 from .impact import Hammer as Hammer
 from .impact import simulate_impact as simulate_impact
-from .motion import simulate_motion as simulate_motion
-from .motion import simulate_relaxation as simulate_relaxation
-from .rig import Climate as Climate
-from .rig import Rig as Rig
+from .relaxation import simulate_motion as simulate_motion
+from .relaxation import simulate_relaxation as simulate_relaxation
+from .rig_errors import Climate as Climate
+from .rig_errors import Rig as Rig

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.version import byline
 from dashpot.simulation.impact import ImpactTruth
-from dashpot.simulation.rig import RigTruth
+from dashpot.simulation.rig_errors import RigTruth
 
 Truth: TypeAlias = RigTruth | ImpactTruth
 

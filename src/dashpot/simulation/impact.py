@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.simulation.rig import Climate, round_to_quantum
+from dashpot.simulation.rig_errors import Climate, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 _OVERSAMPLING = 4

@@ -158,7 +158,7 @@ def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
 
 def _samples(residual: Residual) -> str:
     """Return how many samples were fitted, and how many independent ones they are equal to."""
-    count, worth = residual.n, residual.n / residual.kappa
+    count, worth = residual.n, residual.n / residual.variance_inflation
     independent = float(f"{worth:.3g}")
     if abs(independent / count - 1) < 0.005:
         return f"{count:,} independent samples"
@@ -297,9 +297,9 @@ def _with_limit(fact: ReportedValue) -> str:
 
 
 def _match(explanation: Explanation) -> str:
-    if explanation.explains:
+    if explanation.is_sufficient:
         return "a match"
-    return "closer, but no match" if explanation.fall > 0 else "no match"
+    return "closer, but no match" if explanation.deviance_fall > 0 else "no match"
 
 
 def _format_explanations(fit: Fit) -> list[str]:
@@ -307,7 +307,8 @@ def _format_explanations(fit: Fit) -> list[str]:
     return [
         ascii_only(
             f"  tried       {explanation.message} ({_match(explanation)}; chi-square "
-            f"{'falls' if explanation.fall > 0 else 'rises'} by {abs(explanation.fall):.4g})"
+            f"{'falls' if explanation.deviance_fall > 0 else 'rises'} by "
+            f"{abs(explanation.deviance_fall):.4g})"
         )
         for explanation in fit.evidence.explanations
     ]
@@ -401,8 +402,8 @@ def study(study: Study) -> Text:
         )
         lines += comparison(study.comparison, study.joint_comparison)
         details += ["", "prediction from the relaxation test alone", str(study.comparison)]
-    if study.at_rest is not None and str(study.at_rest):
-        lines.append(str(study.at_rest))
+    if study.static_equilibrium is not None and str(study.static_equilibrium):
+        lines.append(str(study.static_equilibrium))
     solid = fit(study.fit if study.joint is None else study.joint)
     if study.joint is not None:
         text = fit(study.fit)
@@ -422,8 +423,8 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
         lines.append(f"  by the errors of the fit {between} {prediction.frf.read} there")
     if prediction.isolation is not None:
         lines.append(f"  the mass moves less than its base above {prediction.isolation:.5g} Hz")
-    if prediction.shaken is not None:
-        lines += _shaken(prediction.shaken)
+    if prediction.random is not None:
+        lines += _shaken(prediction.random)
     if prediction.at_edge:
         lines.append(f"  This is the end of the band, not a peak.{_wider(prediction.modes)}")
     lines += levels

@@ -36,6 +36,6 @@ from .json_archive import read_json_document as read_json_document
 from .json_archive import to_document as to_document
 from .measured_frf import ImpactResult as ImpactResult
 from .measured_frf import impact_files as impact_files
-from .static_equilibrium import StaticEquilibrium as StaticEquilibrium
-from .static_equilibrium import find_static_equilibrium as find_static_equilibrium
+from .stiffness_under_mass import StaticEquilibrium as StaticEquilibrium
+from .stiffness_under_mass import find_static_equilibrium as find_static_equilibrium
 from .study import run as run

@@ -24,7 +24,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.registry import FIT_FILES, KINDS, find_handler, load_object
-from dashpot.workflow.job import Cuts, Job, ShiftChoices, require_test_for_machine
+from dashpot.workflow.job import Job, ShiftChoices, TimeLimits, require_test_for_machine
 
 # Prepared records, and their specimens.
 
@@ -34,7 +34,7 @@ def prepared_tests(
     *,
     filter: str | None = None,
     machine: Machine | None = None,
-    cuts: Cuts | None = None,
+    time_limits: TimeLimits | None = None,
     cycle: int | None = None,
     checked: bool = True,
     each_depth: bool = False,
@@ -46,7 +46,7 @@ def prepared_tests(
     tests : sequence of RelaxationTest or RampHold
     filter, machine, cycle, checked
         As :func:`~dashpot.preprocessing.prepare.prepare` takes them.
-    cuts : Cuts, optional
+    time_limits : TimeLimits, optional
         Of one test, by hand.
     each_depth : bool
         Of one record every depth that it holds, as a test of its own.
@@ -58,16 +58,22 @@ def prepared_tests(
     DataError
         If several are cut by hand, or one cannot be prepared.
     """
-    cuts = cuts or Cuts()
-    cuts.refuse_several(len(tests))
+    time_limits = time_limits or TimeLimits()
+    time_limits.refuse_several(len(tests))
     ready = any(isinstance(test, RampHold) for test in tests)
-    if ready and (filter or machine or cuts != Cuts()):
+    if ready and (filter or machine or time_limits != TimeLimits()):
         raise FitError(
             "a test that is prepared already is fitted as it is: say filter, machine and cuts "
             "in test.prepare(...)"
         )
-    how = {"filter": filter, "machine": machine, "cycle": cycle, "judged": checked, **asdict(cuts)}
-    if each_depth and len(tests) == 1 and cycle is None and cuts == Cuts():
+    how = {
+        "filter": filter,
+        "machine": machine,
+        "cycle": cycle,
+        "judged": checked,
+        **asdict(time_limits),
+    }
+    if each_depth and len(tests) == 1 and cycle is None and time_limits == TimeLimits():
         (test,) = tests
         if isinstance(test, RelaxationTest):
             return depths_of(test, filter=filter, machine=machine, judged=checked)
@@ -83,11 +89,11 @@ def prepared_files(
     machine: Machine | None = None,
     temperatures: Sequence[float] = (),
     filter: str | None = None,
-    cuts: Cuts | None = None,
+    time_limits: TimeLimits | None = None,
 ) -> tuple[RampHold, ...]:
     """Return the relaxation tests in files, prepared, each by the loading that was asked for.
 
-    `temperatures`, K, are one for all of them, or one for each; `filter` and `cuts` as
+    `temperatures`, K, are one for all of them, or one for each; `filter` and `time_limits` as
     :func:`prepared_tests` takes them.
     """
     tests = [
@@ -97,7 +103,9 @@ def prepared_files(
         )
     ]
     cycle = None if options is None else options.cycle
-    return prepared_tests(tests, filter=filter, machine=machine, cuts=cuts, cycle=cycle)
+    return prepared_tests(
+        tests, filter=filter, machine=machine, time_limits=time_limits, cycle=cycle
+    )
 
 
 def refuse_unfitted_tests(tests: Sequence[RampHold], fit: Fit) -> None:
@@ -155,7 +163,7 @@ class BenchFitOptions(SolidOptions):
     filter : str or None
     machine : Machine or None
         None is a machine of which nothing is known.
-    cuts : Cuts
+    time_limits : TimeLimits
         Of one relaxation test, by hand.
     cycle : int or None
         The loading to use, where a relaxation test has several.
@@ -167,7 +175,7 @@ class BenchFitOptions(SolidOptions):
 
     depth_law: bool = False
     filter: str | None = copy_option(Job, "filter")
-    cuts: Cuts = make_nested_options(Cuts)
+    time_limits: TimeLimits = make_nested_options(TimeLimits)
     machine: Machine | None = None
     cycle: int | None = None
     shifting: ShiftChoices = make_nested_options(ShiftChoices)
@@ -264,7 +272,8 @@ def prepare_ramps(
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds, those that are fitted with other tests with all their checks."""
     prepared = prepared_tests(
-        tests, filter=result.filter, machine=result.machine, cuts=result.cuts, cycle=result.cycle,
+        tests, filter=result.filter, machine=result.machine,
+        time_limits=result.time_limits, cycle=result.cycle,
         checked=result.intervals or among_others, each_depth=result.depth_law and not among_others,
     )  # fmt: skip
     require_test_for_machine(result.machine, tests=len(prepared), add="a ramp and hold")

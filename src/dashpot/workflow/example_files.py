@@ -18,8 +18,8 @@ from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.registry import KINDS, Example, load_object
 from dashpot.simulation.ground_truth import stamp
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Climate, Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Climate, Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 
 MASS = round(BROAD_MASS, 4)

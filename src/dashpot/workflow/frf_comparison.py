@@ -27,7 +27,7 @@ from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
 from dashpot.workflow.checks import measurement_independent_of_fit
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
-from dashpot.workflow.static_equilibrium import (
+from dashpot.workflow.stiffness_under_mass import (
     LIMIT_LINES,
     StaticEquilibrium,
     find_static_equilibrium,
@@ -91,18 +91,18 @@ class LeaveOneOut(Serialisable):
         Mean over the hits of the rms error, over the rms of the measured accelerance.
     hits : int
         Each left out once.
-    frequency : (float, float)
+    frequency_error_hz : (float, float)
         Least and largest error of the peak's frequency, Hz.
-    height : (float, float)
+    height_error : (float, float)
         And of its height, relative.
     """
 
-    _keys = ("error", "hits", Key("frequency_error_hz", "frequency"), Key("height_error", "height"))
+    _keys = ("error", "hits", "frequency_error_hz", "height_error")
 
     error: float
     hits: int
-    frequency: tuple[float, float]
-    height: tuple[float, float]
+    frequency_error_hz: tuple[float, float]
+    height_error: tuple[float, float]
 
 
 @dataclass(frozen=True, repr=False)
@@ -128,7 +128,7 @@ class FRFComparison(HasVerdict, Serialisable):
         How many carry the block.
     in_sample : bool
         The fit was made from this very record: its agreement tests nothing.
-    unseen : LeftOut or None
+    unmeasured : LeftOut or None
         Of such a fit: how well hits that were left out in turn are predicted, if the relaxation
         record is at hand.
 
@@ -148,7 +148,7 @@ class FRFComparison(HasVerdict, Serialisable):
         "mass_inferred",
         "seals",
         "in_sample",
-        Key("unmeasured", "unseen"),
+        "unmeasured",
         "verdict",
         Key("at_rest.summary", flatten=True),
     )
@@ -162,7 +162,7 @@ class FRFComparison(HasVerdict, Serialisable):
     limits: FRFBounds | None = None
     seals: float = 1.0
     in_sample: bool = False
-    unseen: LeaveOneOut | None = None
+    unmeasured: LeaveOneOut | None = None
 
     @property
     def table_columns(self) -> Series:
@@ -197,12 +197,12 @@ class FRFComparison(HasVerdict, Serialisable):
         off = 100 * self.comparison.frequency_error
         message = f"The peak is off by {off:+.2g} %. No test"
         first = f"{message}, because the fit was made from these hits."
-        if self.unseen is None:
+        if self.unmeasured is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
-        low, high = (100 * value for value in self.unseen.height)
+        low, high = (100 * value for value in self.unmeasured.height_error)
         return (
             f"{first} Each hit left out in turn is predicted within "
-            f"{100 * self.unseen.error:.2g} % rms, its peak {low:+.2g} to {high:+.2g} % high."
+            f"{100 * self.unmeasured.error:.2g} % rms, its peak {low:+.2g} to {high:+.2g} % high."
         )
 
 
@@ -251,7 +251,7 @@ def compare_files(
         choices=hammer,
         band=band,
     )
-    return replace(held, unseen=unmeasured)
+    return replace(held, unmeasured=unmeasured)
 
 
 def agreement(

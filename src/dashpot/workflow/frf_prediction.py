@@ -47,7 +47,7 @@ from dashpot.workflow.bench_tests import (
 )
 from dashpot.workflow.checks import base_band_in_valid_band, prediction_in_valid_band
 from dashpot.workflow.job import BlockOnSeals, LevelChoices, PartChoices, require_test_for_machine
-from dashpot.workflow.static_equilibrium import (
+from dashpot.workflow.stiffness_under_mass import (
     LIMIT_LINES,
     RivalModes,
     StaticEquilibrium,
@@ -198,7 +198,7 @@ class ResponseLimits(Serialisable):
         if bounds is None:
             return None
         where, height = bounds.peak_frequency, bounds.peak_height
-        return {"unseen": bounds.unseen, "peak_frequency_hz": where, "peak_height": height}
+        return {"unmeasured": bounds.unmeasured, "peak_frequency_hz": where, "peak_height": height}
 
 
 @dataclass(frozen=True)
@@ -254,10 +254,10 @@ class Prediction(HasVerdict, Serialisable):
         What to make of it.
     at_rest : AtRest
         Where the mass rests, and what secant and tangent make of it.
-    rival : RivalModes or None
+    alternative : RivalModes or None
     of_part : bool
         Of a part of a material, not of the fit itself.
-    shaken : ShakenMass or None
+    random : ShakenMass or None
         Over a base that shakes at random.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
@@ -281,14 +281,14 @@ class Prediction(HasVerdict, Serialisable):
         Key("at_rest.summary", flatten=True),
         Key("peak", "max_magnitudes"),
         "modes",
-        Key("alternative", "rival"),
+        "alternative",
         Key("band_hz", "fit.band"),
         Key("extrapolated", "has_extrapolated_modes"),
         Key("frequency_hz", "frf.frequency"),
         "frf.value.real",
         "frf.value.imag",
         Key("limits", "limited"),
-        Key("random", "shaken", optional=True),
+        Key("random", optional=True),
         Key("isolation_hz", "isolation", optional=True),
         "verdict",
     )
@@ -305,9 +305,9 @@ class Prediction(HasVerdict, Serialisable):
     checks: tuple[Check, ...]
     verdict: Verdict
     at_rest: StaticEquilibrium
-    rival: RivalModes | None = None
+    alternative: RivalModes | None = None
     of_part: bool = False
-    shaken: ShakenMass | None = None
+    random: ShakenMass | None = None
     isolation: float | None = None
 
     @property
@@ -624,7 +624,7 @@ class MountedMass:
     def rival(self) -> RivalModes | None:
         """What the other family of solids that explains the test makes of the resonance."""
         other = self.fit.evidence.alternative
-        if other is None or not other.explains:
+        if other is None or not other.is_sufficient:
             return None
         return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
 

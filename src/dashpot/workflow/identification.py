@@ -25,7 +25,7 @@ from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness, 
 from dashpot.workflow.bench_tests import BenchFitOptions, prepared_files
 from dashpot.workflow.checks import seals_counted
 from dashpot.workflow.frf_comparison import select_failed_stops
-from dashpot.workflow.job import BlockOnSeals, Cuts, HammerChoices, require_test_for_machine
+from dashpot.workflow.job import BlockOnSeals, HammerChoices, TimeLimits, require_test_for_machine
 from dashpot.workflow.measured_frf import (
     ImpactResult,
     build_impact_result,
@@ -34,7 +34,7 @@ from dashpot.workflow.measured_frf import (
     remove_seal_mass,
     total_mass,
 )
-from dashpot.workflow.static_equilibrium import StaticEquilibrium, find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import StaticEquilibrium, find_static_equilibrium
 
 
 class Changes(NamedTuple):
@@ -188,7 +188,7 @@ def identify_files(
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=block.mass, band=band)
     apart = bench.ramp_options
-    if not tests and (apart.choices or bench.cuts != Cuts() or bench.filter):
+    if not tests and (apart.choices or bench.time_limits != TimeLimits() or bench.filter):
         raise DataError(
             "method, elastic law, cuts, filter, starting points and shifts say how relaxation "
             "tests are prepared and fitted, and there are none here. Give the tests in place of "
@@ -196,7 +196,7 @@ def identify_files(
         )
     prepared = prepared_files(
         tests, machine=on_bench, options=options_with, temperatures=temperatures,
-        filter=bench.filter, cuts=bench.cuts,
+        filter=bench.filter, time_limits=bench.time_limits,
     )  # fmt: skip
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])

@@ -25,7 +25,7 @@ from dashpot.base.option_fields import (
     make_nested_options,
     option,
 )
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -100,7 +100,7 @@ class HammerChoices:
 
 
 @dataclass(frozen=True)
-class Cuts:
+class TimeLimits:
     """Manual cuts of a relaxation test, s on its own clock; found in the record where None.
 
     The fields are arguments of :func:`~dashpot.preprocessing.prepare.prepare`.
@@ -128,10 +128,10 @@ class Cuts:
         DataError
             If anything is cut by hand and there is not one test.
         """
-        if self != Cuts() and tests != 1:
+        if self != TimeLimits() and tests != 1:
             raise DataError(
-                f"{flags_of(Cuts)} cuts one relaxation test, and there are {tests} here. Leave it "
-                "out, or fit that test alone."
+                f"{flags_of(TimeLimits)} cuts one relaxation test, and there are {tests} here. "
+                "Leave it out, or fit that test alone."
             )
 
 
@@ -180,7 +180,7 @@ class Job(Serialisable):
     ----------
     relaxation : str
         File of the relaxation test.
-    further : tuple of str
+    other_tests : tuple of str
         Files of further relaxation tests of the same seal, at other temperatures.
     temperatures : tuple of float
         Of the relaxation tests, K: one for all of them, or one for each, in their order.
@@ -195,7 +195,7 @@ class Job(Serialisable):
     method : "full" or "hold"
     law : "auto", "linear" or "nonlinear"
     family : "maxwell", "fractional" or "auto"
-    cuts : Cuts
+    time_limits : TimeLimits
         Of the relaxation test, by hand.
     band : (float, float) or None
         Lines compared, Hz.
@@ -216,7 +216,7 @@ class Job(Serialisable):
     """
 
     schema = "dashpot/job@2"
-    _keys = (EVERY_FIELD, Key("time_limits", "cuts"), Key("other_tests", "further"))
+    _keys = (EVERY_FIELD, "time_limits", "other_tests")
 
     relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
     impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)
@@ -227,7 +227,7 @@ class Job(Serialisable):
     method: Method = copy_option(SolidOptions, "method")
     law: RampLawAsked = copy_option(SolidOptions, "law")
     family: FamilyAsked = copy_option(SolidOptions, "family")
-    cuts: Cuts = make_nested_options(Cuts, decides="test")
+    time_limits: TimeLimits = make_nested_options(TimeLimits, decides="test")
     band: tuple[float, float] | None = option(
         None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", ends=True
     )
@@ -245,7 +245,7 @@ class Job(Serialisable):
     hammer: HammerChoices = make_nested_options(HammerChoices)
     title: str = option("", "Title (the specimen).", metavar="TEXT")
     logo: str | None = option(None, "PNG, JPEG or SVG, up to 100 kB.", metavar="FILE")
-    further: tuple[str, ...] = option((), metavar="FILE", argument=2, decides="test")
+    other_tests: tuple[str, ...] = option((), metavar="FILE", argument=2, decides="test")
     temperatures: tuple[float, ...] = option(
         (),
         "Test temperature: once for all files, or for each.",

@@ -145,7 +145,7 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
     mass = _mass(study, solid)
     if mass is None:
         return None, None
-    rests = study.at_rest
+    rests = study.static_equilibrium
     compression = None if rests is None or not rests.point.given else rests.point.compression
     point = operating_point(solid, MassOnSeals(mass, study.seals, compression))
     seals = study.seals * get_hammer_stiffness_factor(solid) * point.solid(solid)
@@ -178,7 +178,7 @@ def _bounds(
     study: Study, solid: Fit, at: float, *, joint: bool
 ) -> tuple[StiffnessBounds | None, bool]:
     """Return the limits that hold at a frequency, and whether they are over unresolved arms."""
-    wide = study.unseen
+    wide = study.unmeasured
     if not joint and wide is not None and wide.frequency[0] <= at <= wide.frequency[-1]:
         return wide, True
     if not solid.estimate.parameters:
@@ -260,4 +260,4 @@ def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
         return ()
     value = end.compute_stiffness(solid.solid)
     low, high = min(end.k_end[0], value), max(end.k_end[1], value)
-    return (Answer("end of hold", value, low, high, end.time, bound=True),)
+    return (Answer("end of hold", value, low, high, end.end_time, bound=True),)

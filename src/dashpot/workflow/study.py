@@ -16,7 +16,7 @@ from dashpot.base.number_format import hertz, seals
 from dashpot.base.plain_text import paragraph
 from dashpot.base.progress import send_progress
 from dashpot.base.result_mixins import Plottable
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import Quantity, Range, format_quantity, si_range
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import (
@@ -50,9 +50,9 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.bench_tests import fit_fixed_order, prepared_tests
 from dashpot.workflow.checks import hold_fit_possible, prediction_in_valid_band
 from dashpot.workflow.frf_comparison import compare_with_measured, weighed
-from dashpot.workflow.job import BlockOnSeals, Cuts, Job
+from dashpot.workflow.job import BlockOnSeals, Job, TimeLimits
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
-from dashpot.workflow.static_equilibrium import (
+from dashpot.workflow.stiffness_under_mass import (
     StaticEquilibrium,
     family_checks,
     find_static_equilibrium,
@@ -137,19 +137,19 @@ class Study(Plottable, Serialisable):
         Relaxation and FRF fitted together.
     joint_prediction : FRF or None
     joint_comparison : Comparison or None
-    unseen : StiffnessBand or None
+    unmeasured : StiffnessBand or None
         The widest stiffness and loss over all spectra that the relaxation test cannot reject.
     parameters : StiffnessBand or None
         What the standard errors of `fit` alone allow: the formal band.
     direct : DynamicStiffness or None
         Stiffness of one seal straight from the measured FRF, without a model of it.
-    at_rest : AtRest or None
+    static_equilibrium : AtRest or None
         Where the mass rests on the seals, and what secant and tangent make of it.
     frf_band : FRFBand or None
         Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
         What only the whole story shows.
-    further : tuple of RampHold
+    other_tests : tuple of RampHold
         Tests of the same seal at other temperatures, fitted with `prepared`.
     title, logo : str
         What heads its report: words, and an image as a data URI.
@@ -165,9 +165,9 @@ class Study(Plottable, Serialisable):
     _keys = (
         "verdict",
         EVERY_FIELD,
-        Key("unmeasured", "unseen"),
-        Key("static_equilibrium", "at_rest"),
-        Key("other_tests", "further"),
+        "unmeasured",
+        "static_equilibrium",
+        "other_tests",
     )
 
     test: RelaxationTest
@@ -185,15 +185,15 @@ class Study(Plottable, Serialisable):
     joint: Fit | None = None
     joint_prediction: FRF | None = None
     joint_comparison: Comparison | None = None
-    unseen: StiffnessBounds | None = None
+    unmeasured: StiffnessBounds | None = None
     parameters: StiffnessBounds | None = None
     direct: DynamicStiffness | None = None
     frf_band: FRFBounds | None = None
-    at_rest: StaticEquilibrium | None = None
+    static_equilibrium: StaticEquilibrium | None = None
     checks: tuple[Check, ...] = ()
     title: str = ""
     logo: str = ""
-    further: tuple[RampHold, ...] = ()
+    other_tests: tuple[RampHold, ...] = ()
 
     @property
     def summary_lines(self) -> tuple[str, ...]:
@@ -218,9 +218,9 @@ class Study(Plottable, Serialisable):
     def rival(self) -> FRF | None:
         """The FRF by the other family of solids, if one explains the relaxation test as well."""
         other = rival_of(self.fit)
-        if other is None or self.mass is None or self.at_rest is None:
+        if other is None or self.mass is None or self.static_equilibrium is None:
             return None
-        point = self.at_rest.point
+        point = self.static_equilibrium.point
         at = point.compression if point.given else None
         return predict_frf(other, mass=self.mass, seals=self.seals, compression=at)
 
@@ -275,7 +275,7 @@ def characterise(
     tests: Sequence[RelaxationTest] = (),
     impact: ImpactTest | None = None,
     options: FitOptions = FitOptions(),  # noqa: B008
-    cuts: Cuts | None = None,
+    time_limits: TimeLimits | None = None,
     band: Range | None = None,
     filter: str | None = None,
     cycle: int | None = None,
@@ -301,7 +301,7 @@ def characterise(
         Of the fit of the tests; a number of arms is that of the joint fit, too.
     filter, cycle, machine
         As in :func:`~dashpot.preprocessing.prepare.prepare`.
-    cuts : Cuts, optional
+    time_limits : TimeLimits, optional
         Of the relaxation test, by hand.
     band : (float, float), optional
         Lines to compare, Hz.
@@ -319,8 +319,8 @@ def characterise(
     mass, noted = total_mass(block)
     send_progress("fitting the relaxation test")
     every = prepared_tests(
-        (test, *tests), filter=filter, machine=_on_bench(machine, measured), cuts=cuts,
-        cycle=cycle,
+        (test, *tests), filter=filter, machine=_on_bench(machine, measured),
+        time_limits=time_limits, cycle=cycle,
     )  # fmt: skip
     chosen = fit(every, **options.choices)
     if impact_temperature is not None:
@@ -362,13 +362,13 @@ def characterise(
         mass_inferred=mass is None and on is not None,
         impact=impact,
         measured=measured,
-        unseen=unseen_arm_band(chosen, every, STIFFNESS_LINES),
+        unmeasured=unseen_arm_band(chosen, every, STIFFNESS_LINES),
         parameters=parameter_band(chosen, STIFFNESS_LINES),
         checks=(*checks, *response.untested, *noted),
-        further=(*every[:first], *every[first + 1 :]),
+        other_tests=(*every[:first], *every[first + 1 :]),
         prediction=response.prediction,
         comparison=response.comparison,
-        at_rest=response.at_rest,
+        static_equilibrium=response.at_rest,
         frf_band=response.frf_band,
         direct=response.direct,
         **mended._asdict(),
@@ -467,7 +467,7 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
 
     `read` stands in for the reader of the relaxation tests where it remembers.
     """
-    files = job.relaxation, *job.further
+    files = job.relaxation, *job.other_tests
     send_progress(f"reading {_format_file_names(files)}")
     test, *tests = (
         (read or _read)(file, job.reading, specimen)
@@ -489,7 +489,7 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
         tests=tests,
         impact=impact,
         options=job.fit_options,
-        cuts=job.cuts,
+        time_limits=job.time_limits,
         band=job.band,
         filter=job.filter,
         cycle=job.reading.cycle,

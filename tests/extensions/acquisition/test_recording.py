@@ -26,8 +26,8 @@ from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 TEST = simulate_relaxation(PAPER, hold_time=4.0, rig=Rig(rate=200.0)).test

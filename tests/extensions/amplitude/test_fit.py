@@ -181,12 +181,12 @@ class TestSweep:
                 found = fit_amplitude(
                     sweep(K + k3 * added, Xs, noise=0.003, seed=seed, unit="N/m", of="m")
                 )
-                unseen = found.k3_unseen * Xs.max() ** 2
+                unseen = found.k3_detection_limit * Xs.max() ** 2
                 assert abs(k3) < unseen < 6 * abs(k3)
                 assert "No cubic spring is seen. One of up to" in " ".join(found.summary_lines)
         found = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
         assert found.k3 > 0
-        assert found.k3_unseen == 0
+        assert found.k3_detection_limit == 0
 
     @pytest.mark.parametrize("slip", [1e-4, 1e-3, 4e-3])
     def test_friction_that_is_not_the_laws_is_no_spring(self, slip):

@@ -107,7 +107,7 @@ def test_prediction_reports_the_frequency_range_with_two_solutions(bent_predicti
     assert one.frequency == pytest.approx(hz, rel=1e-9)
     said = " ".join(" ".join(prediction(bent_prediction).lines).split())
     assert f"! at 0.3 N two answers last below {hz:.5g} Hz" in said
-    low, high = one.interval.shift
+    low, high = one.interval.mean_shift
     half = 1e3 * (high - low) / 2
     assert f"± {half:.2g}" in said
     page = bent_prediction.save(tmp_path / "level.html").read_text()
@@ -132,7 +132,7 @@ def test_a_vanishing_level_over_a_base_is_the_linear_answer(bent):
 
 @pytest.mark.parametrize(("depth", "passes"), [(1.001, True), (0.999, False)])
 def test_prediction_reports_a_swing_deeper_than_tested(bent_prediction, bent, depth, passes):
-    deepest = bent_prediction.preloaded[0].deepest
+    deepest = bent_prediction.preloaded[0].compression
     law = bent.elastic_law
     from dashpot.vibration.checks import compression_tested
 

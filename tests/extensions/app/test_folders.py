@@ -19,10 +19,10 @@ from dashpot.extensions.projects.history import append
 from dashpot.extensions.projects.project import create, record
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD
-from dashpot.workflow.job import Cuts, HammerChoices, Job
+from dashpot.workflow.job import HammerChoices, Job, TimeLimits
 
 pytestmark = pytest.mark.once
 
@@ -55,7 +55,8 @@ def project(tmp_path, text):
     """A project with one test; its job, and its folder."""
     (tmp_path / "seal.csv").write_text(text)
     job = Job(
-        str(tmp_path / "seal.csv"), arms=2, cuts=Cuts(hold_end=11.0), mass=0.1148, seals=2.0,
+        str(tmp_path / "seal.csv"), arms=2, time_limits=TimeLimits(hold_end=11.0), mass=0.1148,
+        seals=2.0,
         specimen=Specimen(length=0.05, name="A", temperature=296.15),
     )  # fmt: skip
     home = create(tmp_path / "door")
@@ -82,7 +83,8 @@ def test_a_page_says_a_job_as_the_job_is(store, text):
     whole = Job(
         str(path_in(store.folder, test)), mass=1 / 3, seal_mass=1e-3, compression=2.6e-3, seals=1.5,
         arms=3, method="hold", law="linear", family="auto", band=(5.0, 40.1), filter="median:5",
-        title="A title", joint=False, cuts=Cuts(1.0, 2.0, 3.0), machine=Machine(sync=5e-4),
+        title="A title", joint=False, time_limits=TimeLimits(1.0, 2.0, 3.0),
+        machine=Machine(sync=5e-4),
         hammer=HammerChoices(reject=("2",), polarity=(1, -1)),
         reading=ReadOptions(units={"force": "gf"}, skip_rows=2),
         reading_impact=ReadOptions(acceleration=("3", "4")),
@@ -93,7 +95,7 @@ def test_a_page_says_a_job_as_the_job_is(store, text):
         name: told[name] for name in ("joint", "reading", "reading_impact")
     }  # fmt: skip
     assert job_of(asked, store.folder) == whole
-    known = {"relaxation", "further", "impact", "temperatures", "impact_temperature", "logo"}
+    known = {"relaxation", "other_tests", "impact", "temperatures", "impact_temperature", "logo"}
     assert {one.name for one in fields(Job)} - known <= set(asked)
 
 

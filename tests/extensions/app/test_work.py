@@ -26,8 +26,8 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.workflow.json_archive import from_json, to_json
@@ -59,7 +59,8 @@ def page_job(files):
     """What the page says of both files."""
     return {
         "relaxation": files["seal_8mm.csv"], "impact": [files["hammer.csv"]], "mass": "114.8g",
-        "seals": 2, "arms": 2, "cuts": {"ramp_end": 2.6}, "specimen": {"temperature": "23degC"},
+        "seals": 2, "arms": 2, "time_limits": {"ramp_end": 2.6},
+        "specimen": {"temperature": "23degC"},
     }  # fmt: skip
 
 
@@ -106,7 +107,7 @@ def test_what_is_shown_are_the_digits_of_the_fit(store, page_job):
     assert fit.verdict.use.capitalize() in head["verdict"]
     assert set(head["panels"]) == {"ramp", "hold", "spectrum", "frf"}
     assert head["simulated"] is True
-    assert head["cuts"]["ramp_end"] == 2.6
+    assert head["time_limits"]["ramp_end"] == 2.6
 
 
 def test_record_is_parsed_once_for_all_workers(store):
@@ -166,22 +167,22 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
     found = ask("live", store, job=page_job)
     assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(found["arrays"])
     assert "eq. (5)" in found["beside"]
-    later = ask("live", store, job=page_job | {"cuts": {"hold_end": 20.0}})
-    assert later["cuts"]["hold_end"] == 20.0
+    later = ask("live", store, job=page_job | {"time_limits": {"hold_end": 20.0}})
+    assert later["time_limits"]["hold_end"] == 20.0
     # what it is called and how large it is: the solid's own, after the hold of the cut
     name, size = later["end"]
-    after = 20.0 - later["cuts"]["ramp_end"]
+    after = 20.0 - later["time_limits"]["ramp_end"]
     assert name == f"k after {after:.1f} s"
-    cut = job_of(page_job | {"cuts": {"hold_end": 20.0}}, store.folder)
+    cut = job_of(page_job | {"time_limits": {"hold_end": 20.0}}, store.folder)
     own = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut)).solid.relaxation(
         after
     )
     assert float(size.removesuffix(" N/mm")) == pytest.approx(own / 1e3, rel=1e-3)
     assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
-    assert found["cuts"]["hold_end"] > 40.0
+    assert found["time_limits"]["hold_end"] > 40.0
     # on the axis that is there, which counts from where the ramp ended when it was drawn
-    moved = page_job | {"cuts": {"ramp_end": 2.6}}
-    since = found["cuts"]["ramp_end"]
+    moved = page_job | {"time_limits": {"ramp_end": 2.6}}
+    since = found["time_limits"]["ramp_end"]
     own, there = (ask("live", store, job=moved, **how)["arrays"] for how in ({}, {"since": since}))
     for name in ("hold/fit/x", "hold/mean/x"):
         assert there[name] - own[name] == pytest.approx(2.6 - since, abs=1e-5)
@@ -190,7 +191,7 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
 def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, page_job):
     """The same optimum, without what a cut does not change: number of arms and law."""
     ask("live", store, job=page_job)
-    cut = job_of(page_job | {"cuts": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
+    cut = job_of(page_job | {"time_limits": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
     after = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut))
     anew = result_cache.fit_job(result_cache.select_fit_choices(cut), False, result_cache.HELD)
     assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
@@ -215,7 +216,7 @@ def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, page_job
 def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, page_job):
     """Its handle goes both ways; what the cut leaves out is hatched."""
     request = {"relaxation": page_job["relaxation"], "arms": 2}
-    cut = request | {"cuts": {"hold_end": 12.0}}
+    cut = request | {"time_limits": {"hold_end": 12.0}}
     drawn = [ask("settle", store, job=one)["panels"]["hold"] for one in (request, cut)]
     ends = [float(re.search(r'data-x="log \S+ (\S+)"', one)[1]) for one in drawn]
     assert ends[1] == pytest.approx(ends[0], rel=1e-3)
@@ -301,7 +302,7 @@ def test_tests_at_two_temperatures_share_one_model(store, at_home):
         text = write_relaxation(simulate_relaxation(AT[temperature], rig=rig, seed=len(ids)).test)
         (at_home / name).write_text(text)
         ids.append(store.put(name, text.encode()))
-    job = {"relaxation": ids[0], "further": [ids[1]], "temperatures": ["23degC", "0degC"]}
+    job = {"relaxation": ids[0], "other_tests": [ids[1]], "temperatures": ["23degC", "0degC"]}
     head = ask("settle", store, job=job)
     words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC")
     told = json.loads(ask("take", store, job=job, what="fit")["text"])
@@ -309,9 +310,9 @@ def test_tests_at_two_temperatures_share_one_model(store, at_home):
     assert len(told["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
     with pytest.raises(
-        dp.DataError, match="--time-limits cuts one relaxation test, and there are 2 here"
+        dp.DataError, match="--time-limits time_limits one relaxation test, and there are 2 here"
     ):
-        ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
+        ask("settle", store, job=job | {"time_limits": {"hold_end": 20.0}})
 
 
 def test_a_hammer_without_a_mass_is_no_verdict_yet(store, page_job):
@@ -380,8 +381,8 @@ def test_hit_can_be_rejected_on_the_page(store, page_job):
         ({"arms": -1}, "whole number"),
         ({"arms": True}, "whole number"),
         ({"law": "bent"}, "expected one of"),
-        ({"cuts": {"ramp_begin": 1}}, "has no 'ramp_begin'"),
-        ({"cuts": []}, "expected an object"),
+        ({"time_limits": {"ramp_begin": 1}}, "has no 'ramp_begin'"),
+        ({"time_limits": []}, "expected an object"),
         ({"impact": "hammer"}, "expected a list"),
         ({"temperatures": ["cold", "23degC"]}, "not a quantity"),
         ({"temperatures": ["", "23degC"]}, "1 of 2 tests .* has no temperature"),

@@ -21,7 +21,7 @@ from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.extensions.batch.parquet_parts import tasks
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 QUICK = {"arms": 1, "quick": True}

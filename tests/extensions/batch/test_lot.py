@@ -30,7 +30,7 @@ from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 pytestmark = pytest.mark.once
@@ -222,7 +222,7 @@ def test_what_stands_out_of_its_lot_and_what_was_held_short_is_named():
     # what was held short is another quantity: neither among the others nor one of them
     assert [(file, away < 0) for file, away in lot.outliers()] == [("25.csv", True)]
     assert lot.short_holds == ("3.csv",)
-    assert lot.unlike == {"3.csv": "held for 37.9 s, its lot 40 s"}
+    assert lot.dissimilar == {"3.csv": "held for 37.9 s, its lot 40 s"}
     few = [{"k_end_N_per_m": value} for value in (1.0, 1.1, 0.9, 1.2, 1.6)]
     assert made(few).outliers() == ()
 

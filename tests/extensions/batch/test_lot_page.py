@@ -20,8 +20,8 @@ from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.page import html
 from dashpot.extensions.batch.summary import summary
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 
 pytestmark = pytest.mark.once

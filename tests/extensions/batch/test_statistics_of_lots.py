@@ -52,7 +52,7 @@ def test_lot_excludes_a_test_with_other_conditions(column, keeps, breaks, messag
         rows = scattered(lots=1, seals=3)
         rows[0][column] = value
         lot = lot_of(rows)
-        assert lot.unlike == left
+        assert lot.dissimilar == left
         assert lot.rows_in_statistics.height == 12 - len(left)
         (check,) = [one for one in lot.checks if one.name == "tests_alike"]
         assert check.failed is bool(left)
@@ -64,16 +64,21 @@ def test_lot_names_duplicate_records_and_refuses_comparison_with_itself():
     assert sound.copies == {}
     both = compare_two_lots(("may", sound), ("june", sound), ["k_end"])
     assert [one.value for one in both.checks if one.name == "records_distinct"] == [6, 0, 0]
-    assert both.each[0].different is both.to_dict()["differences"][0]["different"] is None
+    assert both.differences[0].different is both.to_dict()["differences"][0]["different"] is None
     assert "not judged, the lots have six records in common" in str(both)
     assert "no difference" not in str(both)
     others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
     assert (
-        compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].different
+        compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"])
+        .differences[0]
+        .different
         is False
     )
     others[0]["sha256"] = "0"
-    assert compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].shared == 1
+    assert (
+        compare_two_lots(("may", sound), ("june", lot_of(others)), ["k_end"]).differences[0].shared
+        == 1
+    )
     rows[3]["sha256"] = "0"
     lot = lot_of(rows)
     assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
@@ -160,7 +165,7 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
         lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), mean=mean, seed=seed))
         for mean, seed in ((200, 1), (210, 2))
     )
-    found = compare_two_lots(("A", same), ("B", apart), ["k_end"]).each[0]
+    found = compare_two_lots(("A", same), ("B", apart), ["k_end"]).differences[0]
     assert found.different
     low, high = found.difference.interval
     assert low < 10 < high
@@ -168,10 +173,10 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     alike = compare_two_lots(
         ("A", same), ("C", lot_of(scattered(lots=1, sds=(0, 0.03, 0.01), seed=5)))
     )
-    assert [one.quantity.name for one in alike.each] == ["k_end", "k_0"]
-    assert not any(one.different for one in alike.each)
+    assert [one.quantity.name for one in alike.differences] == ["k_end", "k_0"]
+    assert not any(one.different for one in alike.differences)
     # 25 seals of 3 % find 2.4 %: 2.86 standard errors of 3.04 % times the root of 2/25
-    assert alike.each[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
+    assert alike.differences[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
 
     folders = [in_folder(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
     document = run_json("compare", *folders)
@@ -203,7 +208,7 @@ def test_compare_two_lots_counts_a_test_without_seal_as_one_seal():
     for row in rows:
         row["seal"] = ""
     found = compare_two_lots(("A", lot_of(rows)), ("B", lot_of(rows)))
-    assert found.each[0].difference.counts == (8, 8)
+    assert found.differences[0].difference.counts == (8, 8)
     (check,) = [one for one in found.checks if one.name == "seals_named"]
     assert check.value == 16
 

@@ -20,7 +20,7 @@ from dashpot.extensions.batch.summary import summary
 from dashpot.extensions.batch.workbook import workbook
 from dashpot.reading.write import write_relaxation
 from dashpot.report.first_screen import ORDER
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
 pytestmark = pytest.mark.once

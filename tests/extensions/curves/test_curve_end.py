@@ -41,7 +41,7 @@ def test_a_curve_that_levels_off_keeps_its_plateau() -> None:
     found = fit_modulus(curve(ZENER))
     end = found.evidence.end_of_hold
     assert end is not None
-    assert (end.ended, end.time) == ("curve", 100.0)
+    assert (end.test_kind, end.end_time) == ("curve", 100.0)
     low, high = end.k_10end
     assert 0.8e6 < low < 1e6 < high < 1.02e6
     assert found.verdict.use == "use"
@@ -61,7 +61,7 @@ def test_fit_modulus_reports_a_missing_plateau_with_valid_limits() -> None:
     assert end is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10), ("k_inf", np.inf)):
         low, high = getattr(end, name)
-        assert low <= slow.relaxation(times * end.time) <= high
+        assert low <= slow.relaxation(times * end.end_time) <= high
     assert found.model.k_inf > 1.1 * slow.k_inf
 
 
@@ -116,7 +116,9 @@ def test_a_sweep_tells_its_storage_in_hertz() -> None:
     assert end.k_end[0] < value.real[0] < end.k_end[1]
     assert "At 0.00100 Hz the storage is" in end.format_limits("Pa")
     assert (
-        replace(end, ended="creep").format_limits("Pa").startswith("At 159 s stress over strain is")
+        replace(end, test_kind="creep")
+        .format_limits("Pa")
+        .startswith("At 159 s stress over strain is")
     )
 
 

@@ -12,7 +12,7 @@ from dashpot.datamodel.fit import list_known_values
 from dashpot.extensions.paper import reproduction as paper
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
 
 FORCE = {
@@ -112,9 +112,11 @@ def test_paper_reproduction_lists_every_statement_with_its_value(made):
 
 
 def test_paper_statement_reports_a_deviation():
-    row = paper.Statement("figure", "Fig. 6", "12.71 Hz", "13 Hz", off=0.29, tolerance=5e-3)
+    row = paper.Statement("figure", "Fig. 6", "12.71 Hz", "13 Hz", difference=0.29, tolerance=5e-3)
     assert row.holds is False
-    just = paper.Statement("figure", "Fig. 6", "12.71 Hz", "12.715 Hz", off=5e-3, tolerance=5e-3)
+    just = paper.Statement(
+        "figure", "Fig. 6", "12.71 Hz", "12.715 Hz", difference=5e-3, tolerance=5e-3
+    )
     assert just.holds is True
     assert paper.Statement("unsaid", "m", "not given", "104 g").holds is None
 

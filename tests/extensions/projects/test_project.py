@@ -22,8 +22,8 @@ from dashpot.extensions.projects import project as folder
 from dashpot.extensions.projects.verification import find_largest_difference, same_page, verify
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import to_json

@@ -17,7 +17,7 @@ from dashpot.extensions.systems.base_response import (
 from dashpot.extensions.systems.multibody import Body, Mount, Point, System, point_mass
 from dashpot.extensions.systems.read_psd import read_psd
 from dashpot.reading.write import write_relaxation
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids import networks as net
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 

@@ -79,7 +79,7 @@ def create_simulated_device(
     seal: GeneralizedMaxwell | None = None, *, speed: float = 1.0, seed: int = 0
 ) -> Paced:
     """Return the virtual rig as a device, at work on a seal: the paper's if none is given."""
-    from dashpot.simulation.motion import simulate_relaxation
+    from dashpot.simulation.relaxation import simulate_relaxation
     from dashpot.solids.demo_seals import PAPER
 
     made = simulate_relaxation(PAPER if seal is None else seal, seed=seed)

@@ -187,7 +187,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     source : Source or None
     k3 : float
         Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
-    k3_unseen : float
+    k3_detection_limit : float
         Where there is none: size up to which one stays unseen beside the law, 95 %; else 0.
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
@@ -215,7 +215,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         "delay_sd",
         Key("linear", "lines"),
         Key("numbers", flatten=True),
-        Key("k3_detection_limit", "k3_unseen"),
+        "k3_detection_limit",
         Key("orders", "bic_by_law"),
     )
 
@@ -236,7 +236,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     checks: tuple[Check, ...] = ()
     source: Source | None = None
     k3: float = 0.0
-    k3_unseen: float = 0.0
+    k3_detection_limit: float = 0.0
     loss_per_lag: float | None = None
     delay_sd: float = 0.0
 
@@ -321,8 +321,8 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
                 f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {per}, which {way} by "
                 f"{most} at the largest amplitude"
             )
-        if self.k3_unseen:
-            share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
+        if self.k3_detection_limit:
+            share = 0.75 * self.k3_detection_limit * self.amplitudes[1] ** 2
             part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
             lines.append(
                 f"No cubic spring is seen. One of up to {format_quantity(share, unit, '.2g')} "

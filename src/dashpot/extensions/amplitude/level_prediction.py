@@ -34,7 +34,7 @@ class LevelPrediction(Prediction):
     ----------
     levels : tuple of AtLevel
         By a sweep.
-    swept : SweptPart or None
+    sweep : SweptPart or None
         The sweep behind them.
     preloaded : tuple of PreloadedLevel
         By an elastic law that bends.
@@ -44,14 +44,14 @@ class LevelPrediction(Prediction):
         key
         for old in Prediction._keys
         for key in (
-            (Key("levels", "resonances", optional=True), Key("sweep", "swept", optional=True), old)
-            if old == Key("random", "shaken", optional=True)
+            (Key("levels", "resonances", optional=True), Key("sweep", optional=True), old)
+            if old == Key("random", optional=True)
             else (old,)
         )
     )
 
     levels: tuple[LevelResonance, ...] = ()
-    swept: SweptPart | None = None
+    sweep: SweptPart | None = None
     preloaded: tuple[PreloadedLevel, ...] = ()
 
     @property
@@ -89,7 +89,7 @@ class LevelResonances:
         """Return the prediction with its levels."""
         entries = {field.name: getattr(plain, field.name) for field in fields(plain)}
         return LevelPrediction(
-            **entries, levels=self.levels, swept=self.swept, preloaded=self.preloaded
+            **entries, levels=self.levels, sweep=self.swept, preloaded=self.preloaded
         )
 
 
@@ -140,7 +140,7 @@ class LevelEffect:
             rig.fit, levels, rig.load, kind=rig.kind, about=about, frequency=frequency
         )
         depth = rig.rests.point.depth
-        pressed = tuple(compression_tested(level.deepest, depth) for level in bent)
+        pressed = tuple(compression_tested(level.compression, depth) for level in bent)
         return LevelResonances((), None, bent, pressed)
 
     def _anchor(

@@ -20,7 +20,7 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
     """Return the resonance at each level, and what the first and the last make of it."""
     if level_prediction.preloaded:
         return _on_bending_seals(level_prediction.preloaded, level_prediction.frf.read)
-    assert level_prediction.swept is not None  # noqa: S101
+    assert level_prediction.sweep is not None  # noqa: S101
     of = level_prediction.levels[0]
     rows = [
         [f"level, {of.unit}", "peak, Hz", "between", level_prediction.frf.read, "between", "moved"]
@@ -39,8 +39,8 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
                 quantity,
             ]
         )
-    listed = " or ".join(f"{factor:.3g}" for factor in level_prediction.swept.factors)
-    message = f"  {' or '.join(level_prediction.swept.names)} law of the sweep"
+    listed = " or ".join(f"{factor:.3g}" for factor in level_prediction.sweep.factors)
+    message = f"  {' or '.join(level_prediction.sweep.names)} law of the sweep"
     if of.strain is not None:
         message += f", its strain {listed} of X/height"
     last = level_prediction.levels[-1]

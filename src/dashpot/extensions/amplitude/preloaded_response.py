@@ -51,7 +51,7 @@ class LevelInterval(Serialisable):
     frequency : (float, float)
         Hz.
     value : (float, float) or None
-    shift : (float, float) or None
+    mean_shift : (float, float) or None
         Of the mean, m.
     harmonics : tuple of ((float, float) or None), or None
         Amplitudes, m, the mean first; not of those below a thousandth of the first, which tell how
@@ -60,11 +60,11 @@ class LevelInterval(Serialisable):
         Of the response, at the lines of the FRF.
     """
 
-    _keys = (Key("frequency_hz", "frequency"), "value", Key("mean_shift", "shift"), "harmonics")
+    _keys = (Key("frequency_hz", "frequency"), "value", "mean_shift", "harmonics")
 
     frequency: Ends
     value: Ends | None
-    shift: Ends | None
+    mean_shift: Ends | None
     harmonics: tuple[Ends | None, ...] | None
     magnitude: FloatArray
 
@@ -105,7 +105,7 @@ class PreloadedLevel(Serialisable):
         "orbit.phases",
         Key("floquet", "orbit.growth"),
         Key("lost_contact", "orbit.lost"),
-        Key("compression", "deepest"),
+        "compression",
         "second_harmonic",
         "unsteady",
         "jumps_hz",
@@ -141,7 +141,7 @@ class PreloadedLevel(Serialisable):
         return {"frequency_hz": self.doubled.frequency, "amplitude": second, "first": first}
 
     @property
-    def deepest(self) -> float:
+    def compression(self) -> float:
         """Greatest compression of both, m."""
         return max(self.orbit.most, self.doubled.most)
 
@@ -171,7 +171,9 @@ class PreloadedLevel(Serialisable):
         return (
             fact("peak_frequency", self.frequency, interval.frequency if interval else None, "Hz"),
             fact("peak_height", self.value, interval.value if interval else None, self.frf.unit),
-            fact("mean_shift", self.orbit.shift, interval.shift if interval else None, "m", "mm"),
+            fact(
+                "mean_shift", self.orbit.shift, interval.mean_shift if interval else None, "m", "mm"
+            ),
             *(
                 fact(f"harmonic_{h}", amplitudes[h], harmonics[h], "m", "mm")
                 for h in range(1, _TOLD + 1)

@@ -110,7 +110,7 @@ def _merge_read_options(job: Job) -> ReadOptions:
         return job.reading
     bench, hammer = job.reading, job.reading_impact
     shared = ("units",) if bench.units == hammer.units else ()
-    sides = ((job.relaxation, *job.further), bench), (job.impact, hammer)
+    sides = ((job.relaxation, *job.other_tests), bench), (job.impact, hammer)
     pairs = [
         (escape(path), replace(options, own=()).drop_fields(shared))
         for paths, options in sides

@@ -102,7 +102,7 @@ def _project(place: Path, home: Path) -> dict[str, Any]:
         content = b"".join(open_raw(file).blocks())
         return {"id": _put(home, file.name, content), "name": file.name}
 
-    tests = [brought(path) for path in (job.relaxation, *job.further)]
+    tests = [brought(path) for path in (job.relaxation, *job.other_tests)]
     hammers = [brought(path) for path in job.impact]
     return {"kind": "project", "tests": tests, "hammers": hammers, **page_of(job)}
 

@@ -37,7 +37,7 @@ from dashpot.vibration.mass_on_seals import MassOnSeals, highest_peak, predict_f
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.static_equilibrium import family_checks, find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import family_checks, find_static_equilibrium
 
 HINT = (
     "Give the test mass and the number of seals: the hammer is then held against what the "
@@ -127,7 +127,7 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
     )  # fmt: skip
     head = {
         "beside": shown.words,
-        "cuts": _cuts(prepared),
+        "time_limits": _list_time_limits(prepared),
         "end": view_models.format_end_stiffness(dragging, prepared),
         "left": shown.left,
     }
@@ -175,7 +175,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
                 "beside", rows=view_models.make_parameter_rows(fit, by_eq5)
             ),
             "panels": panels,
-            "cuts": _cuts(prepared),
+            "time_limits": _list_time_limits(prepared),
             "pressed": _format_compression(fit, job, prepared),
             "temperature": format_cell(test.specimen.temperature, "°C"),
             "clock": [float(test.time[0]), float(test.time[-1])],
@@ -208,7 +208,7 @@ def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str
     }
 
 
-def _cuts(prepared: RampHold) -> dict[str, float]:
+def _list_time_limits(prepared: RampHold) -> dict[str, float]:
     return {
         "onset": prepared.onset, "ramp_end": prepared.ramp_end, "hold_end": prepared.hold_end
     }  # fmt: skip
@@ -284,7 +284,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
             sizes,
             result_cache.prepare_uncut_test(job, study.prepared),
         ),
-        "cuts": _cuts(study.prepared),
+        "time_limits": _list_time_limits(study.prepared),
         "simulated": bool(find_simulated_files(study)),
         "command": line("report", job),
     }

@@ -15,7 +15,7 @@ from dashpot.fitting.relaxation import fit, refit_nearby
 from dashpot.vibration.mass_on_seals import highest_peak
 from dashpot.workflow.bench_tests import prepared_tests
 from dashpot.workflow.frf_prediction import Prediction, prediction
-from dashpot.workflow.job import Cuts, Job
+from dashpot.workflow.job import Job, TimeLimits
 from dashpot.workflow.study import Study, find_reference_test, run
 
 
@@ -38,7 +38,7 @@ test = lru_cache(KEPT)(record_cache.relaxation)
 
 def tests(job: Job) -> tuple[RelaxationTest, ...]:
     """Return the tests of a job, each with its own temperature where that is said."""
-    files = job.relaxation, *job.further
+    files = job.relaxation, *job.other_tests
     specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(
         test(file, job.reading, specimen) for file, specimen in zip(files, specimens, strict=True)
@@ -56,7 +56,7 @@ def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
         checked=most != HELD,
         filter=job.filter,
         machine=job.machine,
-        cuts=job.cuts,
+        time_limits=job.time_limits,
         cycle=job.reading.cycle,
     )
 
@@ -85,7 +85,10 @@ _before: dict[Job, Fit] = {}
 
 def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
-    of, tests = replace(job, cuts=Cuts()), prepare_job_tests(select_test_choices(job), HELD)
+    of, tests = (
+        replace(job, time_limits=TimeLimits()),
+        prepare_job_tests(select_test_choices(job), HELD),
+    )
     near, nearby = _before.get(of), None
     if near is not None and len(tests) == 1 and _is_followed(near, job):
         with suppress(FitError):
@@ -105,7 +108,7 @@ def _is_followed(near: Fit, job: Job) -> bool:
 
 def fit_by_eq5(job: Job, fit: Fit, most: int | None = None) -> Fit | None:
     """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
-    if fit.family != "maxwell" or job.further:
+    if fit.family != "maxwell" or job.other_tests:
         return None
     by_eq5 = replace(select_test_choices(job), arms=fit.model.arms, method="hold")
     try:
@@ -125,9 +128,9 @@ def select_shown_test(
 
 def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
     """Return the test of a job to its last sample, for the eye, where its hold is cut by hand."""
-    if job.cuts.hold_end is None or job.further:
+    if job.time_limits.hold_end is None or job.other_tests:
         return None
-    uncut = replace(select_test_choices(job), cuts=replace(job.cuts, hold_end=None))
+    uncut = replace(select_test_choices(job), time_limits=replace(job.time_limits, hold_end=None))
     try:
         (record,) = prepare_job_tests(uncut, WHILE_HELD)
     except DashpotError:

@@ -459,7 +459,7 @@ def verdict(verdict: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -
 def mass_that_explains(study: Study) -> str:
     """The mass, g, of the best explanation of both tests; of a gross error that of the FRF."""
     best = next(iter(study.joint.evidence.explanations), None) if study.joint else None
-    if best is not None and best.explains:
+    if best is not None and best.is_sufficient:
         single = best.name.split(" and ")[0] == "mass"
         return (
             round_to_error(

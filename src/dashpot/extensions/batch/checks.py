@@ -46,14 +46,14 @@ def hammers_compared(without: int, paired: int) -> Finding:
 
 
 @criterion("tests that differ", "<=", 0, "by definition")
-def tests_alike(unlike: int, tests: int) -> Finding:
+def tests_alike(dissimilar: int, tests: int) -> Finding:
     """Tests of a lot agree in hold and compression to 5 %, and in temperature to 3 K."""
     return Finding(
         f"{format_count(tests, 'seal')} tested alike",
-        unlike,
+        dissimilar,
         "The statistics leave those out, and the page names them",
         "Test every seal alike.",
-        f"{unlike} of {tests} seals were tested unlike the rest",
+        f"{dissimilar} of {tests} seals were tested unlike the rest",
     )
 
 

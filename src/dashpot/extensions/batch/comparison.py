@@ -68,22 +68,22 @@ class LotComparison(HasChecks, Serialisable):
 
     Attributes
     ----------
-    names : (str, str)
-    each : tuple of Compared
+    lots : (str, str)
+    differences : tuple of Compared
     checks : tuple of Check
     """
 
     schema = "dashpot/lot-comparison@2"
-    _keys = (Key("lots", "names"), "verdict", Key("differences", "each"), "checks")
+    _keys = ("lots", "verdict", "differences", "checks")
 
-    names: tuple[str, str]
-    each: tuple[Compared, ...]
+    lots: tuple[str, str]
+    differences: tuple[Compared, ...]
     checks: tuple[Check, ...]
 
     @property
     def headline(self) -> str:
         """How many quantities differ, and by how much the one does that chance explains least."""
-        comparisons = [comparison for comparison in self.each if not comparison.shared]
+        comparisons = [comparison for comparison in self.differences if not comparison.shared]
         if not comparisons:
             return "0 quantities are compared: the lots share their records"
         least = min(comparisons, key=lambda comparison: comparison.p_value)
@@ -97,9 +97,9 @@ class LotComparison(HasChecks, Serialisable):
         )
 
     def __str__(self) -> str:
-        first, second = self.names
+        first, second = self.lots
         lines = [f"{second} against {first}; seals are what is compared, not their repeats"]
-        for comparison in self.each:
+        for comparison in self.differences:
             lines += _format_comparison(comparison)
         return "\n".join(lines)
 

@@ -19,7 +19,7 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.frf_comparison import compare_with_measured
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import read_measured
-from dashpot.workflow.static_equilibrium import find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import find_static_equilibrium
 
 if TYPE_CHECKING:
     from dashpot.workflow.bench_tests import Record

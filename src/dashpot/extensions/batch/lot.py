@@ -141,7 +141,7 @@ class Lot:
         )
 
     @cached_property
-    def unlike(self) -> dict[str, str]:
+    def dissimilar(self) -> dict[str, str]:
         """Tests made otherwise than those of their kind and lot, by file, and how.
 
         Hold and depth within 5 % of the median, temperature within 3 K; of an even number the
@@ -167,8 +167,8 @@ class Lot:
 
     @cached_property
     def rows_in_statistics(self) -> pl.DataFrame:
-        """The `fitted_rows`, less those `unlike` others, less copies."""
-        left_out = [*self.unlike, *self.copies]
+        """The `fitted_rows`, less those `dissimilar` others, less copies."""
+        left_out = [*self.dissimilar, *self.copies]
         return self.fitted_rows.filter(~polars().col("file").is_in(left_out))
 
     @cached_property
@@ -177,7 +177,7 @@ class Lot:
         first: dict[str, str] = {}
         if "sha256" not in self.table.columns:
             return {}
-        alike = self.fitted_rows.filter(~polars().col("file").is_in(list(self.unlike)))
+        alike = self.fitted_rows.filter(~polars().col("file").is_in(list(self.dissimilar)))
         rows = alike.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
         pairs = ((file, first.setdefault(sha256, file)) for file, sha256 in rows)
         return {file: other for file, other in pairs if file != other}
@@ -398,7 +398,7 @@ class Lot:
             files_fitted(self.table.height - fitted, self.table.height),
             fits_usable(self.verdicts.get("do not use", 0), fitted),
             hammers_compared(paired - sum(self.agreements.values()), paired),
-            tests_alike(len(self.unlike), self.fitted_rows.height),
+            tests_alike(len(self.dissimilar), self.fitted_rows.height),
             records_distinct(len(self.copies), self.rows_in_statistics.height + len(self.copies)),
         )
 

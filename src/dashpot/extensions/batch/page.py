@@ -381,7 +381,7 @@ def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
     """Return what the tests of a seal found, if one is used."""
     if seal is None:
         return {"tests": 0, "value": "", "sd": ""}
-    sd = quantity.format_value(seal.deviation, digits=2)
+    sd = quantity.format_value(seal.repeats_sd, digits=2)
     return {"tests": len(seal.files), "value": quantity.format_value(seal.mean), "sd": sd}
 
 

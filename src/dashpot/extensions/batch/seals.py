@@ -30,7 +30,7 @@ class Seal(Serialisable):
         Of a quantity, SI.
     """
 
-    _keys = ("lot", Key("seal", "name"), "tests", "mean", Key("repeats_sd", "deviation"))
+    _keys = ("lot", Key("seal", "name"), "tests", "mean", "repeats_sd")
 
     lot: str
     name: str
@@ -48,7 +48,7 @@ class Seal(Serialisable):
         return float(self.values.mean())
 
     @property
-    def deviation(self) -> float | None:
+    def repeats_sd(self) -> float | None:
         """Standard deviation of its repeats; None of one test."""
         return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
 

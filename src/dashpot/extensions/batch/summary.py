@@ -259,7 +259,7 @@ class Summary(HasChecks, Serialisable):
         Key("summary", "lights"),
         Key("statistics", "quantities", nonfinite_as_null=True),
         "flags",
-        Key("dissimilar", "unlike"),
+        "dissimilar",
         "copies",
         "checks",
     )
@@ -314,8 +314,8 @@ class Summary(HasChecks, Serialisable):
         lot = self.lot
         fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
         text = f"{fitted} of {lot.table.height} fitted"
-        if lot.unlike:
-            text += f", {len(lot.unlike)} dissimilar"
+        if lot.dissimilar:
+            text += f", {len(lot.dissimilar)} dissimilar"
         return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property
@@ -329,9 +329,9 @@ class Summary(HasChecks, Serialisable):
         return [line for quantity_summary in self.quantities for line in _lines(quantity_summary)]
 
     @property
-    def unlike(self) -> tuple[ExcludedFile, ...]:
+    def dissimilar(self) -> tuple[ExcludedFile, ...]:
         """The files that are no test like the others."""
-        return tuple(ExcludedFile(*names) for names in self.lot.unlike.items())
+        return tuple(ExcludedFile(*names) for names in self.lot.dissimilar.items())
 
 
 def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
@@ -380,7 +380,7 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
     yield from _odd_repeats(of)
     rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
     places = {file: (name, seal, file) for file, name, seal, *_ in rows}
-    for file, message in lot.unlike.items():
+    for file, message in lot.dissimilar.items():
         yield Flag(*places[file], f"{message}: left out of the statistics")
     for file, other in lot.copies.items():
         yield Flag(*places[file], f"the same record as {other}: left out of the statistics")

@@ -30,7 +30,7 @@ from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, find_handler, 
 from dashpot.solids.elastic import require_plausible_compression
 from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.workflow.bench_tests import fit_files
-from dashpot.workflow.static_equilibrium import find_static_equilibrium
+from dashpot.workflow.stiffness_under_mass import find_static_equilibrium
 
 if TYPE_CHECKING:
     from dashpot.workflow.bench_tests import Record

@@ -189,7 +189,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
         end.levels,
         "So k_inf is extrapolated, with no lower limit",
         end.remedy,
-        limit=LEVEL_OF_CREEP if end.ended == "creep" else LEVEL,
+        limit=LEVEL_OF_CREEP if end.test_kind == "creep" else LEVEL,
     )
 
 
@@ -205,7 +205,7 @@ def curve_level_at_end(end: EndOfHold, fallen: float) -> Finding:
 
     `fallen` is what the data show: from the first value to the last, over the last.
     """
-    falling = end.falling / max(end.k_end[1], 1e-300)
+    falling = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
         f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
         f"factor of 2.7 in time. At first it was {1 + fallen:.3g} times as stiff",

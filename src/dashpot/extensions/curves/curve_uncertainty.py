@@ -317,13 +317,13 @@ def end_of_curve(
     else:
         falling = compute_upper_limit(spectra, spectra.falling_at(time))
     end = EndOfHold(
-        time=time,
+        end_time=time,
         k_end=k_end,
         k_3end=reach(3),
         k_10end=reach(10),
         k_inf=(0.0, rest[1]),
-        falling=falling,
-        ended=ended,
+        slope_limit=falling,
+        test_kind=ended,
     )
     return end.holding(model)
 

@@ -66,7 +66,7 @@ def _name_file(name: str) -> AbstractContextManager[None]:
 def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
     """Refuse what belongs to a ramp, and tests that are no moduli."""
     require_test_for_machine(options.machine, tests=0, add="a ramp and hold")
-    options.cuts.refuse_several(0)
+    options.time_limits.refuse_several(0)
     if others:
         raise FitError(
             "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
@@ -82,7 +82,7 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
 
 def _refuse_beside_creep(options: BenchFitOptions, *, others: int) -> None:
     """Refuse what is of ramps and holds, and tests that are none of creep."""
-    options.cuts.refuse_several(0)
+    options.time_limits.refuse_several(0)
     if others or options.filter or options.depth_law:
         raise FitError(
             "a creep test is fitted alone, or with others at other temperatures, without "

@@ -14,7 +14,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 from dashpot.base.version import byline
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.rig_errors import Rig
 
 # Acquisition card: one converter behind a multiplexer, with or without a filter.
 

@@ -25,7 +25,7 @@ from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.extensions.modes.stabilisation import Stabilisation, stabilisation
 from dashpot.reading.read_options import ReadOptions
 from dashpot.vibration.impact.checks import lines_in_half_power_band, record_long_enough, resonance
-from dashpot.vibration.modal.modes import select_mode_band, shapes_of
+from dashpot.vibration.modal.modal_methods import select_mode_band, shapes_of
 from dashpot.vibration.modal.pole_fit import mac
 from dashpot.workflow.measured_frf import (
     ImpactMode,

@@ -21,7 +21,11 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.structure import FRFSet
-from dashpot.vibration.modal.modes import compute_rms_accelerance, lines_of, select_mode_band
+from dashpot.vibration.modal.modal_methods import (
+    compute_rms_accelerance,
+    lines_of,
+    select_mode_band,
+)
 from dashpot.vibration.modal.pole_fit import MOST_DAMPED, FRFLines, mac
 
 HIGHEST = 30

@@ -99,12 +99,14 @@ def _format_fact(fact: ReportedValue) -> str:
 def statements(rows: Sequence[Statement], part: str) -> TextTable:
     """What the paper says beside what is found, of one part; what is left of what is compared."""
     chosen = [row for row in rows if row.part == part]
-    compared = any(row.holds is not None for row in chosen)
+    compared = any(row.within_interval is not None for row in chosen)
     head = ("where", "the paper says", "found", *(("off by", "allowed") if compared else ()))
     cells = []
     for row in chosen:
-        off, most = ("–" if value is None else f"{value:.1g}" for value in (row.off, row.tolerance))
-        cells.append((row.name, row.paper, row.found, *((off, most) if compared else ())))
+        off, most = (
+            "–" if value is None else f"{value:.1g}" for value in (row.difference, row.tolerance)
+        )
+        cells.append((row.name, row.paper, row.reproduced, *((off, most) if compared else ())))
     return TextTable(
-        head, tuple(cells), tuple("bad" if row.holds is False else "" for row in chosen)
+        head, tuple(cells), tuple("bad" if row.within_interval is False else "" for row in chosen)
     )

@@ -29,7 +29,7 @@ from dashpot.fitting.fit_options import FitOptions
 from dashpot.reading.write import write_impact, write_relaxation
 from dashpot.simulation.ground_truth import stamp, truth_json
 from dashpot.simulation.impact import SimulatedImpact, simulate_impact
-from dashpot.simulation.motion import SimulatedRelaxation, simulate_relaxation
+from dashpot.simulation.relaxation import SimulatedRelaxation, simulate_relaxation
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -70,34 +70,34 @@ class Statement(Serialisable):
     ----------
     part : str
         ``"equation"``, ``"figure"``, ``"misprint"`` or ``"unsaid"``.
-    name, paper, found : str
+    name, paper, reproduced : str
         Where it stands, what the paper says, what comes out.
-    off, tolerance : float or None
+    difference, tolerance : float or None
         What is left of the comparison, and how much may be; None where nothing is compared.
     """
 
     part: str
     name: str
     paper: str
-    found: str
-    off: float | None = None
+    reproduced: str
+    difference: float | None = None
     tolerance: float | None = None
 
     @property
-    def holds(self) -> bool | None:
+    def within_interval(self) -> bool | None:
         """Whether it comes out to its tolerance; None where nothing is compared."""
-        if self.off is None or self.tolerance is None:
+        if self.difference is None or self.tolerance is None:
             return None
-        return bool(self.off <= self.tolerance)
+        return bool(self.difference <= self.tolerance)
 
     _keys = (
         "part",
         "name",
         "paper",
-        Key("reproduced", "found"),
-        Key("difference", "off"),
+        "reproduced",
+        "difference",
         "tolerance",
-        Key("within_interval", "holds"),
+        "within_interval",
     )
 
 
@@ -215,13 +215,13 @@ class Reproduction(Serialisable):
     @property
     def is_reproduced(self) -> bool:
         """Whether every statement that can be compared comes out to its tolerance."""
-        return all(row.holds is not False for row in self.rows)
+        return all(row.within_interval is not False for row in self.rows)
 
     @property
     def summary(self) -> str:
         """What was found, in a sentence or two."""
-        compared = [row for row in self.rows if row.holds is not None]
-        total = sum(bool(row.holds) for row in compared)
+        compared = [row for row in self.rows if row.within_interval is not None]
+        total = sum(bool(row.within_interval) for row in compared)
         held = [sum(coefficient.is_covered[i] for coefficient in self.table) for i in (0, 1)]
         return (
             f"{total} of {len(compared)} statements of the paper come out to their tolerance. In "

@@ -28,5 +28,5 @@ def _row(coefficient: Coefficient) -> tuple[str, ...]:
 
 
 def _statement(row: Statement) -> list[str]:
-    off = f" (off by {row.off:.1g})" if row.off is not None else ""
-    return [f"  {row.name}: {row.paper}", f"    {row.found}{off}"]
+    off = f" (off by {row.difference:.1g})" if row.difference is not None else ""
+    return [f"  {row.name}: {row.paper}", f"    {row.reproduced}{off}"]

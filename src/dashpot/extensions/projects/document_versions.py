@@ -84,7 +84,7 @@ RENAMED_KEYS: dict[str, dict[str, str]] = {
     },
     "dashpot/plan@1": {"end.named": "if_machine_named"},
     "dashpot/plugged@1": {".found": "values"},
-    "dashpot/prediction@1": {},
+    "dashpot/prediction@1": {"limits.unseen": "unmeasured"},
     "dashpot/ramp-hold@1": {".given": "machine_deflection"},
     "dashpot/result@1": {},
     "dashpot/rod@1": {".own_mass": "rod_mass"},

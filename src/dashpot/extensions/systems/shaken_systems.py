@@ -31,7 +31,7 @@ def shake_mass(on: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | No
     if bounded is not None:
         limits = random_limits(
             on.solid,
-            lambda at, kind: bounded(frequency=at, kind=kind).unseen,
+            lambda at, kind: bounded(frequency=at, kind=kind).unmeasured,
             mass=mass,
             **how,
         )

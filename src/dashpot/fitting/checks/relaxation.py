@@ -119,9 +119,9 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
     """At the end of the hold, no spectrum that fits the record still falls much."""
     if end is None:
         return Finding("Each depth has its own stiffnesses, so the end of the hold is not judged")
-    falling = end.falling / max(end.k_end[1], 1e-300)
+    falling = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
-        f"When the hold ends, after {end.time:.4g} s, the stiffness still falls by up to "
+        f"When the hold ends, after {end.end_time:.4g} s, the stiffness still falls by up to "
         f"{100 * falling:.2g} % per factor of 2.7 in time",
         falling,
         "So k_inf is extrapolated, with no lower limit. The test gives the stiffness at the end "
@@ -454,7 +454,7 @@ def filter_bias(
 
 def _is_outside_limits(full: GeneralizedMaxwell, hold: GeneralizedMaxwell, end: EndOfHold) -> bool:
     """Return whether eq. 5 has another stiffness at the end of the hold than the records allow."""
-    ours, theirs = (float(model.relaxation(end.time)) for model in (full, hold))
+    ours, theirs = (float(model.relaxation(end.end_time)) for model in (full, hold))
     low, high = end.k_end
     return max(low - theirs, theirs - high) > SAME_STIFFNESS * ours
 

@@ -60,11 +60,11 @@ def fractional_model_suffices(ratio: float, arms: int) -> Finding:
 )
 def model_families_distinguished(other: Alternative | None) -> Finding:
     """No other family of models fits the data and predicts another response."""
-    if other is None or not other.explains:
+    if other is None or not other.is_sufficient:
         return Finding("No other family of models explains the data as well", excused=True)
     return Finding(
         other.message,
-        other.parts_at,
+        other.differs_from_hz,
         remedy="Add a hammer test.",
-        excused=other.parts_at is None,
+        excused=other.differs_from_hz is None,
     )

@@ -129,16 +129,20 @@ def tests_agree(lead: Explanation | None) -> Finding:
     """
     if lead is None:
         return Finding("One seal explains relaxation test and hammer", 0.0)
-    if lead.explains:
+    if lead.is_sufficient:
         message = f"Both tests match only if {lead.message}"
     else:
         message = (
             "No single seal matches both tests, whatever mass, gain or stiffness is taken. "
-            f"Chi-square falls by {lead.fall:.3g} at most"
+            f"Chi-square falls by {lead.deviance_fall:.3g} at most"
         )
-    slight = lead.explains and abs(lead.departure) <= SLIGHT
+    slight = lead.is_sufficient and abs(lead.relative_deviation) <= SLIGHT
     return Finding(
-        message, lead.fall, remedy=REMEDY, faulted=True, grade="limit" if slight else "stop"
+        message,
+        lead.deviance_fall,
+        remedy=REMEDY,
+        faulted=True,
+        grade="limit" if slight else "stop",
     )
 
 

@@ -144,15 +144,15 @@ def explain_discrepancy(
         _build_explanation(cause, candidate, before, law, compression, leads=not place)
         for place, (cause, candidate) in enumerate(ranked)
     ]
-    if not explanations[0].explains and _find_failed_checks(plain) == {"lines_explained"}:
+    if not explanations[0].is_sufficient and _find_failed_checks(plain) == {"lines_explained"}:
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
     rivals = [
         explanation.message
         for explanation, (_, candidate) in zip(explanations[1:], ranked[1:], strict=True)
-        if explanation.explains and candidate.criterion <= alike
+        if explanation.is_sufficient and candidate.criterion <= alike
     ]
-    if not explanations[0].explains:
+    if not explanations[0].is_sufficient:
         return Discrepancy(
             tuple(explanations),
             plain,
@@ -309,9 +309,9 @@ def _build_explanation(
         value=value,
         standard_error=error,
         unit=cause.unit,
-        departure=value / supposed - 1,
-        fall=before.cost - candidate.cost,
-        explains=explains,
+        relative_deviation=value / supposed - 1,
+        deviance_fall=before.cost - candidate.cost,
+        is_sufficient=explains,
         message=message,
     )
 

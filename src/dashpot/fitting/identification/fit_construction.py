@@ -345,7 +345,11 @@ def end_of_data(
     storage = float(solid.complex_stiffness(omega=omega).real)
     low, high = max(storage - reach, 0.0), storage + reach
     return EndOfHold(
-        time=1 / omega, k_end=(low, high), k_3end=(0.0, high), k_inf=(0.0, high), ended="frf"
+        end_time=1 / omega,
+        k_end=(low, high),
+        k_3end=(0.0, high),
+        k_inf=(0.0, high),
+        test_kind="frf",
     ).holding(solid)
 
 
@@ -433,7 +437,9 @@ def _residual(best: Candidate) -> tuple[Residual, float]:
     n = lines + sum(relaxation.block.samples for relaxation in relaxations)
     rms = float(np.sqrt(best.chi2 / effective))
     kappa = float(n / effective)
-    return Residual(n=n, sse=best.chi2, rms=rms, kappa=kappa, unit="sd"), float(effective)
+    return Residual(n=n, sse=best.chi2, rms=rms, variance_inflation=kappa, unit="sd"), float(
+        effective
+    )
 
 
 def _score(candidate: Candidate) -> OrderScore:
@@ -608,7 +614,7 @@ def _checks(
     requested_checks = agreement(best, None if discrepancy is None else discrepancy.known)
     if before is not None:
         check = checks.tests_agree(lead)
-        if lead is not None and lead.explains:
+        if lead is not None and lead.is_sufficient:
             # what follows from the cause is no graver than the cause
             requested_checks = [
                 replace(requested_check, grade=check.grade)

@@ -71,7 +71,7 @@ def ramp_fit(
         tests,
         compress_tests(tests, FitSetup("full")),
         stiffness=max(model.k_0, 1e-300),
-        noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
+        noise=max(residual.rms * np.sqrt(residual.variance_inflation), 1e-300),
     )
     error = None
     if spectra is not None:
@@ -151,7 +151,7 @@ def law_checks(tests: Sequence[RampHold], law: RampLaw, end: EndOfHold | None) -
         residual[test.settled_samples.start - test.hold.stop :]
         for residual, test in zip(law.residuals, tests, strict=True)
     ]
-    residuals = Residuals(held, residual.rms, residual.kappa)
+    residuals = Residuals(held, residual.rms, residual.variance_inflation)
     return (
         *run_relaxation_checks(tests, law.model, error, residuals, end),
         *ramp_checks(tests, law, end),

@@ -385,8 +385,10 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     def late(values: FloatArray) -> FloatArray:
         return np.concatenate((np.full(many, values[0]), values[:-many]))
 
-    provided = None if record.given is None else late(record.given)
-    return replace(record, displacement=late(record.displacement), given=provided), many * step
+    provided = None if record.machine_deflection is None else late(record.machine_deflection)
+    return replace(
+        record, displacement=late(record.displacement), machine_deflection=provided
+    ), many * step
 
 
 def _set_force_filter(record: RampHold, lag: float) -> RampHold:

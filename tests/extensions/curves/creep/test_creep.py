@@ -120,7 +120,7 @@ def test_creep_fit_reports_flow() -> None:
     assert "plateau_determined" not in checks
     assert found.stiffness_limits is not None
     low, high = found.stiffness_limits["k_end"]
-    assert low < 1 / float(fluid.compliance(found.evidence.end_of_hold.time)) < high
+    assert low < 1 / float(fluid.compliance(found.evidence.end_of_hold.end_time)) < high
     assert "k_inf" not in found.estimate.parameters
 
 

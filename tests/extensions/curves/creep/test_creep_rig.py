@@ -13,7 +13,7 @@ from dashpot.extensions.curves.creep.fit import fit_creep as fit
 from dashpot.extensions.curves.creep.simulation import simulate_creep
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.ground_truth import stamp, truth_json
-from dashpot.simulation.rig import Rig
+from dashpot.simulation.rig_errors import Rig
 from dashpot.simulation.robot import Axis
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.bench_tests import read_test

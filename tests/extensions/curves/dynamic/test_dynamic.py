@@ -20,7 +20,7 @@ from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.relaxation_spectrum import passive_misfit
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_json

@@ -25,8 +25,8 @@ from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.preprocessing.prepare import prepare
-from dashpot.simulation.motion import simulate_relaxation
-from dashpot.simulation.rig import Climate, Rig
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig_errors import Climate, Rig
 from dashpot.workflow.json_archive import from_json, to_json
 
 ROOM, FRIDGE = 23.0, 0.0

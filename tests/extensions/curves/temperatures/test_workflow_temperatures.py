@@ -101,7 +101,7 @@ def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, pair_fit, cel
     stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
     omega = 2 * np.pi * f
     true = omega**2 / np.abs(2 * stiffness - MASS * omega**2)
-    low, high = made.limits.unseen
+    low, high = made.limits.unmeasured
     assert np.mean((low <= true) & (true <= high)) > 0.95
     own = dp.systems.predict_frf(pair_fit, mass=MASS, seals=2, frequency=f, temperature=kelvin)
     assert (low <= 1.0001 * np.abs(own.value)).all()
@@ -140,13 +140,17 @@ def test_the_document_of_a_fit_says_its_temperatures(pair_fit):
 
 def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
     job = Job(
-        str(bench[1]), further=(str(bench[0]),), temperatures=(273.15, 296.15), mass=MASS, seals=2
+        str(bench[1]),
+        other_tests=(str(bench[0]),),
+        temperatures=(273.15, 296.15),
+        mass=MASS,
+        seals=2,
     )
     project = create(tmp_path / "seal")
     study, _ = record(project, job, page=html)
     # what is shown is the test of the solid's own temperature
     assert study.prepared.specimen.temperature == pytest.approx(296.15)
-    assert [one.specimen.temperature for one in study.further] == [pytest.approx(273.15)]
+    assert [one.specimen.temperature for one in study.other_tests] == [pytest.approx(273.15)]
     assert study.fit.model.arms == 3
     page = html(study)
     assert "One model at several temperatures" in page

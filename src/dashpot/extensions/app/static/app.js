@@ -79,7 +79,7 @@ function allHits() {
 }
 
 function reset() {
-  state.job.cuts = {};
+  state.job.time_limits = {};
   settle();
 }
 
@@ -305,9 +305,9 @@ function cut(
   /** @type {number | null} */ value,
   /** @type {boolean} */ held,
 ) {
-  const moved = held && name in state.job.cuts;
-  if (value === null) delete state.job.cuts[name];
-  else state.job.cuts[name] = value;
+  const moved = held && name in state.job.time_limits;
+  if (value === null) delete state.job.time_limits[name];
+  else state.job.time_limits[name] = value;
   if (!moved) choices();
   $("beside").hidden = false;
   if (value !== null) live(name);

@@ -118,7 +118,7 @@ export function remove(/** @type {string} */ id) {
   state.files = state.files.filter((one) => one.id !== id);
   state.current = state.files[0]?.id || (state.lot && LOT);
   if (!hammers().length) state.joint = false;
-  state.job.cuts = {};
+  state.job.time_limits = {};
   fileList();
   views();
   settle();

@@ -53,7 +53,7 @@ export async function openRow(/** @type {string} */ sha256) {
   refuse("", "file");
   try {
     const { head } = await send("row", { folder: state.lot, sha256 });
-    Object.assign(state.job, head.job, { cuts: {} });
+    Object.assign(state.job, head.job, { time_limits: {} });
     if (state.files.some((one) => one.id === head.files[0].id)) {
       state.current = head.files[0].id;
       fileList();

@@ -31,7 +31,7 @@ import { call } from "./wire.js";
  * @property {string} method
  * @property {string} law
  * @property {string} family
- * @property {Record<string, number>} cuts
+ * @property {Record<string, number>} time_limits
  * @property {Record<string, string>} specimen
  * @property {{accept: string[], reject: string[]}} hammer
  */
@@ -62,7 +62,7 @@ const fresh = () => ({
   frfs: { of: "points", band: "" },
   said: {},
   past: [],
-  job: { ...usual, cuts: {}, specimen: {}, hammer: { accept: [], reject: [] } },
+  job: { ...usual, time_limits: {}, specimen: {}, hammer: { accept: [], reject: [] } },
 });
 
 export let state = fresh();
@@ -128,9 +128,9 @@ export function job() {
     relaxation: of ? of.id : "",
     reading: of ? of.options : {},
     joint: state.joint,
-    further: also.map((one) => one.id),
+    other_tests: also.map((one) => one.id),
     temperatures: warmth.some(Boolean) ? warmth : [],
-    cuts: several ? {} : state.job.cuts,
+    time_limits: several ? {} : state.job.time_limits,
     impact: by.map((one) => one.id),
     reading_impact: by.length ? by[0].options : {},
   };
@@ -138,12 +138,12 @@ export function job() {
 
 /** The solids that can be held against each other, each by what it is of. */
 export function solids() {
-  const many = state.files.filter(isTest).length > 1, cut = Object.keys(state.job.cuts).length > 0;
+  const many = state.files.filter(isTest).length > 1, cut = Object.keys(state.job.time_limits).length > 0;
   return state.files.filter(isTest).flatMap((one) => {
     const own = (/** @type {string} */ words) => many ? `${one.name}, ${words}` : words;
     const found = [[`fit ${one.id}`, own("relaxation alone")]];
     if (hammers().length) found.push([`joint ${one.id}`, own("both tests")]);
-    if (one === test() && cut) found.push([`found ${one.id}`, own("cuts as found")]);
+    if (one === test() && cut) found.push([`found ${one.id}`, own("time limits as found")]);
     return found;
   });
 }
@@ -157,9 +157,9 @@ export function jobOf(/** @type {string} */ solid) {
     relaxation: id,
     reading: of ? of.options : {},
     joint: how === "joint",
-    further: [],
+    other_tests: [],
     temperatures: of?.temperature ? [of.temperature] : [],
-    cuts: own ? state.job.cuts : {},
+    time_limits: own ? state.job.time_limits : {},
   };
 }
 
@@ -211,12 +211,12 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
   const words = [];
   for (const name of Object.keys(b)) {
     if (JSON.stringify(a[name]) === JSON.stringify(b[name])) continue;
-    if (name === "cuts") {
-      const moved = Object.keys({ ...a.cuts, ...b.cuts }).filter((one) =>
-        a.cuts[one] !== b.cuts[one]
+    if (name === "time_limits") {
+      const moved = Object.keys({ ...a.time_limits, ...b.time_limits }).filter((one) =>
+        a.time_limits[one] !== b.time_limits[one]
       );
       for (const one of moved) {
-        const at = b.cuts[one] === undefined ? "as found" : `${+b.cuts[one].toFixed(4)} s`;
+        const at = b.time_limits[one] === undefined ? "as found" : `${+b.time_limits[one].toFixed(4)} s`;
         words.push(`${one === "onset" ? "contact" : one.replace("_", " ")} ${at}`);
       }
     } else if (name === "hammer") {

@@ -151,16 +151,16 @@ export let since = 0;
 
 /** Stand where the cuts are: the handles, and the numbers in the fields. */
 export function placeHandles(
-  /** @type {Record<string, number>} */ cuts,
+  /** @type {Record<string, number>} */ time_limits,
   /** @type {Clock | null} */ clock = null,
   anew = false,
 ) {
   /** @type {Record<string, number>} */
-  const at = { ...cuts, ...state.job.cuts };
+  const at = { ...time_limits, ...state.job.time_limits };
   /** @type {Handle[]} */
   const moved = [];
   // what is drawn counts from where the ramp ended when it was
-  if (anew) since = cuts.ramp_end;
+  if (anew) since = time_limits.ramp_end;
   for (const [name, handle] of Object.entries(handles)) {
     // what is cut by hand is one test
     const figure = together().length ? null : figures[handle.panel];
@@ -172,7 +172,7 @@ export function placeHandles(
     handle.put(on);
   }
   for (const [name, handle] of Object.entries(handles)) {
-    handle.byHand(name in state.job.cuts);
+    handle.byHand(name in state.job.time_limits);
     put(`cut-${name}`, String(+at[name].toFixed(4)));
   }
 }

@@ -55,7 +55,7 @@ function ends(/** @type {string} */ said) {
 }
 
 /** What the fit that was settled last chose by itself. */
-let found = { arms: 0, law: "", cuts: {}, end: ["", ""] };
+let found = { arms: 0, law: "", time_limits: {}, end: ["", ""] };
 
 /** While a handle is held: bare curves, and both fits' numbers. */
 export function live(/** @type {string} */ end) {
@@ -65,12 +65,12 @@ export function live(/** @type {string} */ end) {
   status("following");
   $("right").classList.add("moving");
   // what is chosen by trial is as it was found, until the handle is let go
-  const { arms, law, cuts } = found, own = job();
+  const { arms, law, time_limits } = found, own = job();
   const asked = {
     ...own,
     arms: own.arms === "auto" && arms ? arms : own.arms,
     law: own.law === "auto" && law ? law : own.law,
-    cuts: { ...cuts, ...own.cuts },
+    time_limits: { ...time_limits, ...own.time_limits },
   };
   // what does not follow is of the cut before
   for (const name of ["frf", "spectrum"]) panelCard(name)?.classList.add("past");
@@ -81,8 +81,8 @@ export function live(/** @type {string} */ end) {
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);
-    placeHandles(head.cuts);
-    const [at, was] = [head.cuts, found.cuts].map((cuts) => `${cuts[end].toFixed(3)} s`);
+    placeHandles(head.time_limits);
+    const [at, was] = [head.time_limits, found.time_limits].map((time_limits) => `${time_limits[end].toFixed(3)} s`);
     const [name, k] = head.end, [before, k0] = found.end;
     const far = `${ENDS[end]} ${at}, was ${was}. ${name} ${k}, was ${
       name === before ? "" : `${before} `
@@ -187,13 +187,13 @@ function settled(/** @type {any} */ head) {
   else told(head);
   solid(head.solid, false, head.arms);
   $("beside").innerHTML = head.beside;
-  $("beside").hidden = !Object.keys(state.job.cuts).length;
+  $("beside").hidden = !Object.keys(state.job.time_limits).length;
   $("pressed").textContent = head.pressed.message;
   field("compression").placeholder = head.pressed.value || "weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
-  found = { arms: head.arms, law: head.law, cuts: head.cuts, end: head.end };
+  found = { arms: head.arms, law: head.law, time_limits: head.time_limits, end: head.end };
   const [first, last] = head.clock;
-  placeHandles(head.cuts, { first, last, step: head.step }, !old);
+  placeHandles(head.time_limits, { first, last, step: head.step }, !old);
   $("right").classList.remove("moving");
   fit();
 }
@@ -393,7 +393,7 @@ function studied(/** @type {any} */ head) {
   solid(head.solid, state.joint, head.arms);
   told(head);
   fit();
-  placeHandles(head.cuts, null, true);
+  placeHandles(head.time_limits, null, true);
 }
 
 /** The response of the mass while it moves. */

@@ -45,7 +45,7 @@ export function solid(
 }
 
 export function choices() {
-  const { arms, method, law, family, cuts } = state.job;
+  const { arms, method, law, family, time_limits } = state.job;
   for (const [name, value] of Object.entries({ arms, method, law, family })) {
     for (const button of all(`[data-${name}]`)) {
       button.setAttribute("aria-pressed", String(String(value) === button.dataset[name]));
@@ -58,8 +58,8 @@ export function choices() {
   for (const button of all("[data-base]")) {
     button.setAttribute("aria-pressed", String(state.base === (button.dataset.base === "yes")));
   }
-  $("reset").hidden = !Object.keys(cuts).length;
-  for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
+  $("reset").hidden = !Object.keys(time_limits).length;
+  for (const [name, handle] of Object.entries(handles)) handle.byHand(name in time_limits);
   for (const button of all("[data-phase]")) {
     button.setAttribute("aria-pressed", String(state.phase));
     button.toggleAttribute("disabled", state.base);

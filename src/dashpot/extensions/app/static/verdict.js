@@ -120,12 +120,12 @@ export const settled = () =>
 
 /** The control that mends a refused fit: what was refused, or else what was changed last. */
 function mends(/** @type {string} */ said) {
-  const { cuts, hammer } = state.job;
+  const { time_limits, hammer } = state.job;
   if (GONE.test(said)) return { words: "Try again", act: "again" };
   if (hammer.reject.length && /no hit is left/.test(said)) {
     return { words: "Accept all that pass", act: "all-hits" };
   }
-  if (Object.keys(cuts).length) return { words: "Cuts as found", act: "reset" };
+  if (Object.keys(time_limits).length) return { words: "Time limits as found", act: "reset" };
   return { words: "Take back the last change", act: "undo" };
 }
 

@@ -12,7 +12,7 @@ from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_nonnegative, require_positive
 from dashpot.extensions.curves.datamodel.creep import CreepTest
-from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
+from dashpot.simulation.rig_errors import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a loop of more damping does not swing, and follows about as this one

@@ -291,7 +291,7 @@ def _checks(
             records,
             point.solid,
             np.sqrt(np.diag(knowledge.solid_covariance)),
-            Residuals(knowledge.residuals, residual.rms, residual.kappa),
+            Residuals(knowledge.residuals, residual.rms, residual.variance_inflation),
             RelaxationWindow((min(low), max(high)), "the tests together"),
             solids=solids,
             needed=fit.best.choice is not None,

@@ -141,7 +141,8 @@ def _build_rate_law(pieces: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -
     n = len(best.residual)
     rms = float(np.sqrt(best.sse / n))
     kappa = min(
-        (best.sse, uncertainty.kappa), (fit.estimate.residual.sse, fit.estimate.residual.kappa)
+        (best.sse, uncertainty.kappa),
+        (fit.estimate.residual.sse, fit.estimate.residual.variance_inflation),
     )[1]
     value = score(best, n / kappa)
     other = bic(

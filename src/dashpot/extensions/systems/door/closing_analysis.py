@@ -47,7 +47,7 @@ class Share(Serialisable):
         J; below 0 where it helped.
     stored : float
         Of which it would give back, J; nan of a door that stopped.
-    moment : float
+    peak_moment : float
         The largest against closing, N m.
     """
 
@@ -56,13 +56,13 @@ class Share(Serialisable):
         "work",
         Key("stored", nonfinite_as_null=True),
         Key("lost", "dissipated_energy", nonfinite_as_null=True),
-        Key("peak_moment", "moment"),
+        "peak_moment",
     )
 
     name: str
     work: float
     stored: float
-    moment: float
+    peak_moment: float
 
     @property
     def dissipated_energy(self) -> float:
@@ -77,32 +77,32 @@ class Scatter(Serialisable):
     Attributes
     ----------
     variation : Tolerances
-    speed : array, shape (doors,)
+    least_speed : array, shape (doors,)
         The least that closes each, m/s; inf where none does.
-    least : array, shape (doors,)
+    least_compression : array, shape (doors,)
         Least compression along the line once closed, m; below 0 it leaks.
-    contact : array, shape (doors,)
+    least_contact_force : array, shape (doors,)
         Least relaxed force of contact along the line, N/m.
     """
 
     _keys = (
         Key("variation", flatten=True),
-        Key("least_speed", "speed", nonfinite_as_null=True),
+        Key("least_speed", nonfinite_as_null=True),
         Key("least_speed_95", nonfinite_as_null=True),
         Key("above_limit", "share_above_limit"),
-        Key("share_leaking", "leaking"),
-        Key("least_compression", "least"),
-        Key("least_contact_force", "contact"),
+        "share_leaking",
+        "least_compression",
+        "least_contact_force",
     )
 
     variation: Tolerances
-    speed: FloatArray
-    least: FloatArray
-    contact: FloatArray
+    least_speed: FloatArray
+    least_compression: FloatArray
+    least_contact_force: FloatArray
 
     def quantile(self, part: float) -> float:
         """Return the speed that closes so many of the doors, m/s."""
-        return float(np.quantile(self.speed, part, method="higher"))
+        return float(np.quantile(self.least_speed, part, method="higher"))
 
     @property
     def least_speed_95(self) -> float:
@@ -113,12 +113,12 @@ class Scatter(Serialisable):
     def share_above_limit(self) -> float | None:
         """Share of the doors that need more than the limit; None without one."""
         limit = self.variation.limit
-        return None if limit is None else float((self.speed > limit).mean())
+        return None if limit is None else float((self.least_speed > limit).mean())
 
     @property
-    def leaking(self) -> float:
+    def share_leaking(self) -> float:
         """Share of the doors whose seal does not touch all along."""
-        return float((self.least < 0).mean())
+        return float((self.least_compression < 0).mean())
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
         (moments_panel(done),),
         (speed_panel(done),),
     ]
-    if done.scatter is not None and np.isfinite(done.scatter.speed).any():
+    if done.scatter is not None and np.isfinite(done.scatter.least_speed).any():
         strips.append((doors_panel(done, done.scatter),))
     caption = (
         "A door that closes: what each term takes of its energy, their moments and its speed over "
@@ -140,7 +140,7 @@ def speed_panel(done: ClosingAnalysis) -> Panel:
 
 def doors_panel(done: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
     """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
-    speed = scatter.speed[np.isfinite(scatter.speed)]
+    speed = scatter.least_speed[np.isfinite(scatter.least_speed)]
     limit, above = scatter.variation.limit, scatter.share_above_limit
     bars, top = _bars(speed, limit)
     marks: list[Mark] = [*bars]
@@ -164,7 +164,7 @@ def doors_panel(done: ClosingAnalysis, scatter: Scatter, *, height: float = 220.
         Scale("least speed of the edge, m/s", compute_padded_limits(*ends, margin=0.12)),
         Scale("doors", (0.0, 1.45 * top)),
         tuple(marks),
-        title=f"least speed of {len(scatter.speed)} doors",
+        title=f"least speed of {len(scatter.least_speed)} doors",
         height=height,
         note=""
         if above is None

@@ -50,7 +50,7 @@ def closing_text(value: ClosingAnalysis) -> Text:
                 ""
                 if math.isnan(energy_term.stored)
                 else format_rounded(energy_term.stored, digits=3),
-                format_rounded(energy_term.moment, digits=3),
+                format_rounded(energy_term.peak_moment, digits=3),
             ]
         )
     rows.append(["all", format_rounded(taken, digits=3), "", "", ""])
@@ -114,7 +114,8 @@ def _scatter(closing: ClosingAnalysis) -> list[str]:
         (
             f"  least speed {format_rounded(low, digits=3)}, {format_rounded(middle, digits=3)}, "
             f"{format_rounded(high, digits=3)} m/s (5, 50, 95 %); in "
-            f"{format_rounded(100 * scatter.leaking, digits=3)} % the seal does not touch all along"
+            f"{format_rounded(100 * scatter.share_leaking, digits=3)} % the seal does not touch "
+            "all along"
         ),
     ]
     if scatter.share_above_limit is not None:

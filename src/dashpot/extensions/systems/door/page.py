@@ -227,7 +227,9 @@ def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
     if scatter is None:
         return first, ""
     vary = scatter.variation
-    leaks = "none leaks" if scatter.leaking == 0 else f"{100 * scatter.leaking:.2g} % leak"
+    leaks = (
+        "none leaks" if scatter.share_leaking == 0 else f"{100 * scatter.share_leaking:.2g} % leak"
+    )
     return first, (
         f"Gap ±{convert_to_unit(vary.gap, 'mm'):g} mm and force ±{100 * vary.load:g} % (three SD). "
         "95 % of "
@@ -304,7 +306,7 @@ def _figures(
         yield _render_panel(
             "waterfall", waterfall(done), _THIRD, "What each term takes of the energy"
         )
-        if done.scatter is not None and np.isfinite(done.scatter.speed).any():
+        if done.scatter is not None and np.isfinite(done.scatter.least_speed).any():
             panel = doors_panel(done, done.scatter, height=205.0)
             yield _render_panel(
                 "doors", panel, _THIRD, "The least speeds of doors within their tolerances"
@@ -369,7 +371,7 @@ def _shares(result: DoorResult) -> TextTable:
 def _terms(closed: ClosingResult) -> TextTable:
     rows = tuple(
         (term.name, round_to_error(term.work, digits=3), round_to_error(term.stored, digits=3),
-         round_to_error(term.moment, digits=3))
+         round_to_error(term.peak_moment, digits=3))
         for term in closed.closing.terms
     )  # fmt: skip
     return TextTable(("term", "J", "recoverable, J", "highest moment, N m"), rows)

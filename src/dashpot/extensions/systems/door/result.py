@@ -80,7 +80,7 @@ class SealOfDoor(Serialisable):
         "stiffness",
         Key("stiffness_per_metre", "section.solid.k_inf"),
         "sideways",
-        Key("slip_limit", "sticks", optional=True),
+        Key("slip_limit", optional=True),
         "force",
         "line.joints",
         "fit.specimen.temperature",
@@ -126,7 +126,7 @@ class SealOfDoor(Serialisable):
         return LateralStiffness(self._compute_rest_stiffness(1), self._compute_rest_stiffness(2))
 
     @property
-    def sticks(self) -> float | None:
+    def slip_limit(self) -> float | None:
         """Motion sideways up to which no station slips, m; None without friction."""
         ends = [
             slips[sticks > 0] / sticks[sticks > 0]
@@ -169,7 +169,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         Where the force acts.
     frfs : tuple of (str, FRF, FRF)
         The name of a point, its FRF with the seal and without.
-    shaken : tuple of Shaken
+    random : tuple of Shaken
     checks : tuple of Check
     """
 
@@ -179,7 +179,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         "modes",
         Key("without_seal_hz", "bare"),
         Key("frf", "responses"),
-        Key("random", "shaken"),
+        "random",
         "verdict",
         "checks",
         Key("source", "sources"),
@@ -192,7 +192,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     bare: tuple[float, ...]
     driven: DoorPoint
     frfs: tuple[tuple[str, FRF, FRF], ...]
-    shaken: tuple[BaseResponse, ...]
+    random: tuple[BaseResponse, ...]
     checks: tuple[Check, ...]
 
     @property

@@ -105,10 +105,10 @@ def _line(result: DoorResult) -> list[str]:
         sentences.append(
             f"  sideways {across} N/mm across the line and {along} N/mm along it in all"
         )
-    if seal.sticks is not None:
+    if seal.slip_limit is not None:
         sentences.append(
             "  its friction sticks sideways up to "
-            f"{format_rounded(convert_to_unit(seal.sticks, 'mm'), digits=3)} "
+            f"{format_rounded(convert_to_unit(seal.slip_limit, 'mm'), digits=3)} "
             "mm; the modes are of a seal that sticks"
         )
     if seal.compression is not None and seal.force is not None:
@@ -124,10 +124,10 @@ def _line(result: DoorResult) -> list[str]:
 
 
 def _shaken(result: DoorResult) -> list[str]:
-    if not result.shaken:
+    if not result.random:
         return []
     rows = [["base shakes: rms", "m/s^2", "mm to the body", "without seal, m/s^2", "mm"]]
-    for response in result.shaken:
+    for response in result.random:
         bare = response.bare
         rows.append(
             [

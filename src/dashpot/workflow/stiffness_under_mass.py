@@ -202,7 +202,7 @@ def frf_limits(
     return replace(
         joined,
         parameter=_slid(f, joined.parameter, slid),
-        unseen=_slid(f, joined.unseen, slid),
+        unmeasured=_slid(f, joined.unmeasured, slid),
         message=joined.message + doubt * (point.factor_se > 0),
     )
 
@@ -218,7 +218,7 @@ def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
         frequency=frequency * of.frequency,
         magnitude=height * of.magnitude,
         parameter=height * of.parameter,
-        unseen=height * of.unseen,
+        unmeasured=height * of.unmeasured,
         peak_frequency=times(frequency, of.peak_frequency),
         peak_height=times(height, of.peak_height),
     )
@@ -226,8 +226,8 @@ def _scale_bounds(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
 
 def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: FloatArray) -> FRFBounds:
     """Return what holds every one of some limits, and the solid's own magnitude."""
-    low = np.min([values, *(bound.unseen[0] for bound in bounds)], axis=0)
-    high = np.max([values, *(bound.unseen[1] for bound in bounds)], axis=0)
+    low = np.min([values, *(bound.unmeasured[0] for bound in bounds)], axis=0)
+    high = np.max([values, *(bound.unmeasured[1] for bound in bounds)], axis=0)
 
     def ends(pairs: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
         items = [pair for pair in pairs if pair is not None]
@@ -239,7 +239,7 @@ def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: Float
         bounds[0],
         magnitude=values,
         parameter=formal,
-        unseen=np.array([low, high]),
+        unmeasured=np.array([low, high]),
         peak_frequency=ends([bound.peak_frequency for bound in bounds]),
         peak_height=ends([bound.peak_height for bound in bounds]),
     )
@@ -248,7 +248,7 @@ def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: Float
 def rival_of(fit: Fit) -> Fit | None:
     """A fit with the other family's solid in place of its own, if that explains the tests too."""
     other = fit.evidence.alternative
-    return None if other is None or not other.explains else replace(fit, solid=other.solid)
+    return None if other is None or not other.is_sufficient else replace(fit, solid=other.solid)
 
 
 def rival_modes(fit: Fit, point: OperatingPoint, on: MassOnSeals) -> tuple[Mode, ...]:

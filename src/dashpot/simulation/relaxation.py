@@ -12,7 +12,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.relaxation import RelaxationTest, Trajectory
 from dashpot.datamodel.specimen import Specimen
-from dashpot.simulation.rig import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
+from dashpot.simulation.rig_errors import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
 from dashpot.simulation.robot import setpoints
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
