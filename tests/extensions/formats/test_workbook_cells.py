@@ -14,6 +14,8 @@ from kit.foreign.files import press_and_hold
 from kit.instruments import ods
 
 from dashpot.base.errors import ReadError
+from dashpot.extensions.formats.workbook_sheets import sheets
+from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 
@@ -95,6 +97,23 @@ def test_a_clock_of_xlsx_past_24_hours(
     test = read_relaxation(path)
     assert len(test.time) == len(TIME)
     np.testing.assert_allclose(test.time - test.time[0], at - at[0], atol=2e-3)
+
+
+@pytest.mark.parametrize("style", ["hh:mm:ss", "[h]:mm:ss"])
+@pytest.mark.parametrize("hours", [1.0, 7.0, 24.0, 30.0, 49.0])
+@pytest.mark.parametrize("offset", [0.5, 5.5, 17.0])
+def test_a_clock_of_xlsx_past_the_29th_of_february_1900(
+    tmp_path: Path, style: str, hours: float, offset: float
+) -> None:
+    """Calamine returns day 60 of Excel's count as day 59 again."""
+    at = (offset + hours * np.arange(int(70 * 24 / hours))) * 3600
+    rows = [[t / 86400, 1.0, 40.0 - 1e-6 * t] for t in map(float, at)]
+    path = xlsx(tmp_path / "a.xlsx", [["Time", *HEAD[1:]], *rows], style)
+    with path.open("rb") as stream:
+        lines = sheets(RawFile(path.name, None, stream.read()), ReadOptions())["Sheet"].decode()
+    clocks = [line.split("\t")[0].split(":") for line in lines.splitlines()[1:]]
+    found = [3600 * float(h) + 60 * float(m) + float(s) for h, m, s in clocks]
+    np.testing.assert_allclose(found, at, atol=2e-3)
 
 
 def iso(seconds: float) -> str:

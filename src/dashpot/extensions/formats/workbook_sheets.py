@@ -24,6 +24,10 @@ _LEAST = 4
 """Bytes of a workbook that no filled cell is without."""
 _FIRST_YEARS = {1899, 1900, 1904}
 """The years in which the calendars of spreadsheets begin: who counts time by them means no date."""
+_ZERO = dt.datetime(1899, 12, 31)
+_DAY = dt.timedelta(days=1)
+_TWICE = dt.timedelta(days=59)
+"""The count of the day that calamine returns twice."""
 _MOST_HOURS = 10_000
 _DURATION = re.compile(r"\APT(?:(\d{1,9})H)?(?:(\d{1,9})M)?(?:(\d{1,9}(?:[.,]\d{1,12})?)S)?\Z")
 """A length of time by ISO 8601, as OpenDocument writes it."""
@@ -87,13 +91,13 @@ def _lines(rows: list[list[Any]]) -> Iterator[str]:
     are one count of days: a clock that went on past 24 hours.
     """
     instants = {j for row in rows for j, value in enumerate(row) if type(value) is dt.datetime}
-    counted = _columns_of_days(rows)
+    clocks = {j: _DayCount() for j in _columns_of_days(rows)}
     for row in rows:
         if not any(value != "" for value in row):  # of a far row there are thousands above it
             yield ""
             continue
         yield "\t".join(
-            _cell(_since(value) if j in counted else value, instant=j in instants)
+            _cell(clocks[j].since(value) if j in clocks else value, instant=j in instants)
             for j, value in enumerate(row)
         )
 
@@ -110,17 +114,47 @@ def _columns_of_days(rows: list[list[Any]]) -> set[int]:
     return {j for j, kind in kinds.items() if kind == {"time", "day"}}
 
 
-def _since(value: Any) -> Any:
-    """Return a date of a calendar's first year as the time since its zero."""
-    if not isinstance(value, dt.date):
-        return value
-    at = (
-        value if isinstance(value, dt.datetime) else dt.datetime(value.year, value.month, value.day)
-    )
-    # Excel has a 29th of February 1900, so that its count is one more from March on
-    zero = dt.datetime(1904, 1, 1) if at.year == 1904 else dt.datetime(1899, 12, 31)
-    leap = dt.timedelta(days=at.year == 1900 and at.month > 2)
-    return at - zero + leap
+class _DayCount:
+    """One column that counts days by the dates of a calendar's first year, row by row.
+
+    Excel has a 29th of February 1900, its day 60. Its count is one more from March on, and
+    calamine returns that day as the 28th a second time: it is that if the clock would run
+    backwards, or its step would change more, otherwise.
+    """
+
+    def __init__(self) -> None:
+        self._last: dt.timedelta | None = None
+        self._step = dt.timedelta(0)
+
+    def since(self, value: Any) -> Any:
+        """Return a date or a time of the day as the time since the zero of the count."""
+        if isinstance(value, dt.time):
+            return self._follow(value, dt.datetime.combine(_ZERO, value) - _ZERO)
+        if not isinstance(value, dt.date):
+            return value
+        at = (
+            value
+            if isinstance(value, dt.datetime)
+            else dt.datetime(value.year, value.month, value.day)
+        )
+        if at.year == 1904:
+            return at - dt.datetime(1904, 1, 1)
+        count = at - _ZERO
+        if at >= dt.datetime(1900, 3, 1) or (count >= _TWICE and self._is_second(count)):
+            count += _DAY
+        return self._follow(count, count)
+
+    def _is_second(self, count: dt.timedelta) -> bool:
+        if self._last is None:
+            return False
+        step = count - self._last
+        return step < dt.timedelta(0) or abs(step + _DAY - self._step) < abs(step - self._step)
+
+    def _follow(self, cell: Any, count: dt.timedelta) -> Any:
+        if self._last is not None:
+            self._step = count - self._last
+        self._last = count
+        return cell
 
 
 def _cell(value: Any, *, instant: bool) -> str:
