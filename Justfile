@@ -83,6 +83,21 @@ bench:
     done
     [ "${#failed[@]}" = 0 ] || { echo "failed: ${failed[*]}"; exit 1; }
 
+# what public packages do with valid input that an expert would not guess: every script, or those named, a line each
+findings *names:
+    #!/usr/bin/env bash
+    set -uo pipefail
+    names=({{names}})
+    [ "${#names[@]}" -gt 0 ] || for script in findings/*.sh; do names+=("$(basename "$script" .sh)"); done
+    failed=0
+    for name in "${names[@]}"; do
+        before=$SECONDS
+        if told="$(bash "findings/$name.sh" 2>&1)"; then result=unchanged; else result=changed; failed=1; fi
+        printf '%-9s  %4d s  %s\n' "$result" "$((SECONDS - before))" "$name"
+        [ "$result" = unchanged ] || tail -n 12 <<< "$told" | sed 's/^/           /'
+    done
+    exit "$failed"
+
 # what the gate tests, pinned: constraints.txt, and requirements.txt with the hash of every file
 pins:
     python .ci/constraints.py > constraints.txt

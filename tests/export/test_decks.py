@@ -393,6 +393,16 @@ def stiffness(arms, k_inf, b=0.0):
 
 
 @given(solids)
+def test_no_number_is_longer_than_calculix_reads(solid):
+    """It cuts a number at 20 characters, and with it an exponent."""
+    for target, extra in (("calculix", {}), ("calculix", {"mass": np.pi / 60}), ("abaqus", {})):
+        for units in UNIT_SYSTEMS:
+            deck = TARGETS[target](solid, units=units, **extra)
+            cards = [line for line in deck.splitlines() if not line.startswith("*")]
+            assert max(len(word.strip()) for card in cards for word in card.split(",")) <= 20
+
+
+@given(solids)
 def test_lsdyna_arms(solid):
     """k(t) = ki + (k0 - ki) exp(-beta t) on each *MAT_SPRING_MAXWELL, fields of ten columns."""
     solid = solid + GeneralizedMaxwell(0.0, b=7.0)
