@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # python-calamine: a clock of days in a worksheet has three types, and its day 60 is day 59 again.
 #
-# Expected: a column of elapsed times, one format (hh:mm:ss) and one count of days in the file, comes back as one type,
-#   or at least as values that rise as the numbers in the file do.
-# Happens: below 24 h the cells are times of day, a whole day is a date of 1900, the rest are dates with a time. From
-#   1440 h on they repeat: 60.5 days is the 28th of February 1900 at noon, as 59.5 days is, and 61 days is the
-#   1st of March: the day that Excel has and the calendar has not. Of [h]:mm:ss nothing of this is true.
-# Matters: compression stress relaxation is run for 1000 to 3000 h. The clock jumps back by a day at 1440 h, and of
-#   points that are further apart than a day one is a day too early, with nothing to see. Format the
-#   column as [h]:mm:ss or as a number before you export.
+# Expected: a column of elapsed times, one format (hh:mm:ss) and one count of days in the file,
+#   comes back as one type, or at least as values that rise as the numbers in the file do.
+# Happens: below 24 h the cells are times of day, a whole day is a date of 1900, the rest are dates
+#   with a time. From 1440 h on they repeat: 60.5 days is the 28th of February 1900 at noon, as 59.5
+#   days is, and 61 days is the 1st of March: the day that Excel has and the calendar has not. A
+#   column in [h]:mm:ss comes back as durations, all of them right.
+# Matters: compression stress relaxation is run for 1000 to 3000 h. The clock jumps back by a day at
+#   1440 h, and of points that are further apart than a day one is a day too early, with nothing to
+#   see. Format the column as [h]:mm:ss or as a number before you export.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

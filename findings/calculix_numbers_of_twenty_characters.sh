@@ -1,21 +1,23 @@
 #!/usr/bin/env bash
 # CalculiX: a number of 21 characters is cut to 20, and its exponent with it.
 #
-# Expected: a number in free format has any number of digits, as in the decks of the solver whose syntax it is; what is too
-#   long is refused. (Fields of names are known to have a limit.)
-# Happens: 5.202123456789012e-05, the mass of a block of 52 g in tonnes with all the digits of a double, is read as
-#   5.202123456789012e-0, that is 5.2 tonnes. Exit status 0; the one warning is that of any deck without a
-#   solid. With one digit more the cut number ends in "e-" and is refused; with one digit less it is right.
-# Matters: every double below 1e-4 that a script writes with repr() has 20 to 22 characters, and masses in tonnes,
-#   densities in t/mm^3 and compliances are such numbers. The sag of a block under its weight comes out as
-#   5 km. Write at most ten digits.
+# Expected: a number between two commas may have any number of digits, as in Abaqus, whose syntax
+#   CalculiX reads; what is too long is refused.
+# Happens: 5.202123456789012e-05, the mass of a block of 52 g in tonnes with all the digits of a
+#   double, is read as 5.202123456789012e-0, that is 5.2 tonnes. Exit status 0; the one warning is
+#   that of any deck without a solid. With one digit more the cut number ends in "e-" and is
+#   refused; with one digit less it is right.
+# Matters: most doubles below 1e-4 have 20 to 22 characters if a script writes all their digits,
+#   and masses in tonnes, densities in t/mm^3 and compliances are such numbers. The sag of a block under
+#   its weight comes out as 5 km. Write at most ten digits.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 # CalculiX is no package of Python: that of Debian 12, with the libraries it needs, is unpacked here
-apt-get -o APT::Sandbox::User=root download -qq calculix-ccx=2.20-1 libspooles2.2=2.2-14 libarpack2 libblas3 liblapack3 \
-    libgfortran5 libquadmath0 libopenmpi3 libhwloc15 libevent-core-2.1-7 libevent-pthreads-2.1-7
+apt-get -o APT::Sandbox::User=root download -qq calculix-ccx=2.20-1 libspooles2.2=2.2-14 \
+    libarpack2 libblas3 liblapack3 libgfortran5 libquadmath0 libopenmpi3 libhwloc15 \
+    libevent-core-2.1-7 libevent-pthreads-2.1-7
 for package in *.deb; do dpkg-deb -x "$package" root; done
 lib="$folder/root/usr/lib/x86_64-linux-gnu"
 export LD_LIBRARY_PATH="$lib:$lib/blas:$lib/lapack" OMP_NUM_THREADS=1

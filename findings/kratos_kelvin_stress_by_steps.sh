@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # Kratos: a block of ViscousGeneralizedKelvin3D does not relax; its force is proportional to the time step.
 #
-# Expected: pressed within the first step and held, a viscoelastic block answers with the modulus E at first, and
-#   relaxes with the relaxation time. A finer step comes nearer to that.
-# Happens: the force stands still from the first step on, and the finer the step, the smaller it is: after the same
-#   3 s of the same motion a third with 30 steps of what 10 steps give, and towards zero. All strain but a share
-#   of the size of a step is viscous at once. ViscousGeneralizedMaxwell3D, beside it, relaxes and converges. No
-#   message; Newton converges in each step.
-# Matters: to one who takes the law by its name, a seal carries next to nothing, and a refinement in time makes it
-#   softer still. Try a law on one element, at two steps, before the numbers of a relaxation test go into it.
+# Expected: pressed within the first step and held, a viscoelastic block answers with the modulus E
+#   at first, and relaxes with the relaxation time. A finer step comes nearer to that.
+# Happens: the force stands still from the first step on, and the finer the step, the smaller it is:
+#   after the same 3 s of the same motion a third with 30 steps of what 10 steps give, and towards
+#   zero. All strain but a share of the size of a step is viscous at once.
+#   ViscousGeneralizedMaxwell3D, beside it, relaxes and converges. No message; Newton converges in
+#   each step.
+# Matters: to one who takes the law by its name, a seal carries next to nothing, and a refinement in
+#   time makes it softer still. Try a law on one element, at two steps, before the numbers of a
+#   relaxation test go into it.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
 # pyFRF: the two windows of a hammer test, force and exponential, multiply the FRF by a constant.
 #
-# Expected: a force window that keeps the whole pulse changes nothing; an exponential window on the response of a
-#   structure adds damping, so resonances become wider and lower. Far above a resonance, where the response
-#   follows the pulse, |acceleration / force| stays 1/m.
-# Happens: each signal is normalised by the mean of its window, as for a sine that fills the record, and the mean of
-#   the force window is taken for 1. With window=("force:0.05", "exponential:0.01") the FRF is 4.65 times too
-#   large at every line, the inverse of the mean of the exponential window; ("exponential:0.01",
-#   "exponential:0.01") has the right mass line. Coherence, frequency and shape look as they should.
-# Matters: the mass line of a hammer test is its calibration: a mass of 60 g shows as 13 g, and so do the stiffness
-#   and the damping coefficient of the seal under it. Give both channels the same window.
+# Expected: a force window that keeps the whole pulse changes nothing; an exponential window on the
+#   response of a structure adds damping, so resonances become wider and lower. Far above a
+#   resonance, where the response follows the pulse, |acceleration / force| stays 1/m.
+# Happens: each signal is normalised by the mean of its window, as for a sine that fills the record,
+#   and the mean of the force window is taken for 1. With window=("force:0.05", "exponential:0.01")
+#   the FRF is 4.65 times too large at every line, the inverse of the mean of the exponential
+#   window; ("exponential:0.01", "exponential:0.01") has the right mass line. Coherence, frequency
+#   and shape look as they should.
+# Matters: the mass line of a hammer test is its calibration: a mass of 60 g shows as 13 g, and so
+#   do the stiffness and the damping coefficient of the seal under it. Give both channels the same
+#   window.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

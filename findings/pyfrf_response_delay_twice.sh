@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # pyFRF: the correction of a late response channel makes it later still.
 #
-# Expected: resp_delay, "response time delay (in seconds) with regards to the excitation", is taken out of the
-#   FRF: a response that was recorded 2 ms late, with resp_delay=0.002, gives the FRF of the response in time.
-# Happens: the FRF is that of a response 4 ms late; resp_delay=-0.002 gives the right one. Amplitude and
-#   coherence are the same in all cases.
-# Matters: channels of two modules or a filter in one of them are a reason to use it, and at 13 Hz 2 ms are 9
-#   degrees of phase: taken twice, they make the loss factor of a seal wrong by 0.3, and its sign with it. Check the phase
-#   of a mass, 0 degrees above its resonance, before and after any correction.
+# Expected: resp_delay is documented as the delay of the response behind the excitation, in seconds,
+#   and corrects the FRF: a response that was recorded 2 ms late, with resp_delay=0.002, gives the
+#   FRF of the response in time.
+# Happens: the FRF is that of a response 4 ms late; resp_delay=-0.002 gives the right one. Amplitude
+#   and coherence are the same in all cases.
+# Matters: channels of two modules, or a filter in one of them, are a reason to use it. At 12.5 Hz
+#   2 ms are 9 degrees of phase, and doubled 18, which is more than the loss angle of most seals.
+#   Check the phase of a mass, 0 degrees well above its resonance, before and after a correction.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

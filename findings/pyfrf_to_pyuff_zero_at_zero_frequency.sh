@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# pyFRF and pyuff: the receptance that is not known at 0 Hz is written to a UFF file as zero, a rigid support.
+# pyFRF and pyuff: a receptance that is not known at 0 Hz is 0 in the UFF file, a rigid support.
 #
-# Expected: an FRF of force and acceleration says nothing of 0 Hz: pyFRF gives nan there. A file either keeps the nan,
-#   leaves out the line, or the writer refuses.
-# Happens: write_sets() of pyuff turns each nan into 0.0 (an infinite value into the largest double) without a
-#   word. The file, ASCII or binary, has a receptance of 0 m/N at 0 Hz, which is an infinite stiffness, as a measured
-#   value, and so has any line that somebody set to nan because its coherence was bad. The accelerance is 0
-#   there, too, where 0 happens to be right.
-# Matters: K' over frequency, 1/H, begins at infinity or, smoothed or interpolated to the first lines, far too high; a
-#   dead line is a dip of the FRF. Leave out the lines before you write.
+# Expected: an FRF of force and acceleration says nothing of 0 Hz: pyFRF gives nan there. A file
+#   either keeps the nan, leaves out the line, or the writer refuses.
+# Happens: write_sets() of pyuff turns each nan into 0.0
+#   without a word. The file, ASCII or binary, has a receptance of 0 m/N at 0 Hz, which is an
+#   infinite stiffness, as a measured value, and so has any line that somebody set to nan because
+#   its coherence was bad. The accelerance is 0 there, too, where 0 happens to be right.
+# Matters: K' over frequency, 1/H, begins at infinity or, smoothed or interpolated to the first
+#   lines, far too high; a dead line is a dip of the FRF. Leave out the lines before you write.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

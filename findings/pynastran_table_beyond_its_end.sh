@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # pyNastran: one frequency beyond the end of a TABLED1 changes the values at all the others.
 #
-# Expected: TABLED1.interpolate() gives a value for each x by itself: on the line between the two points round it,
-#   and beyond the ends, as the card is defined, on the line through the last two points.
-# Happens: with one x above the last point, every answer of the call is the y of the point below its x: the line
-#   becomes stairs, and at a point exactly the y of the point before. One x below the first point lies on the
-#   line through the last and the first point. No warning.
-# Matters: PBUSHT keeps stiffness and loss of a seal in such tables. Evaluated on a grid up to 100 Hz, a table that
-#   ends at 50 Hz is wrong at 12 Hz, and right there on a grid up to 50. Interpolate table.x and table.y yourself.
+# Expected: TABLED1.interpolate() gives a value for each x by itself: on the line between the two
+#   points round it, and beyond the ends, as the card is defined, on the line through the two points
+#   at that end.
+# Happens: with one x above the last point, every answer of the call is the y of the point below its
+#   x: the line becomes stairs, and at a point exactly the y of the point before. One x below the
+#   first point lies on the line through the last and the first point. No warning.
+# Matters: PBUSHT keeps stiffness and loss of a seal in such tables. Evaluated on a grid up to 100
+#   Hz, a table that ends at 50 Hz is wrong at 12 Hz, and right there on a grid up to 50.
+#   Interpolate table.x and table.y yourself.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

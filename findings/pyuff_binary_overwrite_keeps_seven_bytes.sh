@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # pyuff: a binary data set 58 that is written with mode "overwrite" is gone.
 #
-# Expected: write_sets(sets, "overwrite") makes a new file with these sets, ASCII or binary as each set says; mode "add"
-#   into a new file gives the same file.
-# Happens: to write the binary part the file is opened a second time for overwriting, which empties it, and a third
-#   time for the line that closes the set. What stays is that line, 7 bytes: no header, no value, no
-#   exception, and get_set_types() of it is an empty list. ASCII sets are well, and so is mode "add".
-# Matters: FRFs of a hammer test are written binary because they are large, and "overwrite" is the mode of a script that runs
-#   twice. Remove the file and use "add", and read back what was written.
+# Expected: write_sets(sets, "overwrite") makes a new file with these sets, ASCII or binary as each
+#   set says; mode "add" into a new file gives the same file.
+# Happens: to write the binary part the file is opened a second time for overwriting, which empties
+#   it, and a third time for the line that closes the set. What stays is that line, 7 bytes: no
+#   header, no value, no exception, and get_set_types() of it is an empty list. ASCII sets are
+#   right, and so is mode "add".
+# Matters: FRFs of a hammer test are written binary because they are large, and "overwrite" is the
+#   mode of a script that runs twice. Remove the file and use "add", and read back what was written.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

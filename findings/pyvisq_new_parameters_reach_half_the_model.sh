@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # pyvisq: parameters that are set on a model reach its creep compliance, not its relaxation modulus.
 #
-# Expected: model.params = new makes G(t) and J(t) those of the new parameters, as it does the printed model, and
-#   as those of a model that is built from them. G(0) J(0) is 1 of any solid.
-# Happens: the arms were built from the first parameters and are not built again, so G(t) and every relaxation test that is run
-#   stays that of the old ones, while J(t) reads the new ones. At a time that was asked for before, J(t) is old
-#   as well: it is remembered by time.
-# Matters: a fit that sets parameters in a loop sees a modulus that does not answer, and stops where it began; a model
-#   that is softened by half predicts the creep of one seal and the relaxation of another. Build a new
-#   model for each set of parameters.
+# Expected: model.params = new makes G(t) and J(t) those of the new parameters, as it does the
+#   printed model, and as those of a model that is built from them. G(0) J(0) is 1 of any solid.
+# Happens: the arms were built from the first parameters and are not built again, so G(t) and every
+#   relaxation test that is run stays that of the old ones, while J(t) reads the new ones. At a time
+#   that was asked for before, J(t) is old as well: it is remembered by time.
+# Matters: a fit that sets parameters in a loop sees a modulus that does not answer, and stops where
+#   it began; a model that is softened by half predicts the creep of one seal and the relaxation of
+#   another. Build a new model for each set of parameters.
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
