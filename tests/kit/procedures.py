@@ -95,10 +95,10 @@ ops.system("FullGeneral")
 ops.test("NormDispIncr", 1e-12, 30)
 ops.algorithm("Newton")
 ops.integrator(*task["integrator"])
-ops.analysis("Transient")
+ops.analysis(task["analysis"])
 answer = []
 for _ in range(task["steps"]):
-    assert ops.analyze(1, task["dt"]) == 0
+    assert ops.analyze(*((1, task["dt"]) if task["analysis"] == "Transient" else (1,))) == 0
     if task["mass"]:
         answer.append(ops.nodeDisp(2, 1))
     else:
@@ -115,6 +115,8 @@ INTEGRATORS = {
     "HHT .7": ("HHT", 0.7),
     "GeneralizedAlpha 1 .8": ("GeneralizedAlpha", 1.0, 0.8),
 }
+STATIC = "Static by LoadControl"
+LOAD_CONTROL = ("LoadControl", 0.01)
 
 
 class Missing(Exception):
@@ -129,7 +131,9 @@ def run_opensees(form: str, procedure: str, case: str) -> float:
     task = {
         "deck": TARGETS["opensees"](solid, units="SI", form=form),
         "material": 0 if form == "network" else 2 + solid.arms + (solid.b > 0),
-        "mass": MASS if struck else 0.0, "integrator": INTEGRATORS[procedure], "dt": dt,
+        "mass": MASS if struck else 0.0, "dt": dt,
+        "integrator": INTEGRATORS.get(procedure, LOAD_CONTROL),
+        "analysis": "Transient" if procedure in INTEGRATORS else "Static",
         "path": PULSE if struck else ((0.0, 1.0, 1000.0), (0.0, DEPTH, DEPTH)), "steps": len(t),
     }  # fmt: skip
     run = subprocess.run(
@@ -164,9 +168,9 @@ system FullGeneral
 test NormDispIncr 1e-12 30
 algorithm Newton
 integrator {integrator}
-analysis Transient
+analysis {analysis}
 for {{set i 0}} {{$i < 500}} {{incr i}} {{
-    if {{[analyze 1 0.01] != 0}} {{ exit 1 }}
+    if {{[analyze {step}] != 0}} {{ exit 1 }}
     set force 0.0
     foreach e {{{moving}}} {{ set force [expr {{$force + [eleResponse $e material 1 stress]}}] }}
     puts "force $force"
@@ -183,10 +187,12 @@ def run_tcl(form: str, procedure: str, case: str) -> float:
     with tempfile.TemporaryDirectory() as name:
         script = Path(name) / "pressed.tcl"
         element = "element zeroLength 1 1 2 -mat 4 -dir 1" if form == "tcl" else ""
-        integrator = " ".join(map(str, INTEGRATORS[procedure]))
+        integrator = " ".join(map(str, INTEGRATORS.get(procedure, LOAD_CONTROL)))
+        analysis, step = ("Transient", "1 0.01") if procedure in INTEGRATORS else ("Static", "1")
         script.write_text(TCL.format(
             deck=TARGETS["opensees"](SEAL, units="SI", form=form), element=element, depth=DEPTH,
-            integrator=integrator, moving="1" if form == "tcl" else "1 3 5",
+            integrator=integrator, analysis=analysis, step=step,
+            moving="1" if form == "tcl" else "1 3 5",
         ))  # fmt: skip
         run = subprocess.run(
             [python, "-m", "opensees", str(script)], capture_output=True, text=True, timeout=300,
@@ -328,13 +334,14 @@ TASKS: dict[tuple[str, str, str, str], Measure] = {
     **{
         ("opensees", form, procedure, case): run_opensees
         for form in ("network", "python")
-        for procedure in INTEGRATORS
+        for procedure in (*INTEGRATORS, STATIC)
         for case in (PRESSED, STRUCK, WITH_B, STRUCK_WITH_B)
+        if procedure in INTEGRATORS or case in {PRESSED, WITH_B}
     },
     **{
         ("opensees", form, procedure, PRESSED): run_tcl
         for form in ("network-tcl", "tcl")
-        for procedure in INTEGRATORS
+        for procedure in (*INTEGRATORS, STATIC)
     },
     **{
         ("fmu", form, procedure, case): run_fmu

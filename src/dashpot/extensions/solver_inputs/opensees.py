@@ -30,7 +30,8 @@ def opensees(
 
     ``"network"`` (Python) and ``"network-tcl"`` are zeroLength elements between two nodes: one of
     k_inf, and in each arm an Elastic and a Viscous one round an inner node. It is right under every
-    integrator that the tests run. ``"python"`` and ``"tcl"`` are Elastic, Maxwell and Viscous,
+    transient integrator that the tests run; in a Static analysis the arms carry nothing, for a
+    Viscous material has no rate there. ``"python"`` and ``"tcl"`` are Elastic, Maxwell and Viscous,
     joined by Parallel: one material, the last, without nodes of its own. Under HHT and
     GeneralizedAlpha each relaxation time of Maxwell is 1/alpha too long, whatever the step, for it
     takes the step that these scale. (A Series of Elastic and Viscous is not a Maxwell arm in
