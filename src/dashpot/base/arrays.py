@@ -452,17 +452,3 @@ def resolve_unit(value: Any, stated: Mapping[str, Dimension], *names: str) -> No
             "Give both as a modulus, or both as a stiffness"
         )
     object.__setattr__(value, "unit", lines.pop())
-
-
-def arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
-    """Return arrays in SI, each given with what it is of; None stays None.
-
-    Raises
-    ------
-    DataError
-        As :func:`convert_arrays_to_si`.
-    """
-    holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
-    if units != SI:
-        convert_arrays_to_si(holder, **{name: of for name, (_, of) in given.items()})
-    return [getattr(holder, name) for name in given]

@@ -15,7 +15,7 @@ from dashpot.base.provenance import Source
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.version import byline
 from dashpot.datamodel.frf import FRF
-from dashpot.datamodel.relaxation import RelaxationTest, Trajectory
+from dashpot.datamodel.relaxation import Trajectory
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.vibration_tests import ImpactTest
@@ -60,25 +60,8 @@ def write_relaxation(
     head = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, convert_to_unit(test.displacement, "mm"), test.force]
     source = () if test.source is None else (test.source,)
-    above = [*_add_simulated_stamp(source, comments), *_format_temperature(test.specimen)]
-    return _write_text(_text(above, head, columns), path)
-
-
-def write_gauges(
-    test: RelaxationTest,
-    volts: FloatArray,
-    path: str | Path | None = None,
-    *,
-    comments: Sequence[str] = (),
-) -> str:
-    """Return a test with gauge voltages in the place of its force, and write it to `path`.
-
-    The columns are ``time [s], displacement [mm], G0 [V], ..., G5 [V]``, from which
-    `ReadOptions(calibration=)` makes the force.
-    """
-    head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
-    columns = [test.time, convert_to_unit(test.displacement, "mm"), *volts]
-    return _write_text(_text([*comments, *_format_temperature(test.specimen)], head, columns), path)
+    above = [*_add_simulated_stamp(source, comments), *describe_temperature(test.specimen)]
+    return save_text(format_table(above, head, columns), path)
 
 
 def write_trajectory(
@@ -96,7 +79,7 @@ def write_trajectory(
     changes = [
         np.round(convert_to_unit(column, "mm"), 9) + 0.0 for column in columns
     ]  # no zero is negative
-    return _write_text(_text(comments, head, [motion.time, *changes]), path)
+    return save_text(format_table(comments, head, [motion.time, *changes]), path)
 
 
 def temperature_line(kelvin: float) -> str:
@@ -125,7 +108,7 @@ def write_shifts(
     ]
     reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
     above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
-    return _write_text(_text(above, head, columns), path)
+    return save_text(format_table(above, head, columns), path)
 
 
 def write_impact(
@@ -146,8 +129,8 @@ def write_impact(
     for number, record in enumerate(test.records()):
         above = [f"record: {number + 1}"] if number else _add_simulated_stamp(test.source, comments)
         columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
-        parts.append(_text(above, head, columns))
-    return _write_text("".join(parts), path)
+        parts.append(format_table(above, head, columns))
+    return save_text("".join(parts), path)
 
 
 def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[str] = ()) -> str:
@@ -178,8 +161,8 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         named.append(("coherence [1]", frf.coherence))
     if frf.sd is not None:
         named.append((f"sd [{unit}]", frf.sd))
-    text = _text(above, [name for name, _ in named], [values for _, values in named])
-    return _write_text(text, path)
+    text = format_table(above, [name for name, _ in named], [values for _, values in named])
+    return save_text(text, path)
 
 
 def _format_channel_name(name: str) -> str:
@@ -194,12 +177,13 @@ def _add_simulated_stamp(sources: Iterable[Source], comments: Sequence[str]) -> 
     return [*([] if stated or not stamp else [stamp]), *comments]
 
 
-def _format_temperature(specimen: Specimen) -> list[str]:
+def describe_temperature(specimen: Specimen) -> list[str]:
     """Return the line of the temperature of a test, if it is known."""
     return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
 
 
-def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
+def format_table(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
+    """Return comments, names and columns as the text of a table."""
     lines = [f"# {format_csv_comment(line)}" for line in above]
     lines.append(",".join(head))
     # repr is the shortest text that reads back as the same number
@@ -208,7 +192,8 @@ def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArra
     return "\n".join(lines) + "\n"
 
 
-def _write_text(text: str, path: str | Path | None) -> str:
+def save_text(text: str, path: str | Path | None) -> str:
+    """Return a text, and write it to `path` if one is given."""
     if path is not None:
         write_atomic(path, text.encode())
     return text

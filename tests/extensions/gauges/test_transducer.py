@@ -10,11 +10,11 @@ from kit.shell import ran
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.formats.ati import read_calibration
+from dashpot.extensions.gauges.simulated_record import write_gauges
 from dashpot.extensions.gauges.transducer import Daq, Instrument, Transducer, nano
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.reading.write import write_gauges
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import PAPER

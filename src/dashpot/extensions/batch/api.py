@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, overload
 
 from dashpot.api import call_with_options, show_overloads
 from dashpot.api.fit import Arms
 from dashpot.api.read_save import Place
+from dashpot.base.arrays import SI, convert_arrays_to_si
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
-from dashpot.base.units import Quantity
+from dashpot.base.units import Dimension, Quantity
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -145,13 +147,26 @@ def _fit_arrays(
     method: Method = "full",
     errors: bool = False,
 ) -> BatchFit:
-    from dashpot.base.arrays import arrays_in_si
     from dashpot.extensions.batch.arrays.fit_many import fit_many
 
-    t, x, F = arrays_in_si(
+    t, x, F = _arrays_in_si(
         units, time=(time, "time"), displacement=(displacement, "length"), force=(forces, "force")
     )
     return fit_many(t, F, displacement=x, ramp=ramp, arms=arms, method=method, errors=errors)
+
+
+def _arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
+    """Return arrays in SI, each given with what it is of; None stays None.
+
+    Raises
+    ------
+    DataError
+        As :func:`convert_arrays_to_si`.
+    """
+    holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
+    if units != SI:
+        convert_arrays_to_si(holder, **{name: of for name, (_, of) in given.items()})
+    return [getattr(holder, name) for name in given]
 
 
 def compare_lots(first: Lot, second: Lot, /, *, quantities: Sequence[str] = ()) -> LotComparison:

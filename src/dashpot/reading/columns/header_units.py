@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 from dashpot.base import units
 from dashpot.base.units import Dimension, Unit
 from dashpot.datamodel.frf import Kind
 from dashpot.reading.columns import vocabulary
+from dashpot.reading.table import Column
 
 # Units of a frequency response.
 
@@ -287,6 +289,46 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
     _split_factored_unit, _unit_before, _split_bracketed_unit, _split_mangled_unit, _after_sign,
 )  # fmt: skip
 """The ways to write a unit into a name, the surest first."""
+
+
+def split_heading(name: str, word: str | None) -> tuple[str, str | None]:
+    """Return the name and the unit of a column, of which its name may state one, too.
+
+    Two that differ become one word that is no unit, so that it is asked which is right.
+
+    >>> split_heading("Force_N", None), split_heading("Force [N]", "N"), split_heading("F_N", "daN")
+    (('Force', 'N'), ('Force', 'N'), ('F', 'N or daN'))
+    """
+    stem, inner = split_unit(name)
+    if word is None or not word.strip(" -[]()<>{}"):
+        return stem, inner
+    unit = strip_brackets(word)
+    if inner is None or units.is_same_unit(inner, unit):
+        return name if inner is None else stem, unit
+    shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
+    if units.find_unit(unit) is not None and (shared or is_unit_of(stem, inner)):
+        return stem, join_units(inner, unit)
+    return name, unit
+
+
+def join_units(first: str, second: str) -> str:
+    """Return two units of one column as no unit that anyone knows, so that it is asked for."""
+    return f"{first} or {second}"
+
+
+def strip_brackets(word: str) -> str:
+    """Return a unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
+    bare = word.strip().strip("\"'").strip()
+    inner = bare.lstrip("[({<").rstrip("])}>").strip()
+    if inner.count("(") == inner.count(")"):
+        return inner
+    return bare[1:-1].strip() if bare[0] in "[{<" and bare[-1] in "]}>" else bare
+
+
+def state_unit(column: Column) -> Column:
+    """Return a column with the unit that its name states, or both where they contradict."""
+    unit = add_factor_to_unit(*split_heading(column.name, column.unit))
+    return replace(column, unit=unit) if column.unit or units.find_unit(unit or "") else column
 
 
 def is_unit_of(stem: str, word: str) -> bool:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 
 from dashpot.base.errors import ReadError
+from dashpot.reading.columns.header_units import state_unit
 from dashpot.reading.raw_file import RawFile, add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import FileTable
@@ -40,6 +42,8 @@ def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
     """
     with add_name_to_errors(raw.name):
         table = _table(raw, options)
+    if table.format != "text":  # whose units stand in two rows
+        table = replace(table, columns=tuple(map(state_unit, table.columns)))
     if options.calibration is None:
         return table
     calibrated: FileTable = find_handler("calibrate", table)(table, raw, options)

@@ -11,7 +11,14 @@ from itertools import zip_longest
 from dashpot.base import units
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.header_units import add_factor_to_unit, is_unit_of, split_unit
+from dashpot.reading.columns.header_units import (
+    add_factor_to_unit,
+    is_unit_of,
+    join_units,
+    split_heading,
+    split_unit,
+    strip_brackets,
+)
 from dashpot.reading.table import Column, Content
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.dialect import LONGEST, Dialect
@@ -86,7 +93,7 @@ def _assign_uneven_units(
     message = (
         f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
     )
-    pairs = list(zip(names[:width], map(_strip, odd), strict=False))
+    pairs = list(zip(names[:width], map(strip_brackets, odd), strict=False))
     if any(_denies(split_unit(name)[0], word) for name, word in pairs):
         return [], f"{message}; none was taken, for under the names from the left they do not fit"
     taken = f"{message}; they were taken for those of the columns from the left"
@@ -150,36 +157,8 @@ def _is_open(line: str) -> bool:
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
         return Column(split_unit(name)[0], "s", content)
-    named, unit = _split_name_unit(name, word)
+    named, unit = split_heading(name, word)
     return Column(named, add_factor_to_unit(named, unit), content)
-
-
-def _split_name_unit(name: str, word: str | None) -> tuple[str, str | None]:
-    """The name and the unit of a column, of which its name and the row of units may hold one."""
-    stem, inner = split_unit(name)
-    if word is None or not word.strip(" -[]()<>{}"):
-        return stem, inner
-    unit = _strip(word)
-    if inner is None or units.is_same_unit(inner, unit):
-        return name if inner is None else stem, unit
-    shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
-    if units.find_unit(unit) is not None and (shared or is_unit_of(stem, inner)):
-        return stem, _either(inner, unit)
-    return name, unit
-
-
-def _either(first: str, second: str) -> str:
-    """Two units for one column: no unit that anyone knows, so that it is asked for."""
-    return f"{first} or {second}"
-
-
-def _strip(word: str) -> str:
-    """Return a unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
-    bare = word.strip().strip("\"'").strip()
-    inner = bare.lstrip("[({<").rstrip("])}>").strip()
-    if inner.count("(") == inner.count(")"):
-        return inner
-    return bare[1:-1].strip() if bare[0] in "[{<" and bare[-1] in "]}>" else bare
 
 
 def _cells(line: str, dialect: Dialect) -> list[str]:
@@ -273,7 +252,7 @@ def _signals(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | 
 def _parse_name_unit(text: str) -> tuple[str, str] | None:
     """Return the name of a column and its unit, as ``time: s`` or ``time [s]``."""
     name, sign, word = text.partition(":")
-    if sign and units.find_unit(_strip(word) if word.strip() else "") is not None:
+    if sign and units.find_unit(strip_brackets(word) if word.strip() else "") is not None:
         return name.strip(), word.strip()
     stem, unit = split_unit(text)
     return (stem, unit) if unit and units.find_unit(unit) is not None else None
@@ -311,7 +290,8 @@ def _fill_blank_names(row: Sequence[str], above: Sequence[str], words: Sequence[
     for i, (name, upper) in enumerate(zip(row, above, strict=False)):
         word = words[i] if i < len(words) else split_unit(upper)[1]
         certain = (
-            word is not None and units.find_unit(_strip(word) if word.strip() else "") is not None
+            word is not None
+            and units.find_unit(strip_brackets(word) if word.strip() else "") is not None
         )
         if not name and certain and vocabulary.matches(split_unit(upper)[0]):
             names[i] = upper
@@ -322,9 +302,9 @@ def _merge_unit_rows(above: Sequence[str], below: Sequence[str]) -> list[str]:
     """Two rows of units as one: where they differ, what both say."""
     merged = []
     for i in range(max(len(above), len(below))):
-        upper, lower = (_strip(row[i]) if i < len(row) else "" for row in (above, below))
+        upper, lower = (strip_brackets(row[i]) if i < len(row) else "" for row in (above, below))
         same = not upper or not lower or units.is_same_unit(upper, lower)
-        merged.append((lower or upper) if same else _either(upper, lower))
+        merged.append((lower or upper) if same else join_units(upper, lower))
     return merged
 
 
@@ -345,7 +325,7 @@ def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
 def _holds_units(row: Sequence[str]) -> bool:
     """Return whether most filled cells of a row are unit words."""
     texts = [text for text in row if text.strip(" -[]()")]
-    filled = Counter(vocabulary.replace_channel_number(_strip(text)) for text in texts)
+    filled = Counter(vocabulary.replace_channel_number(strip_brackets(text)) for text in texts)
     if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
         return False
     words = map(vocabulary.normalise_name, filled)

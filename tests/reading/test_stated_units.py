@@ -1,0 +1,139 @@
+"""A unit in a channel's name and one stated beside it, in every format that can state both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+import h5py
+import numpy as np
+import pytest
+from kit.foreign.files import press_and_hold
+from kit.mdf_files import Channel, Group, mdf3, mdf4
+from nptdms import ChannelObject, TdmsWriter
+from scipy.io import savemat
+
+from dashpot.base.errors import ReadError
+from dashpot.reading.columns.header_units import state_unit
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.inspect import inspect_file
+from dashpot.reading.readers.relaxation import read_relaxation
+from dashpot.reading.table import Column
+
+TIME, MOVED, FORCE = press_and_hold(20.0)
+ARRAYS = (TIME, MOVED, FORCE)
+Named: TypeAlias = Sequence[tuple[str, str]]
+
+
+def write_mdf4(path: Path, named: Named) -> None:
+    group = [Channel(*pair) for pair in zip_three(named)]
+    group[0] = Channel("t", TIME, named[0][1], kind=2, sync=1)
+    path.write_bytes(mdf4([Group(group)]))
+
+
+def write_mdf3(path: Path, named: Named) -> None:
+    group = [Channel(*pair) for pair in zip_three(named)]
+    group[0] = Channel("t", TIME, named[0][1], sync=1)
+    path.write_bytes(mdf3(group))
+
+
+def zip_three(named: Named) -> list[tuple[str, np.ndarray, str]]:
+    return [(name, values, unit) for (name, unit), values in zip(named, ARRAYS, strict=True)]
+
+
+def write_hdf5(path: Path, named: Named) -> None:
+    with h5py.File(path, "w") as file:
+        for name, values, unit in zip_three(named):
+            file[name] = values
+            file[name].attrs["units"] = unit
+
+
+def write_tdms(path: Path, named: Named) -> None:
+    with TdmsWriter(str(path)) as writer:
+        writer.write_segment([
+            ChannelObject("test", name, values, properties={"unit_string": unit})
+            for name, values, unit in zip_three(named)
+        ])  # fmt: skip
+
+
+def write_matlab(path: Path, named: Named) -> None:
+    savemat(
+        path, {name: {"data": values, "unit": unit} for name, values, unit in zip_three(named)},
+        appendmat=False,
+    )  # fmt: skip
+
+
+def write_text(path: Path, named: Named) -> None:
+    names, words = zip(*named, strict=True)
+    rows = [names, words, *zip(*(map("{:.7g}".format, values) for values in ARRAYS), strict=True)]
+    path.write_text("\n".join(map(";".join, rows)) + "\n", "utf-8")
+
+
+def write_lvm(path: Path, named: Named) -> None:
+    names, words = zip(*named[1:], strict=True)
+    head = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\n"
+        "Decimal_Separator\t.\nMulti_Headings\tYes\nX_Columns\tOne\nTime_Pref\tRelative\n"
+        "***End_of_Header***\t\n\t\nChannels\t2\t\nSamples\t" + f"{len(TIME)}\t" * 2
+        + "\nY_Unit_Label\t" + "\t".join(words) + "\nX0\t0.0\t0.0\nDelta_X\t0.05\t0.05\n"
+        "***End_of_Header***\t\t\nX_Value\t" + "\t".join(names) + "\tComment\n"
+    )  # fmt: skip
+    rows = zip(*(map("{:.7g}".format, values) for values in ARRAYS), strict=True)
+    path.write_text(head + "\n".join(map("\t".join, rows)) + "\n", "utf-8")
+
+
+WRITERS: dict[str, Callable[[Path, Named], None]] = {
+    "mdf4": write_mdf4, "mdf3": write_mdf3, "hdf5": write_hdf5, "tdms": write_tdms,
+    "matlab": write_matlab, "text": write_text, "lvm": write_lvm,
+}  # fmt: skip
+CONTRADICT = {
+    "daN": [("time", "s"), ("travel", "mm"), ("force_N", "daN")],
+    "German": [("time", "s"), ("Weg", "mm"), ("Kraft [N]", "kN")],
+    "another quantity": [("time", "s"), ("travel", "mm"), ("force_N", "mm")],
+    "cm": [("time", "s"), ("travel_mm", "cm"), ("force", "N")],
+}  # fmt: skip
+AGREE = [("time", "s"), ("travel_mm", "mm"), ("force_N", "Newton")]
+
+
+@pytest.mark.parametrize("case", CONTRADICT)
+@pytest.mark.parametrize("form", WRITERS)
+def test_read_asks_about_a_name_that_contradicts_the_unit(
+    tmp_path: Path, form: str, case: str
+) -> None:
+    WRITERS[form](tmp_path / "a", CONTRADICT[case])
+    with pytest.raises(ReadError, match=" or "):
+        read_relaxation(tmp_path / "a")
+    assert any(" or " in question.says for question in inspect_file(tmp_path / "a").questions)
+    units = {"displacement": "mm"} if case == "cm" else {"force": "N"}
+    sure = ReadOptions(units=units, displacement="2" if form == "lvm" else None)
+    assert read_relaxation(tmp_path / "a", options=sure).force.max() == pytest.approx(
+        FORCE.max(), rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("form", WRITERS)
+def test_read_takes_a_unit_that_stands_twice(tmp_path: Path, form: str) -> None:
+    WRITERS[form](tmp_path / "a", AGREE)
+    test = read_relaxation(tmp_path / "a")
+    assert test.force.max() == pytest.approx(FORCE.max(), rel=1e-6)
+    assert test.displacement.max() == pytest.approx(8e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("form", ["mdf4", "tdms"])
+def test_read_takes_a_unit_that_stands_in_the_name_alone(tmp_path: Path, form: str) -> None:
+    WRITERS[form](tmp_path / "a", [("time", "s"), ("travel_mm", ""), ("force [kN]", "")])
+    assert read_relaxation(tmp_path / "a").force.max() == pytest.approx(1e3 * FORCE.max())
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "stated"),
+    [
+        ("Force", "N", "N"), ("Force (cell)", None, None), ("Force (cell)", "N", "N"),
+        ("Channel_1", None, None), ("Acc_g", "m/s^2", "g or m/s^2"), ("F_N", "[N]", "N"),
+        ("Load [N] x 1000", "N", "x 1000 N"), ("Temp_C", "K", "C or K"),
+    ],
+)  # fmt: skip
+def test_state_unit_joins_what_contradicts(name: str, unit: str | None, stated: str | None) -> None:
+    column = state_unit(Column(name, unit))
+    assert (column.name, column.unit) == (name, stated)
