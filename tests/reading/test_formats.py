@@ -468,6 +468,8 @@ def test_every_format_is_recognised_by_its_bytes(tmp_path: Path) -> None:
         "text": b"t [s],F [N]\n0,1\n1,2\n",
         "unfinished": b"UnFinMF 4.10    ",
     }
+    others = [*FORMATS["wav"].marks, *FORMATS["arrow"].marks]
+    made |= {f"mark {i}": mark + bytes(9) for i, mark in enumerate(others)}
     made |= {f"unread {i}": mark + bytes(9) for i, mark in enumerate(FORMATS["unread"].marks)}
     found = {format_of(RawFile(name, None, content)) for name, content in made.items()}
     modules = {

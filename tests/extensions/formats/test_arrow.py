@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from io import BytesIO
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from kit.foreign.files import press_and_hold
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.arrow_schema import read_field_metadata
+from dashpot.extensions.formats.arrow_schema import read_schema_metadata
 from dashpot.reading.formats import read_table
 from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions
@@ -34,6 +35,90 @@ def test_units_stand_in_the_metadata_of_fields(name: str) -> None:
     assert test.time[-1] == pytest.approx(29.95)
     assert test.displacement.max() == pytest.approx(2e-3)
     assert test.force.max() == pytest.approx(100, rel=0.02)
+
+
+UNITS = {"time": "s", "travel": "mm", "force": "N"}
+FACTORS = {
+    "of its column": ({"force.gain": "10"}, "gain = 10"),
+    "named for its column": ({"force_gain": "10"}, "force_gain = 10"),
+    "in JSON": ({"channels": json.dumps({"force": {"scale": 10}})}, "scale = 10"),
+    "in a list": ({"s": json.dumps([{"name": "force", "gain": 7}])}, "gain = 7"),
+    "offset": ({"force:offset": "0.5"}, "offset = 0.5"),
+    "pandas": ({"pandas": json.dumps({"attributes": {"force": {"slope": 2}}})}, "slope = 2"),
+    "full scale of parts": ({"force.full_scale": "5000 N"}, None),
+    "full scale of counts": ({"force.full_scale": "5"}, "full_scale = 5"),
+    "another unit": ({"force_unit": "daN"}, "N or daN"),
+    "another unit in JSON": ({"units": json.dumps({"travel": "cm"})}, "mm or cm"),
+}  # fmt: skip
+
+
+def write_with_metadata(path: Path, metadata: dict[str, str]) -> Path:
+    data = {"time": TIME, "travel": MOVED, "force": FORCE}
+    said = {f"{name}.unit": unit for name, unit in UNITS.items()}
+    pl.DataFrame(data).write_parquet(path, metadata={**said, **metadata})
+    return path
+
+
+@pytest.mark.parametrize(("metadata", "says"), FACTORS.values(), ids=FACTORS)
+def test_read_asks_what_metadata_of_the_file_state_of_a_column(
+    tmp_path: Path, metadata: dict[str, str], says: str | None
+) -> None:
+    path = write_with_metadata(tmp_path / "a", metadata)
+    if says is None:
+        assert not read_relaxation(path).source.cautions
+        return
+    with pytest.raises(ReadError, match=says):
+        read_relaxation(path)
+
+
+@pytest.mark.parametrize(
+    "metadata", [{"gain": "10"}, {"setup": json.dumps({"amplifier": {"gain": 10}})}]
+)
+def test_a_factor_of_the_whole_file_is_a_caution(tmp_path: Path, metadata: dict[str, str]) -> None:
+    test = read_relaxation(write_with_metadata(tmp_path / "a", metadata))
+    assert any("gain = 10" in note for note in test.source.cautions)
+
+
+def test_fill_values_are_no_numbers(tmp_path: Path) -> None:
+    gone = (TIME > 20) & (TIME < 20.3)
+    data = {"time_s": TIME, "travel_mm": MOVED, "force_N": np.where(gone, -12345.0, FORCE)}
+    stated = {"force_N.fill_value": "-12345"}
+    pl.DataFrame(data).write_parquet(tmp_path / "a", metadata=stated)
+    test = read_relaxation(tmp_path / "a")
+    np.testing.assert_allclose(test.force, FORCE[~gone])
+    assert any("'force_N' are stated to be none" in note for note in test.source.notes)
+
+
+@pytest.mark.parametrize(("steps", "says"), [
+    ((0.05, 0.1), "sampled at different rates"), ((0.05, 0.05), None),
+])  # fmt: skip
+def test_steps_of_fields_are_compared_with_the_rate(
+    tmp_path: Path, steps: tuple[float, float], says: str | None
+) -> None:
+    data = {"travel_mm": MOVED, "force_N": FORCE}
+    stated = {f"{name}.dt": str(step) for name, step in zip(data, steps, strict=True)}
+    pl.DataFrame(data).write_parquet(tmp_path / "a", metadata=stated)
+    if says:
+        with pytest.raises(ReadError, match=says):
+            read_relaxation(tmp_path / "a", options=ReadOptions(rate=20.0))
+        return
+    assert not read_relaxation(tmp_path / "a", options=ReadOptions(rate=20.0)).source.cautions
+    other = read_relaxation(tmp_path / "a", options=ReadOptions(rate=10.0))
+    assert any("20 Hz, where --rate 10Hz is given" in note for note in other.source.cautions)
+
+
+def test_a_force_of_words_is_a_caution_where_another_takes_its_place(tmp_path: Path) -> None:
+    words = [f"{force:.3f} N" for force in FORCE]
+    data = {"time_s": TIME, "travel_mm": MOVED, "force": words, "force ref_N": 2 * FORCE}
+    pl.DataFrame(data).write_parquet(tmp_path / "a")
+    test = read_relaxation(tmp_path / "a")
+    assert any("'force' holds no numbers" in note for note in test.source.cautions)
+
+
+def test_a_stream_of_arrow_is_read(tmp_path: Path) -> None:
+    data = {"time_s": TIME, "travel_mm": MOVED, "force_N": FORCE}
+    pl.DataFrame(data).write_ipc_stream(tmp_path / "a")
+    np.testing.assert_allclose(read_relaxation(tmp_path / "a").force, FORCE)
 
 
 def test_read_asks_about_a_factor() -> None:
@@ -90,7 +175,7 @@ def test_a_cut_file_is_refused(tmp_path: Path, size: int) -> None:
 @given(st.binary(max_size=200))
 @settings(deadline=None)
 def test_broken_metadata_says_nothing(data: bytes) -> None:
-    assert isinstance(read_field_metadata(b"\xff\xff\xff\xff" + data), dict)
+    assert len(read_schema_metadata(b"\xff\xff\xff\xff" + data)) == 2
 
 
 def test_blank_cells_are_no_numbers(tmp_path: Path) -> None:

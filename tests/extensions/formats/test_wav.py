@@ -38,8 +38,11 @@ def test_samples_are_parts_of_full_scale(tmp_path: Path, kind: str) -> None:
 
 def test_wav_asks_for_its_full_scale(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "a.wav", RATE, PARTS)
-    with pytest.raises(ReadError, match="--units"):
+    with pytest.raises(ReadError, match='--units "displacement=50mm,force=50N"'):
         read_relaxation(tmp_path / "a.wav", options=ReadOptions(displacement="2", force="3"))
+    said = ReadOptions(displacement="2", force="3", units={"displacement": "10mm"})
+    with pytest.raises(ReadError, match='1 = full scale; add --units "force=50N"'):
+        read_relaxation(tmp_path / "a.wav", options=said)
 
 
 def wav(data: bytes, *, bits: int = 24, kind: int = 1, size: int | None = None) -> bytes:
@@ -47,6 +50,32 @@ def wav(data: bytes, *, bits: int = 24, kind: int = 1, size: int | None = None) 
     size = len(data) if size is None else size
     body = b"WAVEfmt " + struct.pack("<I", 16) + form + b"data" + struct.pack("<I", size) + data
     return b"RIFF" + struct.pack("<I", len(body)) + body
+
+
+def extended(data: bytes, bits: int, valid: int) -> bytes:
+    """Samples of `valid` bits, each stored in `bits`."""
+    size = bits // 8
+    form = struct.pack("<HHIIHHHHIH", 0xFFFE, 1, 100, 100 * size, size, bits, 22, valid, 4, 1)
+    form += bytes.fromhex("000000001000800000aa00389b71")
+    body = b"WAVEfmt " + struct.pack("<I", len(form)) + form
+    body += b"data" + struct.pack("<I", len(data)) + data
+    return b"RIFF" + struct.pack("<I", len(body)) + body
+
+
+def turned(data: bytes, bits: int) -> bytes:
+    """The same file with its most significant bytes first."""
+    size = bits // 8
+    form = struct.pack(">HHIIHH", 1, 1, 100, 100 * size, size, bits)
+    body = b"WAVEfmt " + struct.pack(">I", 16) + form + b"data" + struct.pack(">I", len(data))
+    return b"RIFX" + struct.pack(">I", len(body) + len(data)) + body + data
+
+
+def long(data: bytes) -> bytes:
+    """The same file as recorders write it that count beyond 4 GiB."""
+    sizes = struct.pack("<QQQI", 80 + len(data), len(data), len(data) // 2, 0)
+    body = b"WAVEds64" + struct.pack("<I", len(sizes)) + sizes
+    body += b"fmt " + struct.pack("<IHHIIHH", 16, 1, 1, 100, 200, 2, 16)
+    return b"RF64\xff\xff\xff\xff" + body + b"data\xff\xff\xff\xff" + data
 
 
 def numbers(data: bytes) -> np.ndarray:
@@ -59,6 +88,27 @@ def test_24_bits_and_8_bits() -> None:
     np.testing.assert_array_equal(numbers(wav(bytes([128, 192, 0]), bits=8)), [0, 0.5, -1])
 
 
+def test_samples_stand_in_the_upper_bits_of_a_wider_word() -> None:
+    values = np.array([0, 1 << 22, -1 << 23, 5])
+    upper = (values.astype("<i4") << 8).tobytes()
+    np.testing.assert_array_equal(numbers(extended(upper, 32, 24)), values / 2**23)
+    with pytest.raises(ReadError, match="24 bits in 32 whose samples do not stand in the upper"):
+        numbers(extended(values.astype("<i4").tobytes(), 32, 24))
+
+
+@pytest.mark.parametrize("bits", [16, 24, 32])
+def test_most_significant_bytes_first(bits: int) -> None:
+    values = [0, 1 << (bits - 2), -1 << (bits - 1)]
+    data = b"".join(value.to_bytes(bits // 8, "big", signed=True) for value in values)
+    np.testing.assert_array_equal(numbers(turned(data, bits)), [0, 0.5, -1])
+
+
+@pytest.mark.parametrize("mark", [b"RF64", b"BW64"])
+def test_sizes_beyond_four_gigabytes(mark: bytes) -> None:
+    data = np.array([0, 1 << 14, -1 << 15], "<i2").tobytes()
+    np.testing.assert_array_equal(numbers(mark + long(data)[4:]), [0, 0.5, -1])
+
+
 REFUSED = {
     "cut": (wav(bytes(30), size=300), "says 300 bytes of samples and holds 30"),
     "never finished": (wav(bytes(30), size=0xFFFFFFFF), "never wrote its length"),
@@ -68,6 +118,11 @@ REFUSED = {
     "FAMOS": (b"|CF,2,1,1;|CK,1,3,1,1;" + bytes(9), "imc FAMOS file .* TDMS, HDF5 or MDF 4"),
     "catman": (struct.pack("<hI", 5012, 90) + bytes(90), "catman file .* MDF 4 or TDMS"),
     "zs2": (gzip.compress(b"\xaf\xbe\xad\xde" + bytes(90)), "testXpert file .*zs2.* row of units"),
+    "Feather 1": (b"FEA1" + bytes(90), "Feather file of version 1, .* version 2 or as Parquet"),
+    "Wave64": (b"riff\x2e\x91\xcf\x11" + bytes(90), "Wave64 file .*save it as WAV"),
+    "FLAC": (b"fLaC" + bytes(90), "FLAC file.* save it as WAV"),
+    "NumPy": (b"\x93NUMPY\x01\0" + bytes(90), "array of NumPy .* give the arrays in Python"),
+    "SQLite": (b"SQLite format 3\0" + bytes(90), "database of SQLite.* export the table as text"),
     "gzip": (gzip.compress(b"t [s],F [N]\n0,1\n"), "a packed file .gzip., .* unpack it"),
 }  # fmt: skip
 

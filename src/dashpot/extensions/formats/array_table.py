@@ -42,6 +42,8 @@ _STARTS = {
     "starttimeutc", "startdate", "startdatetime", "startzeit", "startvalue", "firsttime",
 }  # fmt: skip
 """Attributes that say when a signal begins, without signs."""
+_OTHER_RATE = 0.01
+"""Part by which a rate that is given may differ from the one that is stated."""
 _FEW = 64
 """Numbers of a calibration, at most: more are a signal."""
 _WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
@@ -60,8 +62,17 @@ class NamedArray:
     """When it is said to begin, such as "t0 = 0.1"."""
 
 
-def gather(arrays: Sequence[NamedArray], *, format_: str, notes: Sequence[str] = ()) -> FileTable:
+def gather(
+    arrays: Sequence[NamedArray],
+    *,
+    format_: str,
+    notes: Sequence[str] = (),
+    rate: float | None = None,
+    header: Sequence[str] = (),
+) -> FileTable:
     """Return the arrays of the commonest length as one table; single numbers become hints.
+
+    What the file states of its sampling otherwise than a `rate` that is given becomes a caution.
 
     A complex array becomes two columns, named after it: its real and its imaginary part.
 
@@ -87,9 +98,14 @@ def gather(arrays: Sequence[NamedArray], *, format_: str, notes: Sequence[str] =
         format=format_,
         columns=tuple(map(_column, named_arrays, factors)),
         load=make_loader(np.column_stack([array.values for array in named_arrays])),
-        notes=(*notes, *([passed] if remaining else []), *cautions),
+        notes=(
+            *notes,
+            *([passed] if remaining else []),
+            *cautions,
+            *_contradict_rate(arrays, rate),
+        ),
         hints=rate_hints(arrays),
-        header=tuple(_window_lines(arrays)),
+        header=(*header, *_window_lines(arrays)),
     )
 
 
@@ -215,6 +231,16 @@ def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
         replace(array, name=f"{array.name} real", values=real),
         replace(array, name=f"{array.name} imaginary", values=imaginary),
     )
+
+
+def _contradict_rate(arrays: Sequence[NamedArray], given: float | None) -> list[Caution]:
+    """Note what single numbers say of the sampling rate otherwise than the user does."""
+    stated = {array.name: rate for array in arrays if (rate := _rate(array))} if given else {}
+    return [
+        Caution(f"the file says {name}, which is {rate:g} Hz, where --rate {given:g}Hz is given")
+        for name, rate in stated.items()
+        if given and abs(rate / given - 1) > _OTHER_RATE
+    ][:1]
 
 
 def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:

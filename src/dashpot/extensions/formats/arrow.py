@@ -1,34 +1,53 @@
-"""Parquet and Arrow files through polars; units from names or from the metadata of fields."""
+"""Parquet and Arrow files through polars; units from names or from metadata."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.array_table import NamedArray, gather, names_start
-from dashpot.extensions.formats.arrow_schema import decode_parquet_schema, read_field_metadata
-from dashpot.extensions.formats.attribute_factors import factors_among
+from dashpot.extensions.formats.array_table import (
+    NamedArray,
+    gather,
+    names_start,
+    stated_rate,
+    window_line,
+)
+from dashpot.extensions.formats.arrow_schema import decode_parquet_schema, read_schema_metadata
+from dashpot.extensions.formats.attribute_factors import (
+    describe_full_scale,
+    factors_among,
+    names_factor,
+    remove_fill_values,
+    stated_numbers,
+    stated_unit,
+)
+from dashpot.extensions.formats.passed_channels import note_passed
+from dashpot.extensions.formats.stated_metadata import assign_metadata, find_stated_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import FileTable
 
-_UNITS = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
-_ARROW = b"ARROW1"
+_ARROW, _STREAM = b"ARROW1", b"\xff\xff\xff\xff"
 _LARGEST_SCHEMA = 1 << 22
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the columns of numbers, instants and durations of a file.
 
+    What its metadata state of a factor, a fill value, a full scale or a clock is asked about,
+    applied or noted as in other formats; no rule of Parquet or Arrow applies a factor.
+
     Raises
     ------
     ReadError
         If polars is not installed, or no column holds numbers.
     """
-    del options
     try:
         import polars as pl
     except ImportError:
@@ -36,32 +55,47 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             'Parquet and Arrow files need the package polars; install it with pip install "dashpot'
             '[batch]"'
         ) from None
-    arrow = raw.head(len(_ARROW)) == _ARROW
-    if arrow:
-        stated = read_field_metadata(raw.head(_LARGEST_SCHEMA)[8:])
+    head = raw.head(len(_ARROW))
+    if head == _ARROW or head.startswith(_STREAM):
+        form, start = ("Arrow", 8) if head == _ARROW else ("Arrow stream", 0)
+        whole, fields = read_schema_metadata(raw.head(_LARGEST_SCHEMA)[start:])
         with raw.open() as stream:
-            frame = pl.read_ipc(stream)
+            frame = pl.read_ipc(stream) if start else pl.read_ipc_stream(stream)
     else:
-        stated = _read_parquet_metadata(pl.read_parquet_metadata(_source(raw)))
+        form = "Parquet"
+        whole = pl.read_parquet_metadata(_source(raw))
+        schema = whole.pop("ARROW:schema", "")
+        fields = read_schema_metadata(decode_parquet_schema(schema))[1] if schema else {}
         lazy = pl.scan_parquet(_source(raw))
         rows = lazy.select(pl.len()).collect().item()
         check_value_count(rows * len(lazy.collect_schema()), "the columns hold")
         frame = lazy.collect()
     check_value_count(frame.height * frame.width, "the columns hold")
-    arrays = [
-        array
-        for column in frame.iter_columns()
-        if (array := _read_column(column, stated.get(column.name, {})))
+    stated = assign_metadata(whole, fields, frame.columns)
+    arrays: list[NamedArray] = []
+    notes: list[str] = []
+    for column in frame.iter_columns():
+        entries = stated.columns[column.name]
+        array = _read_column(column, entries, notes)
+        arrays += [] if array is None else [array, *_list_rates(f"{column.name}.", entries)]
+    kept = [array.name for array in arrays]
+    passed = {name: "no numbers" for name in frame.columns if name not in kept}
+    arrays += _list_rates("", stated.table)
+    arrays += [
+        NamedArray(key, np.array(values))
+        for key, value in stated.table.items()
+        if names_factor(key.rpartition(".")[2]) and (values := stated_numbers(value))
     ]
-    passed = [name for name in frame.columns if all(array.name != name for array in arrays)]
-    notes = [f"column '{name}' holds no numbers and was passed over" for name in passed[:8]]
-    return gather(arrays, format_="Arrow" if arrow else "Parquet", notes=notes)
+    return gather(
+        arrays, format_=form, notes=[*notes, *note_passed(passed, kept)], rate=options.rate,
+        header=[line for key, value in stated.table.items() if (line := window_line(key, value))],
+    )  # fmt: skip
 
 
-def _read_column(column: Any, stated: dict[str, str]) -> NamedArray | None:
+def _read_column(column: Any, stated: Mapping[str, Any], notes: list[str]) -> NamedArray | None:
     """Return a column of numbers, or of time as seconds, None of anything else."""
-    kind, unit = column.dtype, next((stated[key] for key in _UNITS if stated.get(key)), None)
-    start = "".join(f"{key} = {value}" for key, value in stated.items() if names_start(key))
+    kind, name = column.dtype, column.name
+    start = ", ".join(f"{key} = {value}" for key, value in stated.items() if names_start(key))
     if kind.is_temporal():
         word = str(kind).partition("(")[0]
         if word not in {"Datetime", "Duration"}:  # a day, or a time of an unknown day
@@ -69,18 +103,24 @@ def _read_column(column: Any, stated: dict[str, str]) -> NamedArray | None:
         if word == "Datetime":
             column -= column.min()
         seconds = column.dt.total_nanoseconds().cast(float) * 1e-9
-        return NamedArray(column.name, seconds.to_numpy(), "s")
+        return NamedArray(name, seconds.to_numpy(), "s")
     if not kind.is_numeric():
         return None
-    values = column.cast(float).to_numpy(allow_copy=True)
-    return NamedArray(column.name, values, unit, factor=factors_among(stated), start=start)
+    values, note = remove_fill_values(name, column.cast(float).to_numpy(allow_copy=True), stated)
+    notes += note
+    factor = factors_among(stated) or describe_full_scale(values, stated)
+    return NamedArray(name, values, find_stated_unit(stated), factor=factor, start=start)
+
+
+def _list_rates(owner: str, stated: Mapping[str, Any]) -> list[NamedArray]:
+    """Return what metadata state of the rate or the step of a clock, as single numbers."""
+    return [
+        NamedArray(f"{owner}{key}", np.array(values[0]), stated_unit(value))
+        for key, value in stated.items()
+        if stated_rate(key.rpartition(".")[2], 1.0) and len(values := stated_numbers(value)) == 1
+    ]
 
 
 def _source(raw: RawFile) -> Path | BytesIO:
     """Return what polars reads: the path of a large file, which is not held in memory."""
     return raw.path if raw.path is not None and not raw.held else BytesIO(raw.held)
-
-
-def _read_parquet_metadata(entries: dict[str, str]) -> dict[str, dict[str, str]]:
-    schema = entries.get("ARROW:schema", "")
-    return read_field_metadata(decode_parquet_schema(schema)) if schema else {}

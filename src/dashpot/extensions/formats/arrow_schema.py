@@ -5,14 +5,14 @@ from __future__ import annotations
 import base64
 import struct
 
-_SCHEMA_HEADER, _FIELDS, _NAME, _METADATA = 2, 1, 0, 6
-"""Places of a message's header, of a schema's fields, and of a field's name and metadata."""
+_SCHEMA_HEADER, _FIELDS, _WHOLE, _NAME, _METADATA = 2, 1, 2, 0, 6
+"""Places of a message's header, a schema's fields and metadata, a field's name and metadata."""
 _MOST = 10_000
 _CONTINUES = b"\xff\xff\xff\xff"
 
 
-def read_field_metadata(message: bytes) -> dict[str, dict[str, str]]:
-    """Return what the schema in an encapsulated message says of each field, by its name.
+def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+    """Return what the schema in an encapsulated message says of the table, and of each field.
 
     References
     ----------
@@ -23,15 +23,13 @@ def read_field_metadata(message: bytes) -> dict[str, dict[str, str]]:
     try:
         root = struct.unpack_from("<I", data, 0)[0]
         schema = _follow(data, _member(data, root, _SCHEMA_HEADER))
-        fields = {}
-        for field in _vector(data, _member(data, schema, _FIELDS)):
-            pairs = _vector(data, _member(data, field, _METADATA))
-            entries = {_text(data, _member(data, pair, 0)): _text(data, _member(data, pair, 1))
-                       for pair in pairs}  # fmt: skip
-            fields[_text(data, _member(data, field, _NAME))] = entries
+        fields = {
+            _text(data, _member(data, field, _NAME)): _pairs(data, _member(data, field, _METADATA))
+            for field in _vector(data, _member(data, schema, _FIELDS))
+        }
+        return _pairs(data, _member(data, schema, _WHOLE)), fields
     except (struct.error, IndexError):
-        return {}
-    return fields
+        return {}, {}
 
 
 def decode_parquet_schema(text: str) -> bytes:
@@ -59,6 +57,14 @@ def _vector(data: bytes, place: int) -> list[int]:
     start = _follow(data, place)
     count = min(struct.unpack_from("<I", data, start)[0], _MOST)
     return [_follow(data, start + 4 + 4 * i) for i in range(count)]
+
+
+def _pairs(data: bytes, place: int) -> dict[str, str]:
+    """Return the keys and values of metadata."""
+    return {
+        _text(data, _member(data, pair, 0)): _text(data, _member(data, pair, 1))
+        for pair in _vector(data, place)
+    }
 
 
 def _text(data: bytes, place: int) -> str:

@@ -6,6 +6,10 @@ import re
 from collections.abc import Mapping
 from functools import lru_cache
 
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+
 _FACTORS = {
     "scale", "scaling", "slope", "gain", "factor", "multiplier", "calibration", "sensitivity",
     "amplification", "attenuation", "conversion", "coefficient", "coefficients", "faktor",
@@ -17,6 +21,8 @@ _FACTORS = {
 """Words of a factor: 1 changes nothing."""
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
+_OVER = 1.5
+"""Times its full scale that a channel reaches at most."""
 _UNIT_WORDS = {"n", "v", "mv", "mm", "count", "counts", "volt", "volts", "newton", "unit", "units"}
 _LINKS = {
     "of",
@@ -40,6 +46,13 @@ _BESIDES = {
     "damping", "noise", "aspect", "compression", "chunk", "fill", "time",
 }  # fmt: skip
 """Words beside which no factor of the numbers is meant."""
+_FILLS = {
+    "fillvalue", "fill", "missingvalue", "missing", "nodata", "nodatavalue", "nullvalue", "navalue",
+    "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",
+}  # fmt: skip
+"""Names of what stands where there is no number, without signs."""
+_FULL_SCALES = {"fullscale", "fullscalevalue", "fullscalerange", "messbereich", "fs", "fsr"}
+"""Names of what the largest number means, without signs."""
 _WORDS = re.compile(r"[a-zà-ÿ]+")
 _STATED = re.compile(r"\A\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s].{0,20})?\Z")
 
@@ -139,3 +152,49 @@ def _format_factor_value(value: object) -> str:
         return value.strip()[:40]
     numbers = [f"{number:g}" for number in stated_numbers(value)]
     return numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers[:8])}]"
+
+
+def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
+    """Return the numbers that are stated to stand where there is none.
+
+    >>> find_fill_values({"fill_value": "-9999", "gain": 10.0})
+    (-9999.0,)
+    """
+    return tuple(
+        number
+        for name, value in attributes.items()
+        if "".join(filter(str.isalpha, name.rpartition(".")[2].casefold())) in _FILLS
+        for number in stated_numbers(value)
+    )
+
+
+def remove_fill_values(
+    name: str, values: FloatArray, attributes: Mapping[str, object]
+) -> tuple[FloatArray, list[str]]:
+    """Return the numbers without those that are stated to be none, and a note of them."""
+    marks = find_fill_values(attributes)
+    missing = np.isin(values, marks) if marks else np.zeros(0, bool)
+    if not missing.any():
+        return values, []
+    note = f"{np.count_nonzero(missing)} numbers of '{name}' are stated to be none, as fill values"
+    return np.where(missing, np.nan, values), [note]
+
+
+def describe_full_scale(values: FloatArray, attributes: Mapping[str, object]) -> str:
+    """Return the full scale that is stated where the numbers cannot be in the unit beside it.
+
+    They are parts of it, or counts: "" where they may well be in the unit.
+
+    >>> describe_full_scale(np.array([0.0, 0.7]), {"full_scale": "50 N"})
+    'full_scale = 50 N'
+    >>> describe_full_scale(np.array([0.0, 7.0]), {"full_scale": "50 N"})
+    ''
+    """
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    for name, value in attributes.items():
+        bare = "".join(filter(str.isalpha, name.rpartition(".")[2].casefold()))
+        numbers = stated_numbers(value) if bare in _FULL_SCALES else ()
+        full = max(map(abs, numbers), default=0.0)
+        if full and (largest > _OVER * full or (largest <= 1 < full / _OVER)):
+            return f"{name} = {_format_factor_value(value)}"
+    return ""

@@ -92,7 +92,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         arrays = [array for node, name in walk.datasets for array in _dataset(node, name, walk)]
     matlab = raw.head(10) == b"MATLAB 7.3"
     form = "MAT 7.3" if matlab else "HDF5"
-    return gather([*arrays, *walk.stated], format_=form, notes=walk.notes)
+    return gather([*arrays, *walk.stated], format_=form, notes=walk.notes, rate=options.rate)
 
 
 def _get_group_member(group: Any, key: str) -> Any:

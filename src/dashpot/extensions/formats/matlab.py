@@ -62,7 +62,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         arrays = [array for array in arrays if array.name.startswith(options.sheet)]
         if not arrays:
             raise ReadError(f"--file-part sheet={options.sheet}: there is no such variable")
-    return gather(arrays, format_="MAT")
+    return gather(arrays, format_="MAT", rate=options.rate)
 
 
 def _flatten(name: str, value: Any, arrays: list[NamedArray], depth: int = 0) -> None:

@@ -17,6 +17,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats import mdf3, mdf4
 from dashpot.extensions.formats.mdf_records import MdfGroup, read_channels
+from dashpot.extensions.formats.passed_channels import note_passed
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.raw_file import RawFile
@@ -65,7 +66,8 @@ class MdfTable:
             raise ReadError("damaged: a block is shorter than its kind") from None
         self.header = tuple(content.header)
         self.hints = tuple(content.hints.values())
-        self.notes: list[str] = _passed_notes(content.passed)
+        kept = [c.name for group in content.groups for c in group.channels if group.rows]
+        self.notes: list[str] = note_passed(content.passed, kept)
         empty = [group.name for group in content.groups if not group.rows]
         if empty:
             self.notes.append(f"no samples stand in {_list(empty)}")
@@ -336,19 +338,6 @@ def _rate(ticks: FloatArray) -> str:
     """Return the rate of a clock in brackets."""
     step = median(np.diff(ticks)) if len(ticks) > 1 else 0.0
     return f" ({1 / step:.4g} Hz)" if step > 0 else ""
-
-
-def _passed_notes(passed: dict[str, str]) -> list[str]:
-    """Say which channels are passed over, by what they hold."""
-    reasons: dict[str, list[str]] = {}
-    for name, reason in passed.items():
-        reasons.setdefault(reason, []).append(f"'{name}'")
-    notes = []
-    for reason, names in reasons.items():
-        more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
-        hold = "hold" if len(names) > 1 else "holds"
-        notes.append(f"{', '.join(names[:_FEW])}{more} {hold} {reason}: passed over")
-    return notes
 
 
 def _list(names: Sequence[str]) -> str:

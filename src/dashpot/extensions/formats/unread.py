@@ -20,6 +20,22 @@ _CATMAN = (
     "in catman save it as MDF 4 or TDMS, or as ASCII with the head of channels: they keep units"
 )
 _ZWICK = "in testXpert export the series as text with the row of units"
+_WAV = "save it as WAV"
+_NAMED = {
+    b"|CF,": ("an imc FAMOS file (|CF)", _FAMOS),
+    b"FEA1": (
+        "a Feather file of version 1",
+        "write it as version 2 or as Parquet, which keep metadata (df.to_parquet)",
+    ),
+    b"riff": ("a Sony Wave64 file (.w64)", _WAV),
+    b"fLaC": ("a FLAC file", _WAV),
+    b"\x93NUMPY": (
+        "an array of NumPy (.npy)",
+        "it holds no units; write it as text with a header, or give the arrays in Python",
+    ),
+    b"SQLite": ("a database of SQLite", "export the table as text with names and units"),
+}
+"""What a file is by its first bytes, and what to do."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -32,8 +48,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """
     del options
     head = raw.head(4096)
-    if head.startswith(b"|CF,"):
-        what, how = "an imc FAMOS file (|CF)", _FAMOS
+    named = next((said for mark, said in _NAMED.items() if head.startswith(mark)), None)
+    if named:
+        what, how = named
     elif not head.startswith(GZIP):
         what, how = "a catman file (.bin)", _CATMAN
     elif _unpack_head(head).startswith(_ZS2):

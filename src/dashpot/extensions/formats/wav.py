@@ -15,9 +15,13 @@ from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import Column, FileTable, make_loader
 
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
-_WHOLE = {1: "u1", 2: "<i2", 3: "", 4: "<i4"}
-_FLOATS = {4: "<f4", 8: "<f8"}
+_WHOLE = {1: "u1", 2: "i2", 3: "", 4: "i4"}
+_FLOATS = {4: "f4", 8: "f8"}
 _UNKNOWN = 0xFFFFFFFF
+_ORDERS = {b"RIFF": "<", b"RIFX": ">", b"RF64": "<", b"BW64": "<"}
+"""Byte order by the first bytes; RF64 and BW64 keep sizes beyond 4 GiB in a chunk of their own."""
+FULL_SCALE = "1 = full scale"
+"""What is stated of every channel beside its numbers."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -30,15 +34,17 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """
     del options
     with raw.open() as stream:
-        form, data = _read_chunks(stream)
+        order, form, data = _read_chunks(stream)
     if len(form) < 16:
         raise ReadError("a WAV file without a chunk 'fmt ': it is damaged")
-    kind, channels, rate, _, block, bits = struct.unpack_from("<HHIIHH", form)
+    kind, channels, rate, _, block, bits = struct.unpack_from(f"{order}HHIIHH", form)
+    valid = bits
     if kind == _EXTENSIBLE and len(form) >= 26:
-        kind = struct.unpack_from("<H", form, 24)[0]
+        valid = struct.unpack_from(f"{order}H", form, 18)[0] or bits
+        kind = struct.unpack_from(f"{order}H", form, 24)[0]
     size = block // channels if channels else 0
     known = (_WHOLE if kind == _PCM else _FLOATS if kind == _FLOAT else {}).get(size)
-    if known is None or block != size * channels or not rate:
+    if known is None or block != size * channels or not rate or not 0 < valid <= 8 * size:
         raise ReadError(
             f"a WAV file of {bits} bits in the coding {kind}, which is not read; save it as PCM "
             "(16, 24 or 32 bits) or as floats"
@@ -47,14 +53,20 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     check_value_count(rows * (channels + 1), "the channels hold")
     if len(data) % block:
         raise ReadError("a WAV file that ends within a sample: it was cut")
-    values = _scale_samples(data, known, size).reshape(rows, channels)
+    values = _scale_samples(data, order, known, size)
+    if kind == _PCM and valid < 8 * size and (values * 2.0 ** (valid - 1) % 1).any():
+        raise ReadError(
+            f"a WAV file of {valid} bits in {8 * size} whose samples do not stand in the upper "
+            "bits, as the format has it, so that its full scale is not known; save it as PCM of "
+            f"{valid} bits"
+        )
     time = np.arange(rows) / rate
     names = [f"channel {i + 1}" for i in range(channels)]
     scaled = "whole numbers, 1 is their largest" if kind == _PCM else "floats, as stored"
     return FileTable(
         format="WAV",
-        columns=(Column("time", "s"), *(Column(name) for name in names)),
-        load=make_loader(np.column_stack([time, values])),
+        columns=(Column("time", "s"), *(Column(name, factor=FULL_SCALE) for name in names)),
+        load=make_loader(np.column_stack([time, values.reshape(rows, channels)])),
         notes=(
             (
                 f"the numbers are parts of full scale ({scaled}), which a WAV file does not state: "
@@ -65,36 +77,42 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     )
 
 
-def _read_chunks(stream: BinaryIO) -> tuple[bytes, bytes]:
-    """Return the bytes of the format and those of the samples."""
+def _read_chunks(stream: BinaryIO) -> tuple[str, bytes, bytes]:
+    """Return the byte order, the bytes of the format and those of the samples."""
     head = stream.read(12)
-    if head[8:] != b"WAVE" or head[:4] != b"RIFF":
+    order = _ORDERS.get(head[:4], "")
+    if head[8:] != b"WAVE" or not order:
         raise ReadError(
             f"a RIFF file of the kind {head[8:]!r}, which is not read; save it as WAV or as text"
         )
     form = b""
+    long = _UNKNOWN
     while len(chunk := stream.read(8)) == 8:
-        name, size = struct.unpack("<4sI", chunk)
+        name, size = struct.unpack(f"{order}4sI", chunk)
         if name == b"data":
+            size = long if size == _UNKNOWN else size
             if size == _UNKNOWN:
                 raise ReadError("a WAV file whose recorder never wrote its length; save it again")
             data = stream.read(size)
             if len(data) < size:
                 raise ReadError(f"cut: it says {size} bytes of samples and holds {len(data)}")
-            return form, data
+            return order, form, data
         content = stream.read(size + size % 2)
         if name == b"fmt ":
             form = content
+        elif name == b"ds64" and len(content) >= 16:
+            long = struct.unpack_from("<Q", content, 8)[0]
     raise ReadError("a WAV file without samples: it was cut")
 
 
-def _scale_samples(data: bytes, kind: str, size: int) -> FloatArray:
+def _scale_samples(data: bytes, order: str, kind: str, size: int) -> FloatArray:
     """Return samples as parts of full scale; floats as they are."""
     if kind == "u1":
         return (np.frombuffer(data, "u1").astype(float) - 128) / 128
     if not kind:
         wide = np.zeros((len(data) // 3, 4), "u1")
-        wide[:, 1:] = np.frombuffer(data, "u1").reshape(-1, 3)
+        packed = np.frombuffer(data, "u1").reshape(-1, 3)
+        wide[:, 1:] = packed if order == "<" else packed[:, ::-1]
         return wide.view("<i4")[:, 0].astype(float) / 2**31
-    values = np.frombuffer(data, kind).astype(float)
-    return values / 2 ** (8 * size - 1) if kind[1] == "i" else values
+    values = np.frombuffer(data, order + kind).astype(float)
+    return values / 2 ** (8 * size - 1) if kind[0] == "i" else values

@@ -550,7 +550,7 @@ def _unit_like(column: Column, role: Role) -> str:
     """Return the likeliest unit of a column in a role."""
     if role == "frequency" and _angular(column):
         return "rad/s"
-    return EXAMPLE.get(role, "UNIT")
+    return "50" * ("full scale" in column.factor) + EXAMPLE.get(role, "UNIT")
 
 
 def _clock_unit(label: str, stated: str | None) -> Unit:

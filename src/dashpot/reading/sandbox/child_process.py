@@ -32,9 +32,7 @@ def _serve(stream: BinaryIO, out: BinaryIO) -> None:
     gc.disable()  # soon all is gone; of sixty thousand channels it costs a fifth to look for it
     limits.confine(request["seconds"])
     raw = RawFile(request["name"], request["path"] and Path(request["path"]), stream.read())
-    options = ReadOptions(
-        sheet=request["sheet"], segment=request["segment"], format=request["plugin"]
-    )
+    options = ReadOptions(**request["options"])
     module, name = request["function"]
     try:
         function = getattr(import_module(module), name)

@@ -25,6 +25,8 @@ A = TypeVar("A", bound=message_protocol.Answer)
 _MARK = "--read-for-dashpot"
 _ONE_ARENA = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
 """Each thread of polars sets aside 64 MB of addresses in an arena: a GiB is full before a file."""
+_OPTIONS = ("sheet", "segment", "format", "rate")
+"""What is said to a reader in a child."""
 _frozen_children: list[str] = []
 
 
@@ -54,7 +56,7 @@ def run_in_child(
     Where `columns` of a large file are asked for, the function takes them as its third argument.
 
     The function reads files of the format `what` and stands at the top of a module of dashpot; of
-    the options it gets the sheet and the segment.
+    the options it gets the sheet, the segment and the rate.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def run_in_child(
     request = {
         "format": what, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),
-        "sheet": options.sheet, "segment": options.segment, "plugin": options.format,
+        "options": {name: getattr(options, name) for name in _OPTIONS},
         "columns": None if columns is None else [int(index) for index in columns],
     }  # fmt: skip
     late = threading.Event()

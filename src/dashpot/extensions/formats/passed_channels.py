@@ -1,0 +1,44 @@
+"""Notes on the channels of a file that are passed over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from dashpot.base.provenance import Caution
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_units import split_unit
+from dashpot.reading.columns.vocabulary import Role
+
+_ROLES: tuple[Role, ...] = (
+    "force", "displacement", "acceleration", "velocity", "stress", "strain", "time",
+)  # fmt: skip
+_SURE = 1.5
+"""How well a name says a role, at least."""
+_FEW = 8
+
+
+def note_passed(passed: Mapping[str, str], kept: Iterable[str]) -> list[str]:
+    """Say which channels are passed over, by what they hold.
+
+    A caution where one is named for a role of a test as well as any channel that is kept: another
+    may then have taken its place.
+    """
+    best = {role: max(scores, default=0.0) for role, scores in _score_roles(kept).items()}
+    reasons: dict[tuple[str, bool], list[str]] = {}
+    for name, reason in passed.items():
+        scores = _score_roles([name])
+        meant = any(max(scores[role]) >= max(_SURE, best[role]) for role in _ROLES)
+        reasons.setdefault((reason, meant), []).append(f"'{name}'")
+    notes: list[str] = []
+    for (reason, meant), names in reasons.items():
+        more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+        hold = "hold" if len(names) > 1 else "holds"
+        says = f"{', '.join(names[:_FEW])}{more} {hold} {reason}: passed over"
+        notes.append(Caution(says) if meant else says)
+    return notes
+
+
+def _score_roles(names: Iterable[str]) -> dict[Role, Sequence[float]]:
+    """Return how well each name says each role."""
+    matched = [vocabulary.matches(split_unit(name)[0]) for name in names]
+    return {role: [found.get(role, 0.0) for found in matched] for role in _ROLES}

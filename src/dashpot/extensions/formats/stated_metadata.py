@@ -1,0 +1,136 @@
+"""Metadata of a table and of its columns as text or JSON: what they state of which column."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from dashpot.base import units
+from dashpot.reading.columns.header_units import join_units
+
+Path: TypeAlias = tuple[str, ...]
+_UNITS = {"unit", "units", "unitstring", "uom", "einheit", "einheiten", "physicalunit", "yunit"}
+"""Names of a unit, without signs."""
+_NAMES = ("name", "field_name", "column", "channel", "field", "id")
+"""Keys of an object in a list that say of which column it speaks."""
+_IGNORED = {"ARROW:schema", "huggingface", "geo"}
+_DEEPEST, _MOST, _LONGEST = 6, 2000, 1 << 20
+_SIGNS = re.compile(r"[.:/|]")
+
+
+@dataclass
+class StatedMetadata:
+    """What metadata state.
+
+    Attributes
+    ----------
+    columns : dict of str to dict
+        Of each column by its name.
+    table : dict of str to value
+        Of no column.
+    """
+
+    columns: dict[str, dict[str, Any]] = field(default_factory=dict)
+    table: dict[str, Any] = field(default_factory=dict)
+
+
+def assign_metadata(
+    table: Mapping[str, str], fields: Mapping[str, Mapping[str, str]], names: Sequence[str]
+) -> StatedMetadata:
+    """Return what metadata of a table and of its fields state of its columns, JSON taken apart.
+
+    >>> stated = assign_metadata({"units": '{"force": "N"}', "gain": "10"}, {}, ["force"])
+    >>> stated.columns, stated.table
+    ({'force': {'units': 'N'}}, {'gain': '10'})
+    """
+    stated = StatedMetadata({name: {} for name in names})
+    folded = {name.casefold(): name for name in names}
+    for name, entries in fields.items():
+        for path, value in _flatten_entries(entries):
+            stated.columns.setdefault(name, {})[".".join(path)] = value
+    for path, value in _flatten_entries(table):
+        at = next((i for i, part in enumerate(path) if part.casefold() in folded), None)
+        if at is None:
+            _assign_by_prefix(path, value, folded, stated)
+        else:
+            key = ".".join(path[at + 1 :]) or path[at - 1]
+            _add_value(stated.columns[folded[path[at].casefold()]], key, value)
+    return stated
+
+
+def _assign_by_prefix(
+    path: Path, value: Any, folded: Mapping[str, str], stated: StatedMetadata
+) -> None:
+    """Give ``force_unit`` and ``unit_force`` to the column, anything else to the table."""
+    word = path[-1].casefold()
+    for name, column in folded.items():
+        key = word.removeprefix(f"{name}_") if word != name else ""
+        key = key if key != word else word.removesuffix(f"_{name}")
+        if key and key != word and _bare(key) in _UNITS:
+            _add_value(stated.columns[column], key, value)
+            return
+    stated.table[".".join(path)] = value
+
+
+def _add_value(entries: dict[str, Any], key: str, value: Any) -> None:
+    """Add a value beside what is stated already under the same name."""
+    entries[key if entries.get(key, value) == value else f"{key} "] = value
+
+
+def find_stated_unit(entries: Mapping[str, Any]) -> str | None:
+    """Return the unit that metadata state, and of two that differ both.
+
+    >>> find_stated_unit({"Unit": "N"}), find_stated_unit({"unit": "N", "meta.units": "kN"})
+    ('N', 'N or kN')
+    """
+    unit = None
+    for key, value in entries.items():
+        word = str(value).strip()
+        if _bare(key.rpartition(".")[2]) not in _UNITS or not word or value is None:
+            continue
+        same = unit is None or units.is_same_unit(unit, word)
+        unit = word if same else join_units(unit or "", word)
+    return unit
+
+
+def _bare(key: str) -> str:
+    return "".join(filter(str.isalpha, key.casefold()))
+
+
+def _flatten_entries(entries: Mapping[str, str]) -> Iterator[tuple[Path, Any]]:
+    for count, (key, text) in enumerate(entries.items()):
+        if key in _IGNORED or count > _MOST:
+            continue
+        value = _decode(text)
+        if key == "pandas":  # says of types, and in this of what the user stated
+            value = value.get("attributes", {}) if isinstance(value, dict) else {}
+        yield from _flatten(tuple(_SIGNS.split(key)), value)
+
+
+def _decode(text: str) -> Any:
+    """Return the value of JSON, the text itself where it is none."""
+    if text[:1] not in {"{", "["} or len(text) > _LONGEST:
+        return text
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+
+
+def _flatten(path: Path, value: Any) -> Iterator[tuple[Path, Any]]:
+    if len(path) > _DEEPEST + 4:
+        return
+    if isinstance(value, dict):
+        for key, inner in list(value.items())[:_MOST]:
+            yield from _flatten((*path, *_SIGNS.split(str(key))), inner)
+    elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
+        for item in value[:_MOST]:
+            if not isinstance(item, dict):
+                continue
+            name = next((item[key] for key in _NAMES if isinstance(item.get(key), str)), None)
+            yield from _flatten(path if name is None else (*path, name), item)
+    elif value is not None:
+        yield path, value
