@@ -206,6 +206,71 @@ def test_nothing_is_interpolated_across_a_pause_nor_an_invalid_number() -> None:
     np.testing.assert_array_equal(np.isnan(read), lost)
 
 
+def halves(more: int) -> tuple[Group, Group]:
+    """Two halves of one record, of which one has a channel more."""
+    parts = []
+    for at, part in enumerate((slice(0, 400), slice(400, None))):
+        group = [clock(TIME[part]), Channel("Travel", MOVED[part], "mm")]
+        group.append(Channel("Force", FORCE[part], "N"))
+        if at == more:
+            group.append(Channel("Temp", TIME[part], "degC"))
+        parts.append(Group(group, f"half {at + 1}"))
+    return parts[0], parts[1]
+
+
+RIVAL = Channel("Force ref", 2 * FORCE, "N")
+TAKEN = [clock(), Channel("Travel", MOVED, "mm"), RIVAL]
+NAMES = (7, [float(k) for k in range(13)], [f"{k} N" for k in range(13)])
+DROPPED = {
+    "first half": (mdf4(*([half] for half in halves(0))), "shares no time"),
+    "second half": (mdf4(*([half] for half in halves(1))), "shares no time"),
+    "of another time": (
+        mdf4([Group(TAKEN)], [Group([clock(TIME + 1e3), bench().channels[2]], "late")]),
+        "'late' shares no time",
+    ),
+    "without samples": (
+        mdf4([Group(TAKEN)], [replace(bench(), name="gone", rows=0)]),
+        "no samples stand in 'gone'",
+    ),
+    "of names": (
+        mdf4([Group([*TAKEN, Channel("Force", COUNTS // 1000, "N", "<i2", conversion=NAMES)])]),
+        "'Force' holds names of states",
+    ),
+    "of a formula": (
+        mdf4([Group([*TAKEN, Channel("Kraft", FORCE, "N", conversion=(3, [], ["2*X1"]))])]),
+        "'Kraft' holds raw numbers of a formula",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("data", "says"), DROPPED.values(), ids=DROPPED)
+def test_a_channel_of_the_test_that_is_passed_over_is_a_caution(
+    tmp_path: Path, data: bytes, says: str
+) -> None:
+    test = read_relaxation(save(tmp_path / "a.mf4", data))
+    assert any(says in note for note in test.source.cautions)
+
+
+def test_halves_with_the_same_channels_are_joined(tmp_path: Path) -> None:
+    test = read_relaxation(save(tmp_path / "a.mf4", mdf4(*([half] for half in halves(9)))))
+    np.testing.assert_allclose(test.force, FORCE)
+    assert not test.source.cautions
+
+
+def test_groups_without_a_clock_side_by_side_are_a_caution(tmp_path: Path) -> None:
+    travel, force = (Group([channel], channel.name) for channel in bench().channels[1:])
+    path = save(tmp_path / "a.mf4", mdf4([travel], [force]))
+    test = read_relaxation(path, options=ReadOptions(rate=20.0))
+    assert any("no clock and 840 rows each" in note for note in test.source.cautions)
+
+
+def test_a_group_of_one_sample_stands_beside_the_record(tmp_path: Path) -> None:
+    once = Group([clock(TIME[:1]), Channel("Temp", [21.0], "degC")], "air")
+    path = save(tmp_path / "a.mf4", mdf4([bench()], [once]))
+    np.testing.assert_allclose(read_relaxation(path).force, FORCE)
+    assert columns(path.read_bytes())["Temp"][0] == 21.0
+
+
 def test_a_group_without_samples_is_named() -> None:
     table = MdfTable(BytesIO(mdf4([bench()], [replace(bench(), name="gone", rows=0)])), None)
     assert table.notes == ["no samples stand in 'gone'"]
@@ -335,6 +400,7 @@ def test_a_block_of_zeros_unpacks_to_no_more_than_it_says() -> None:
 FILES = {
     "sorted": WHOLE,
     "packed": mdf4([bench()], how="HL"),
+    "slow": mdf4([bench()], [Group([clock(TIME[::7]), Channel("Temp", TIME[::7], "degC")], "b")]),
     "unsorted": mdf4([replace(bench(), number=1), Group([clock(TIME[::9])], "b", 2)], id_size=1),
     "mdf3": mdf3([Channel("t", TIME, "s", sync=1), Channel("Force", FORCE, "N")]),
     "asammdf": (WRITTEN / "4.10-2.mf4").read_bytes(),
@@ -362,7 +428,7 @@ def test_a_damaged_word_ends_in_a_table_or_in_a_sentence(name: str, data: st.Dat
     """Of 8 bytes: a link, a length, a count or numbers."""
     whole = bytearray(FILES[name])
     at = 8 * data.draw(st.integers(8, len(whole) // 8 - 2))
-    struct.pack_into("<Q", whole, at, data.draw(st.integers(1, 1 << 62)))
+    struct.pack_into("<Q", whole, at, data.draw(st.integers(1, (1 << 64) - 1)))
     with contextlib.suppress(ReadError):
         columns(bytes(whole))
 

@@ -23,6 +23,8 @@ _MOST_LINKS = 1 << 20
 _MOST_BLOCKS = 1 << 18
 """Groups, channels and lists of data of a file, at most."""
 _LARGEST_TEXT = 1 << 20
+_LAST = 1 << 62
+"""Byte beyond which no file can be asked for one."""
 _LARGEST_BLOCK = 1 << 26
 """Bytes to which one packed block may unpack."""
 _TEXT = re.compile(r"<TX\b[^>]*>(.*?)</TX>", re.S)
@@ -98,7 +100,7 @@ class _Mdf4Blocks:
             raise ReadError(
                 f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
             )
-        self._stream.seek(address)
+        self._stream.seek(min(address, _LAST))
         head = self._stream.read(_HEADER.size)
         if len(head) < _HEADER.size:
             raise ReadError(

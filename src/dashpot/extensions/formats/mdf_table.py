@@ -17,7 +17,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats import mdf3, mdf4
 from dashpot.extensions.formats.mdf_records import MdfGroup, read_channels
-from dashpot.extensions.formats.passed_channels import note_passed
+from dashpot.extensions.formats.passed_channels import names_role_as_well, note_passed
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.raw_file import RawFile
@@ -68,9 +68,11 @@ class MdfTable:
         self.hints = tuple(content.hints.values())
         kept = [c.name for group in content.groups for c in group.channels if group.rows]
         self.notes: list[str] = note_passed(content.passed, kept)
-        empty = [group.name for group in content.groups if not group.rows]
+        empty = [group for group in content.groups if not group.rows]
         if empty:
-            self.notes.append(f"no samples stand in {_list(empty)}")
+            says = f"no samples stand in {_list([group.name for group in empty])}"
+            lost = [channel.name for group in empty for channel in group.channels]
+            self.notes.append(Caution(says) if names_role_as_well(lost, kept) else says)
         groups = [
             group
             for group in content.groups
@@ -145,10 +147,17 @@ class MdfTable:
         group, base = self._groups[i], self._base
         if group.clock is None or base.clock is None:
             if group.clock is None and base.clock is None and group.rows == base.rows:
+                self.notes.append(
+                    Caution(
+                        f"groups '{base.name}' and '{group.name}' have no clock and {base.rows} "
+                        "rows each: their rows were taken for simultaneous"
+                    )
+                )
                 return True
-            self.notes.append(
+            self._note_dropped(
+                group,
                 f"group '{group.name}' has no clock in common with '{base.name}' and was passed "
-                f'over (--file-part sheet="{group.name}" reads it)'
+                f'over (--file-part sheet="{group.name}" reads it)',
             )
             return False
         stated = _clock_unit(group), _clock_unit(base)
@@ -163,15 +172,16 @@ class MdfTable:
         ticks, own = self._ticks(i), self._ticks(self._segments[0])
         if np.array_equal(ticks, own):
             return True
-        if not (np.diff(ticks) > 0).all():
-            self.notes.append(
-                f"the clock of group '{group.name}' does not rise throughout: it was passed over"
+        if not (np.diff(ticks) > 0).all() or not np.isfinite(ticks).all():
+            self._note_dropped(
+                group,
+                f"the clock of group '{group.name}' does not rise throughout: it was passed over",
             )
             return False
         within = int(((own >= ticks[0]) & (own <= ticks[-1])).sum())
         if not within:
-            self.notes.append(
-                f"group '{group.name}' shares no time with '{base.name}' and was passed over"
+            self._note_dropped(
+                group, f"group '{group.name}' shares no time with '{base.name}' and was passed over"
             )
             return False
         self._lined_up[i] = ticks
@@ -184,6 +194,11 @@ class MdfTable:
         # straight lines dull what is near half the sampling rate
         self.notes.append(Caution(message) if "acceleration" in moving else message)
         return True
+
+    def _note_dropped(self, group: MdfGroup, says: str) -> None:
+        """Note a group that is passed over: a caution where it may be a part of the test."""
+        lost, kept = ([c.name for c in of.channels if not c.clock] for of in (group, self._base))
+        self.notes.append(Caution(says) if names_role_as_well(lost, kept) else says)
 
     def _find_base(self) -> int:
         """Return which group gives the clock.
@@ -215,7 +230,8 @@ class MdfTable:
             raise ReadError(f"group '{group.name}' has no clock")
         ticks = read_channels(self._stream, group, [place])[0][:, 0]
         unit = units.find_unit(_clock_unit(group), "time")
-        return ticks * (unit.factor if unit else 1.0)
+        with np.errstate(invalid="ignore", over="ignore"):  # a damaged clock is passed over later
+            return ticks * (unit.factor if unit else 1.0)
 
     def load(self, indexes: Sequence[int]) -> LoadedColumns:
         """Return the numbers of some columns, NaN where the file says that they are invalid."""
@@ -247,7 +263,8 @@ class MdfTable:
         if ticks is None:
             return part
         own = self._ticks(self._segments[0])
-        wide = np.diff(ticks) > _APART * median(np.diff(ticks))
+        steps = np.diff(ticks)
+        wide = steps > _APART * median(steps) if len(steps) else steps > 0
         place = np.clip(np.searchsorted(ticks, own, side="right") - 1, 0, max(len(ticks) - 2, 0))
         outside = (own < ticks[0]) | (own > ticks[-1])
         outside |= (wide[place] if len(wide) else False) & (own != ticks[place])
@@ -303,9 +320,10 @@ def _interpolate(
     """Return a column on straight lines between its samples, NaN beside one that is none."""
     if len(ticks) == 1:
         return np.where(own == ticks[0], column[0], np.nan)
-    share = (own - ticks[place]) / (ticks[place + 1] - ticks[place])
     low, high = column[place], column[place + 1]
-    between: FloatArray = low + share * (high - low)
+    with np.errstate(over="ignore", invalid="ignore"):
+        share = (own - ticks[place]) / (ticks[place + 1] - ticks[place])
+        between: FloatArray = low + share * (high - low)
     between[share == 0], between[share == 1] = low[share == 0], high[share == 1]
     return between
 

@@ -9,9 +9,7 @@ from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.columns.vocabulary import Role
 
-_ROLES: tuple[Role, ...] = (
-    "force", "displacement", "acceleration", "velocity", "stress", "strain", "time",
-)  # fmt: skip
+_ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "strain")
 _SURE = 1.5
 """How well a name says a role, at least."""
 _FEW = 8
@@ -23,11 +21,10 @@ def note_passed(passed: Mapping[str, str], kept: Iterable[str]) -> list[str]:
     A caution where one is named for a role of a test as well as any channel that is kept: another
     may then have taken its place.
     """
-    best = {role: max(scores, default=0.0) for role, scores in _score_roles(kept).items()}
+    kept = list(kept)
     reasons: dict[tuple[str, bool], list[str]] = {}
     for name, reason in passed.items():
-        scores = _score_roles([name])
-        meant = any(max(scores[role]) >= max(_SURE, best[role]) for role in _ROLES)
+        meant = names_role_as_well([name], kept)
         reasons.setdefault((reason, meant), []).append(f"'{name}'")
     notes: list[str] = []
     for (reason, meant), names in reasons.items():
@@ -36,6 +33,16 @@ def note_passed(passed: Mapping[str, str], kept: Iterable[str]) -> list[str]:
         says = f"{', '.join(names[:_FEW])}{more} {hold} {reason}: passed over"
         notes.append(Caution(says) if meant else says)
     return notes
+
+
+def names_role_as_well(passed: Iterable[str], kept: Iterable[str]) -> bool:
+    """Return whether a channel is named for a role of a test as well as any of those kept.
+
+    >>> names_role_as_well(["Force"], ["t", "Ch 3"]), names_role_as_well(["Temp"], ["t", "Force"])
+    (True, False)
+    """
+    scores, best = _score_roles(passed), _score_roles(kept)
+    return any(max(scores[role], default=0.0) >= max(_SURE, *best[role], 0.0) for role in _ROLES)
 
 
 def _score_roles(names: Iterable[str]) -> dict[Role, Sequence[float]]:
