@@ -19,7 +19,8 @@ CHILDREN = {"test_bombs", "test_child"}
 
 def parsed_here(what, function, raw, options, *, columns=None):
     """Return what the parent receives from a child, without its limits."""
-    asked = ReadOptions(sheet=options.sheet, segment=options.segment, format=options.format)
+    said = {name: getattr(options, name) for name in parent_process.CHILD_OPTIONS}
+    asked = ReadOptions(**said)
     pipe = BytesIO()
     function = function if columns is None else partial(function, columns=columns)
     with warnings.catch_warnings():

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 from kit.foreign.files import press_and_hold, written
+from nptdms import ChannelObject, RootObject, TdmsWriter
 from scipy.io import savemat
 
 from dashpot.base.errors import ReadError
@@ -105,6 +106,84 @@ def test_a_zero_of_the_clock_as_cf_writes_it(tmp_path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file["time"][...] = 1e3 * TIME
     np.testing.assert_allclose(read_relaxation(path).time, TIME, atol=1e-9)
+
+
+# one rule for fill values, full scales, signs and steps
+
+
+def write_hdf5(path: Path, values: Any, said: dict[str, Any], of_file: dict[str, Any]) -> None:
+    hdf5(path, stored=values, force=said, of_file=of_file)
+
+
+def write_tdms(path: Path, values: Any, said: dict[str, Any], of_file: dict[str, Any]) -> None:
+    with TdmsWriter(str(path)) as writer:
+        writer.write_segment([RootObject(of_file)] + [
+            ChannelObject("a", name, values if name == "force" else column, properties={
+                "unit_string": UNITS[name], **(said if name == "force" else {})})
+            for name, column in COLUMNS.items()
+        ])  # fmt: skip
+
+
+def write_matlab(path: Path, values: Any, said: dict[str, Any], of_file: dict[str, Any]) -> None:
+    content = {name: {"data": column, "unit": UNITS[name]} for name, column in COLUMNS.items()}
+    content["force"] |= {"data": values, **said}
+    savemat(path, content | of_file, appendmat=False)
+
+
+WRITERS = {"hdf5": write_hdf5, "tdms": write_tdms, "matlab": write_matlab}
+STATED = {
+    "parts of full scale": (FORCE / 50, {"full_scale": 50.0}, {}, "full_scale = 50"),
+    "counts": (np.round(FORCE * 655), {"FullScale": 50.0}, {}, "FullScale = 50"),
+    "full scale in the file": (FORCE / 50, {}, {"force_full_scale": 50.0}, "full_scale = 50"),
+    "gain in the file": (FORCE, {}, {"force_gain": 10.0}, "force_gain = 10"),
+    "x10": (FORCE, {"scale": "x10"}, {}, "scale = x10"),
+    "multiply": (FORCE, {"multiply_by": 10.0}, {}, "multiply_by = 10"),
+    "turned": (FORCE, {"polarity": "inverted"}, {}, "polarity = inverted"),
+}
+UNCHANGED = {
+    "full scale": {"full_scale": 50.0}, "polarity": {"polarity": "normal"},
+    "range": {"range": 20.0}, "sign": {"sign": 1.0},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", WRITERS)
+@pytest.mark.parametrize("case", STATED)
+def test_read_asks_what_changes_the_numbers_in_every_format(
+    tmp_path: Path, form: str, case: str
+) -> None:
+    values, said, of_file, says = STATED[case]
+    WRITERS[form](tmp_path / "a", values, said, of_file)
+    with pytest.raises(ReadError, match=f"stated beside its numbers, .*{says}"):
+        read_relaxation(tmp_path / "a")
+
+
+@pytest.mark.parametrize("form", WRITERS)
+@pytest.mark.parametrize("said", UNCHANGED.values(), ids=UNCHANGED)
+def test_read_takes_what_changes_no_number(tmp_path: Path, form: str, said: dict[str, Any]) -> None:
+    WRITERS[form](tmp_path / "a", FORCE, said, {})
+    assert not read_relaxation(tmp_path / "a").source.cautions
+
+
+@pytest.mark.parametrize("form", WRITERS)
+@pytest.mark.parametrize("name", ["fill_value", "NoData", "missing"])
+def test_fill_values_of_any_name_are_no_numbers(tmp_path: Path, form: str, name: str) -> None:
+    gone = (TIME > 20) & (TIME < 20.3)
+    WRITERS[form](tmp_path / "a", np.where(gone, -12345.0, FORCE), {name: -12345.0}, {})
+    test = read_relaxation(tmp_path / "a")
+    np.testing.assert_allclose(test.force, FORCE[~gone])
+    assert any("'force' are stated to be none" in note for note in test.source.notes)
+
+
+@pytest.mark.parametrize("form", WRITERS)
+def test_a_rate_that_contradicts_the_stated_step_is_a_caution(tmp_path: Path, form: str) -> None:
+    held = COLUMNS.pop("time")
+    try:
+        WRITERS[form](tmp_path / "a", FORCE, {"dt": 1 / RATE}, {})
+    finally:
+        COLUMNS["time"] = held
+    assert not read_relaxation(tmp_path / "a", options=ReadOptions(rate=RATE)).source.cautions
+    other = read_relaxation(tmp_path / "a", options=ReadOptions(rate=10.0))
+    assert any("where --rate 10Hz is given" in note for note in other.source.cautions)
 
 
 # factors that no rule of the format applies

@@ -15,9 +15,11 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.attribute_factors import (
+    describe_full_scale,
     factors_among,
     names_factor,
     select_channel_words,
+    split_full_scale,
     words_of_name,
 )
 from dashpot.reading.columns import vocabulary
@@ -102,7 +104,7 @@ def gather(
             *notes,
             *([passed] if remaining else []),
             *cautions,
-            *_contradict_rate(arrays, rate),
+            *contradict_rate(arrays, rate),
         ),
         hints=rate_hints(arrays),
         header=(*header, *_window_lines(arrays)),
@@ -141,7 +143,10 @@ def _stated_factors(
     A single number named for a factor belongs to the column that it is named for (``force_gain``),
     or inside whose struct or dataset it stands (``force.gain``).
     """
-    factors = [[column.factor] if column.factor else [] for column in columns]
+    factors = [
+        [text] if (text := column.factor or _full_scale_of(column, arrays, columns)) else []
+        for column in columns
+    ]
     cautions = []
     for array in arrays:
         if np.size(array.values) > _FEW or np.iscomplexobj(array.values):
@@ -163,6 +168,23 @@ def _stated_factors(
                 Caution(f"the file states {array.name}{text[len(last) :]}; it is not applied")
             )
     return [" and ".join(factor) for factor in factors], cautions
+
+
+def _full_scale_of(
+    column: NamedArray, arrays: Sequence[NamedArray], columns: Sequence[NamedArray]
+) -> str:
+    """Return the full scale that a single number states of a column which cannot be in its unit."""
+    for array in arrays:
+        stem, _, last = array.name.rpartition(".")
+        owner = split_full_scale(last) if np.size(array.values) == 1 else None
+        if owner is None or np.iscomplexobj(array.values):
+            continue
+        named = words_of_name(owner) == words_of_name(split_unit(column.name)[0])
+        meant = named if owner else any(columns[i] is column for i in _meant(stem, "", columns))
+        text = describe_full_scale(column.values.real, last, array.values) if meant else ""
+        if text:
+            return text
+    return ""
 
 
 def _meant(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
@@ -194,11 +216,17 @@ def _require_common_clock(arrays: Sequence[NamedArray], columns: Sequence[NamedA
             "clock, as a column of time"
         )
     names = {column.name for column in columns}
-    rates = {
-        float(f"{rate:.6g}")
-        for array in arrays
-        if (rate := _rate(array)) and array.name.rpartition(".")[0] in names
-    }
+    refuse_different_rates([a for a in arrays if a.name.rpartition(".")[0] in names])
+
+
+def refuse_different_rates(arrays: Sequence[NamedArray]) -> None:
+    """Refuse single numbers that state different sampling rates of channels.
+
+    Raises
+    ------
+    ReadError
+    """
+    rates = {float(f"{rate:.6g}") for array in arrays if (rate := _rate(array))}
     if len(rates) > 1:
         listed = ", ".join(f"{rate:g} Hz" for rate in sorted(rates)[:6])
         raise ReadError(
@@ -233,7 +261,7 @@ def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
     )
 
 
-def _contradict_rate(arrays: Sequence[NamedArray], given: float | None) -> list[Caution]:
+def contradict_rate(arrays: Sequence[NamedArray], given: float | None) -> list[Caution]:
     """Note what single numbers say of the sampling rate otherwise than the user does."""
     stated = {array.name: rate for array in arrays if (rate := _rate(array))} if given else {}
     return [

@@ -19,10 +19,8 @@ from dashpot.extensions.formats.array_table import (
 )
 from dashpot.extensions.formats.arrow_schema import decode_parquet_schema, read_schema_metadata
 from dashpot.extensions.formats.attribute_factors import (
-    describe_full_scale,
-    factors_among,
-    names_factor,
-    remove_fill_values,
+    apply_attributes,
+    concerns_numbers,
     stated_numbers,
     stated_unit,
 )
@@ -84,7 +82,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     arrays += [
         NamedArray(key, np.array(values))
         for key, value in stated.table.items()
-        if names_factor(key.rpartition(".")[2]) and (values := stated_numbers(value))
+        if concerns_numbers(key.rpartition(".")[2]) and (values := stated_numbers(value))
     ]
     return gather(
         arrays, format_=form, notes=[*notes, *note_passed(passed, kept)], rate=options.rate,
@@ -106,9 +104,8 @@ def _read_column(column: Any, stated: Mapping[str, Any], notes: list[str]) -> Na
         return NamedArray(name, seconds.to_numpy(), "s")
     if not kind.is_numeric():
         return None
-    values, note = remove_fill_values(name, column.cast(float).to_numpy(allow_copy=True), stated)
-    notes += note
-    factor = factors_among(stated) or describe_full_scale(values, stated)
+    values = column.cast(float).to_numpy(allow_copy=True)
+    values, factor = apply_attributes(name, values, stated, notes)
     return NamedArray(name, values, find_stated_unit(stated), factor=factor, start=start)
 
 

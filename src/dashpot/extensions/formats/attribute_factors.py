@@ -16,9 +16,12 @@ _FACTORS = {
     "skalierung", "verstärkung", "empfindlichkeit", "kalibrierfaktor", "skalierungsfaktor", "cal",
     "coeff", "coeffs", "coef", "multiplication", "calib", "polynomial", "poly", "exponent", "ratio",
     "divisor", "divider", "attenuator", "attn", "eichfaktor", "übersetzung", "teiler", "calfac",
-    "scl", "resolution", "lsb", "per", "power",
+    "scl", "resolution", "lsb", "per", "power", "multiply", "multiplied", "polarity", "invert",
+    "inverted", "sign", "vorzeichen", "polarität",
 }  # fmt: skip
 """Words of a factor: 1 changes nothing."""
+_SIGNS = {"polarity", "invert", "inverted", "sign", "vorzeichen", "polarität"}
+"""Words of a factor of -1."""
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
 _OVER = 1.5
@@ -46,15 +49,33 @@ _BESIDES = {
     "damping", "noise", "aspect", "compression", "chunk", "fill", "time",
 }  # fmt: skip
 """Words beside which no factor of the numbers is meant."""
+_TURNED = {
+    "inverted",
+    "negative",
+    "reversed",
+    "reverse",
+    "invertiert",
+    "negativ",
+    "-",
+    "yes",
+    "true",
+}
+"""What the sign of a channel is said to be where it is turned."""
 _FILLS = {
     "fillvalue", "fill", "missingvalue", "missing", "nodata", "nodatavalue", "nullvalue", "navalue",
     "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",
 }  # fmt: skip
 """Names of what stands where there is no number, without signs."""
-_FULL_SCALES = {"fullscale", "fullscalevalue", "fullscalerange", "messbereich", "fs", "fsr"}
-"""Names of what the largest number means, without signs."""
+_FULL_SCALE = re.compile(
+    r"\A(.*?)[\s_.-]*(?:full[\s_-]?scale(?:[\s_-]?(?:value|range|output))?|messbereich|fsr|fs)"
+    r"([\s_.-].*)?\Z",
+    re.IGNORECASE,
+)
+"""Names of what the largest number means, and of what channel."""
 _WORDS = re.compile(r"[a-zà-ÿ]+")
-_STATED = re.compile(r"\A\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s].{0,20})?\Z")
+_STATED = re.compile(
+    r"\A\s*[x×*]?\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s].{0,20})?\Z"
+)
 
 
 def words_of_name(name: str) -> list[str]:
@@ -110,7 +131,10 @@ def changes_numbers(name: str, value: object) -> bool:
     # an offset of the scale is a summand, too
     neutral = 0.0 if set(words_of_name(name)) & _SHIFTS else 1.0
     stated = stated_numbers(value)
-    return bool(stated) and any(number != neutral for number in stated)
+    if not stated and set(words_of_name(name)) & _SIGNS:
+        text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+        return text.strip().casefold() in _TURNED
+    return any(number != neutral for number in stated)
 
 
 def stated_numbers(value: object) -> tuple[float, ...]:
@@ -163,7 +187,7 @@ def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
     return tuple(
         number
         for name, value in attributes.items()
-        if "".join(filter(str.isalpha, name.rpartition(".")[2].casefold())) in _FILLS
+        if _bare(name.rpartition(".")[2]) in _FILLS
         for number in stated_numbers(value)
     )
 
@@ -180,21 +204,52 @@ def remove_fill_values(
     return np.where(missing, np.nan, values), [note]
 
 
-def describe_full_scale(values: FloatArray, attributes: Mapping[str, object]) -> str:
-    """Return the full scale that is stated where the numbers cannot be in the unit beside it.
+def split_full_scale(name: str) -> str | None:
+    """Return the channel of which a name is that of the full scale, None of any other name.
 
-    They are parts of it, or counts: "" where they may well be in the unit.
+    >>> split_full_scale("force_full_scale"), split_full_scale("FullScale"), split_full_scale("fs")
+    ('force', '', '')
+    """
+    match = _FULL_SCALE.match(name)
+    return match[1] if match else None
 
-    >>> describe_full_scale(np.array([0.0, 0.7]), {"full_scale": "50 N"})
+
+@lru_cache(maxsize=4096)
+def concerns_numbers(name: str) -> bool:
+    """Return whether a name is that of a factor, a summand, a full scale or a fill value."""
+    return names_factor(name) or split_full_scale(name) is not None or _bare(name) in _FILLS
+
+
+def _bare(name: str) -> str:
+    return "".join(filter(str.isalpha, name.casefold()))
+
+
+def describe_full_scale(values: FloatArray, name: str, value: object) -> str:
+    """Return a full scale where the numbers cannot be in its unit: they are parts of it, or counts.
+
+    >>> describe_full_scale(np.array([0.0, 0.7]), "full_scale", "50 N")
     'full_scale = 50 N'
-    >>> describe_full_scale(np.array([0.0, 7.0]), {"full_scale": "50 N"})
+    >>> describe_full_scale(np.array([0.0, 7.0]), "full_scale", "50 N")
     ''
     """
+    full = max(map(abs, stated_numbers(value)), default=0.0)
     largest = float(np.nanmax(np.abs(values), initial=0.0))
-    for name, value in attributes.items():
-        bare = "".join(filter(str.isalpha, name.rpartition(".")[2].casefold()))
-        numbers = stated_numbers(value) if bare in _FULL_SCALES else ()
-        full = max(map(abs, numbers), default=0.0)
-        if full and (largest > _OVER * full or (largest <= 1 < full / _OVER)):
-            return f"{name} = {_format_factor_value(value)}"
-    return ""
+    strange = largest > _OVER * full or largest <= 1 < full / _OVER
+    return f"{name} = {_format_factor_value(value)}" if full and strange else ""
+
+
+def apply_attributes(
+    name: str, values: FloatArray, attributes: Mapping[str, object], notes: list[str]
+) -> tuple[FloatArray, str]:
+    """Return the numbers of a channel without fill values, and what is stated that changes them.
+
+    Every format asks this: of factors, of the full scale of parts and counts, of fill values.
+    """
+    values, removed = remove_fill_values(name, values, attributes)
+    notes += removed
+    scales = (
+        describe_full_scale(values, key, value)
+        for key, value in attributes.items()
+        if split_full_scale(key.rpartition(".")[2]) == ""
+    )
+    return values, factors_among(attributes) or next(filter(None, scales), "")

@@ -19,8 +19,9 @@ from dashpot.extensions.formats.array_table import (
     stated_rate,
 )
 from dashpot.extensions.formats.attribute_factors import (
+    apply_attributes,
+    concerns_numbers,
     factors_among,
-    names_factor,
     stated_numbers,
     stated_unit,
 )
@@ -145,11 +146,15 @@ def _dataset(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
     whole = _columns_of(node, name, walk)
     for array in whole:
         walk.stated += _stated_numbers(node, array.name, also_factors=False)
-    factor, start = _factors(node, len(whole)), _start(node)
-    return [
-        replace(named_array, factor=text, start=start)
-        for named_array, text in zip(whole, factor, strict=True)
-    ]
+    attributes, start = _attributes_by_column(node, len(whole)), _start(node)
+    arrays = []
+    for array, entries in zip(whole, attributes, strict=True):
+        if np.iscomplexobj(array.values):
+            factor, values = factors_among(entries), array.values
+        else:
+            values, factor = apply_attributes(array.name, array.values, entries, walk.notes)
+        arrays.append(replace(array, values=values, factor=factor, start=start))
+    return arrays
 
 
 def _columns_of(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
@@ -249,21 +254,18 @@ def _numbers_of(value: Any) -> tuple[float, ...]:
     return tuple(array.astype(float).tolist()) if array.dtype.kind in "iufb" else ()
 
 
-def _factors(node: Any, count: int) -> list[str]:
-    """What the attributes of a dataset state of factors that no convention applies, by column."""
+def _attributes_by_column(node: Any, count: int) -> list[dict[str, Any]]:
+    """Return the attributes of a dataset that no convention applies, by column."""
     stated = {
-        key: node.attrs[key]
-        for key in node.attrs
-        if key not in _CF and names_factor(key) and key not in _UNIT
+        key: node.attrs[key] for key in node.attrs if key not in _CF and concerns_numbers(key)
     }
-    sentences = []
-    for place in range(count):
-        entries = {
+    return [
+        {
             key: value[place] if count > 1 and np.shape(value) == (count,) else value
             for key, value in stated.items()
         }
-        sentences.append(factors_among(entries))
-    return sentences
+        for place in range(count)
+    ]
 
 
 def _start(node: Any) -> str:
@@ -287,7 +289,7 @@ def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedAr
     arrays = []
     for key in node.attrs:
         names_rate = stated_rate(key, 1.0) > 0
-        if not names_rate and not (also_factors and names_factor(key)):
+        if not names_rate and not (also_factors and concerns_numbers(key)):
             continue
         value = stated_numbers(node.attrs[key])
         if value:

@@ -24,7 +24,11 @@ from dashpot.extensions.formats.array_table import (
     numbers,
     stated_rate,
 )
-from dashpot.extensions.formats.attribute_factors import factors_among, names_factor
+from dashpot.extensions.formats.attribute_factors import (
+    apply_attributes,
+    concerns_numbers,
+    factors_among,
+)
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
@@ -55,20 +59,23 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         check_elements(stream)
         content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
     arrays: list[NamedArray] = []
+    notes: list[str] = []
     for name, value in content.items():
         if not name.startswith("__"):
-            _flatten(name, value, arrays)
+            _flatten(name, value, arrays, notes)
     if options.sheet is not None:
         arrays = [array for array in arrays if array.name.startswith(options.sheet)]
         if not arrays:
             raise ReadError(f"--file-part sheet={options.sheet}: there is no such variable")
-    return gather(arrays, format_="MAT", rate=options.rate)
+    return gather(arrays, format_="MAT", notes=notes, rate=options.rate)
 
 
-def _flatten(name: str, value: Any, arrays: list[NamedArray], depth: int = 0) -> None:
+def _flatten(
+    name: str, value: Any, arrays: list[NamedArray], notes: list[str], depth: int = 0
+) -> None:
     """Append the arrays in a variable, a struct or a cell; a struct may hold data and unit."""
     if isinstance(value, dict | list) and depth < 8:
-        measured = _extract_struct_array(name, value) if isinstance(value, dict) else None
+        measured = _extract_struct_array(name, value, notes) if isinstance(value, dict) else None
         if isinstance(value, dict) and measured is not None:
             arrays.append(measured)
             arrays += [
@@ -79,14 +86,14 @@ def _flatten(name: str, value: Any, arrays: list[NamedArray], depth: int = 0) ->
             return
         inner = value.items() if isinstance(value, dict) else enumerate(value, start=1)
         for key, entry in inner:
-            _flatten(f"{name}.{key}", entry, arrays, depth + 1)
+            _flatten(f"{name}.{key}", entry, arrays, notes, depth + 1)
     elif isinstance(value, int | float | complex | np.ndarray | np.number):
         values = numbers(value)
         if values is not None:
             arrays.append(NamedArray(name, values))
 
 
-def _extract_struct_array(name: str, fields: dict[str, Any]) -> NamedArray | None:
+def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -> NamedArray | None:
     """Return the array of a struct that holds numbers and their unit."""
     folded = {str(key).casefold(): value for key, value in fields.items()}
     data = next((folded[key] for key in _DATA if key in folded), None)
@@ -94,9 +101,12 @@ def _extract_struct_array(name: str, fields: dict[str, Any]) -> NamedArray | Non
     values = None if data is None else numbers(data)
     if values is None or not isinstance(unit, str):
         return None
-    extras = {key: value for key, value in fields.items() if names_factor(str(key))}
+    extras = {str(key): value for key, value in fields.items() if concerns_numbers(str(key))}
     start = next((f"{key} = {value}" for key, value in fields.items() if names_start(str(key))), "")
-    return NamedArray(name, values, unit, factors_among(extras), start)
+    if np.iscomplexobj(values):
+        return NamedArray(name, values, unit, factors_among(extras), start)
+    values, factor = apply_attributes(name, values.real, extras, notes)
+    return NamedArray(name, values, unit, factor, start)
 
 
 def check_elements(stream: BinaryIO) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -15,12 +15,23 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.array_table import (
     NamedArray,
+    contradict_rate,
     names_start,
     rate_hints,
+    refuse_different_rates,
     stated_rate,
     window_line,
 )
-from dashpot.extensions.formats.attribute_factors import factors_among
+from dashpot.extensions.formats.attribute_factors import (
+    apply_attributes,
+    concerns_numbers,
+    describe_full_scale,
+    factors_among,
+    select_channel_words,
+    split_full_scale,
+    words_of_name,
+)
+from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
@@ -75,6 +86,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     extra("nptdms", "npTDMS", "TDMS files")
     from dashpot.extensions.formats.tdms_segments import SegmentReader
 
+    notes: list[str] = []
     with raw.open() as stream:
         file = SegmentReader(stream)
         file.read_metadata()
@@ -85,7 +97,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         _refuse_unknown_scales(objects)
         reported = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
         groups = _chosen(
-            _read_scaled_channels(stream, objects) if reported else _read_stored_channels(file),
+            _read_scaled_channels(stream, objects, notes)
+            if reported
+            else _read_stored_channels(file, notes),
             options.sheet,
         )
         stated = [
@@ -94,11 +108,13 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             for key, value in item.properties.items()
             if (line := window_line(str(key), value))
         ]
-    notes: list[str] = []
     blocks = [_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
-    columns = [Column(c.name, c.unit, factor=c.factor) for c in first]
-    notes += _stated_of_all(objects)
+    factors = _stated_of_all(objects, first, notes)
+    columns = [Column(c.name, c.unit, factor=c.factor or factors.get(c.name, "")) for c in first]
+    rates = _rates_stated(objects)
+    refuse_different_rates([rate for rate in rates if _PATH.match(rate.name)])
+    notes += contradict_rate(rates, options.rate)
     if blocks[0].shape[1] > len(first):
         columns.insert(0, Column("time", "s"))
     starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
@@ -108,7 +124,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         load=make_loader(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
         notes=tuple(dict.fromkeys(notes)),
         header=tuple(dict.fromkeys(stated)),
-        hints=rate_hints(_rates_stated(objects)),
+        hints=rate_hints(rates),
     )
 
 
@@ -156,14 +172,27 @@ def _is_stamped(item: Any) -> bool:
     return getattr(item.data_type, "__name__", "") == "TimeStamp"
 
 
-def _stated_of_all(objects: Mapping[str, Any]) -> list[str]:
-    """Note what a group or the file states beside its numbers."""
-    notes: list[str] = []
+def _stated_of_all(
+    objects: Mapping[str, Any], channels: Sequence[_TdmsChannel], notes: list[str]
+) -> dict[str, str]:
+    """Return what a group or the file states of factors of its channels; note what of none."""
+    owners = {tuple(words_of_name(split_unit(c.name)[0])): c for c in channels}
+    factors: dict[str, str] = {}
     for path, item in objects.items():
-        stated = "" if _PATH.fullmatch(path) else _factors(item.properties)
-        if stated:
-            notes.append(Caution(f"'{path}' states {stated}; no factor is applied to the numbers"))
-    return notes
+        if _PATH.fullmatch(path):
+            continue
+        for key, value in item.properties.items():
+            stated, full = _factors({key: value}), split_full_scale(str(key))
+            words = select_channel_words(str(key)) if full is None else words_of_name(full)
+            owner = owners.get(tuple(words))
+            if owner and full:
+                stated = describe_full_scale(owner.values, str(key), value)
+            if stated and owner:
+                factors[owner.name] = stated
+            elif stated:
+                says = f"'{path}' states {stated}; no factor is applied to the numbers"
+                notes.append(Caution(says))
+    return factors
 
 
 def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
@@ -178,13 +207,15 @@ def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
 
 def _factors(properties: Mapping[str, Any]) -> str:
     """Return what properties state of a factor, without those that the format itself defines."""
-    entries = {
-        key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))
-    }
-    return factors_among(entries)
+    return factors_among(_foreign(properties))
 
 
-def _read_stored_channels(file: Any) -> _Groups:
+def _foreign(properties: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the properties that the format itself does not define."""
+    return {key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))}
+
+
+def _read_stored_channels(file: Any, notes: list[str]) -> _Groups:
     """Return the channels of a file as they are stored.
 
     npTDMS's own objects cost twice as much as what they hold: of tens of thousands of channels they
@@ -205,7 +236,7 @@ def _read_stored_channels(file: Any) -> _Groups:
         values = np.concatenate(arrays) if len(arrays) > 1 else arrays[0] if arrays else _NONE
         if values.size:
             group, name = _names(path)
-            channel = _channel(name, objects[path].properties, values)
+            channel = _channel(name, objects[path].properties, values, notes)
             groups.setdefault(group, []).append(channel)
     return groups
 
@@ -218,7 +249,7 @@ def _names(path: str) -> list[str]:
     return [group.replace("''", "'") for group in match.groups()]
 
 
-def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
+def _read_scaled_channels(stream: Any, objects: Mapping[str, Any], notes: list[str]) -> _Groups:
     """Return the channels of a file as npTDMS scales them, instants as seconds since the first."""
     from nptdms import TdmsFile
 
@@ -236,7 +267,7 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
                 properties = {"unit_string": "s"}
             values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
-                channels.append(_channel(channel.name, properties, values))
+                channels.append(_channel(channel.name, properties, values, notes))
         whole = [(place, item) for place, item in instants if len(item)]
         first = min((item[0] for _, item in whole), default=None)
         for place, value in whole:
@@ -245,13 +276,17 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any]) -> _Groups:
     return groups
 
 
-def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _TdmsChannel:
+def _channel(
+    name: str, properties: Mapping[str, Any], values: FloatArray, notes: list[str]
+) -> _TdmsChannel:
     unit = next((text for key in _UNITS if (text := str(properties.get(key, ""))).strip()), None)
     step = float(properties.get("wf_increment") or 0.0)
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
     along = units.find_unit(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
-    factor, start = _factors(properties), _start(properties.get("wf_start_time"))
+    entries = {key: value for key, value in _foreign(properties).items() if concerns_numbers(key)}
+    values, factor = apply_attributes(name, values, entries, notes)
+    start = _start(properties.get("wf_start_time"))
     names = (key for key in properties if names_start(key) and not key.startswith("wf_"))
     text = ", ".join(f"{key} = {properties[key]}" for key in names)
     if not step or along is None:  # over frequency it has no clock

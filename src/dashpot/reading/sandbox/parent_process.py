@@ -25,7 +25,7 @@ A = TypeVar("A", bound=message_protocol.Answer)
 _MARK = "--read-for-dashpot"
 _ONE_ARENA = {"MALLOC_ARENA_MAX": "1", "POLARS_MAX_THREADS": "1"}
 """Each thread of polars sets aside 64 MB of addresses in an arena: a GiB is full before a file."""
-_OPTIONS = ("sheet", "segment", "format", "rate")
+CHILD_OPTIONS = ("sheet", "segment", "format", "rate")
 """What is said to a reader in a child."""
 _frozen_children: list[str] = []
 
@@ -67,7 +67,7 @@ def run_in_child(
     request = {
         "format": what, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),
-        "options": {name: getattr(options, name) for name in _OPTIONS},
+        "options": {name: getattr(options, name) for name in CHILD_OPTIONS},
         "columns": None if columns is None else [int(index) for index in columns],
     }  # fmt: skip
     late = threading.Event()
