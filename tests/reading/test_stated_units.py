@@ -104,7 +104,7 @@ def test_read_asks_about_a_name_that_contradicts_the_unit(
     WRITERS[form](tmp_path / "a", CONTRADICT[case])
     with pytest.raises(ReadError, match=" or "):
         read_relaxation(tmp_path / "a")
-    assert any(" or " in question.says for question in inspect_file(tmp_path / "a").questions)
+    assert any(" or " in question.message for question in inspect_file(tmp_path / "a").questions)
     units = {"displacement": "mm"} if case == "cm" else {"force": "N"}
     sure = ReadOptions(units=units, displacement="2" if form == "lvm" else None)
     assert read_relaxation(tmp_path / "a", options=sure).force.max() == pytest.approx(

@@ -362,15 +362,6 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     )
 
 
-def count_clipped_runs(signal: FloatArray) -> int:
-    """How often three samples in a row are the highest of all, or the lowest."""
-    count = 0
-    for end in (signal.max(), signal.min()):
-        held = np.convolve(signal == end, np.ones(3), "valid") == 3
-        count += int(np.count_nonzero(held & ~np.append(False, held[:-1])))
-    return count
-
-
 @criterion("level of the force at the peak, dB", ">=", -10.0)
 def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
     """The force spectrum of the hammer has not fallen at the resonance."""
