@@ -17,7 +17,7 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.structure import FRFSet
 from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
-from dashpot.registry import FITS, KINDS, load_object, row_of
+from dashpot.registry import FITS, KINDS, find_handler, load_object, row_of
 from dashpot.workflow.bench_tests import BenchFitOptions, fit_records
 from dashpot.workflow.fit_routing import BENCH, route
 from dashpot.workflow.identification import identify_solid
@@ -82,6 +82,9 @@ def fit(*records: Any, **options: Any) -> Any:
     >>> dp.fit(test, hits, mass="114.8g", seals=2).method
     'joint'
     """
+    make_records = find_handler("make records", records[0]) if records else None
+    if make_records is not None:
+        records = make_records(records, options)
     kinds = identify_record_kinds(records)
     mass, levels = options.get("mass"), options.get("levels") or ()
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)

@@ -92,7 +92,8 @@ def read(
     Parameters
     ----------
     path : path or sequence of path
-        A file; several of hits are one hammer test. A folder of a batch is a lot.
+        A file; several of hits are one hammer test. A folder of a batch is a lot. A table of
+        pandas, polars or xarray, or a mapping of arrays, is read as a file of its columns.
     kind : str, optional
         What the file is to be taken for, such as ``"relaxation"``; by default what it is
         recognised as.
@@ -122,6 +123,9 @@ def read(
     keywords = _drop_unset(keywords)
     options = _options(keywords, kind)
     if not isinstance(path, str | Path):
+        read_frame = find_handler("read", path)
+        if read_frame is not None:
+            return read_frame(path, kind=kind, **keywords)
         return _several([Path(name) for name in path], options, keywords)
     detection = recognise(path, options)
     if detection.stored:

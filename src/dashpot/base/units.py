@@ -46,51 +46,48 @@ GRAVITY = 9.80665
 """Standard gravity, m/s^2."""
 
 
+_SIZES: dict[Dimension, str] = {
+    "time": "s 1, sec 1, ms 1e-3, us 1e-6, ns 1e-9, min 60, h 3600, d 86400",
+    "length": "m 1, mm 1e-3, cm 1e-2, um 1e-6, nm 1e-9, in 0.0254, ft 0.3048, mil 2.54e-5, "
+    "thou 2.54e-5, yd 0.9144, dm 0.1",
+    "force": "N 1, mN 1e-3, uN 1e-6, nN 1e-9, pN 1e-12, kN 1e3, MN 1e6, cN 1e-2, daN 10, "
+    f"lbf {_POUND_FORCE}, kgf {GRAVITY}, gf {GRAVITY * 1e-3}, kp {GRAVITY}, "
+    f"ozf {_POUND_FORCE / 16}, dyn 1e-5, kip {1e3 * _POUND_FORCE}, tf {1e3 * GRAVITY}",
+    "mass": "kg 1, g 1e-3, mg 1e-6, t 1e3, lb 0.45359237",
+    "acceleration": f"m/s^2 1, mm/s^2 1e-3, g {GRAVITY}, gn {GRAVITY}, cm/s^2 1e-2, Gal 1e-2, "
+    "ft/s^2 0.3048, in/s^2 0.0254",
+    "velocity": f"m/s 1, mm/s 1e-3, mm/min {1e-3 / 60}, um/s 1e-6, cm/s 1e-2, in/s 0.0254, "
+    f"ft/s 0.3048, in/min {0.0254 / 60}",
+    "frequency": f"Hz 1, kHz 1e3, mHz 1e-3, rad/s {0.5 / math.pi}, 1/min {1 / 60}",
+    "stiffness": "N/m 1, N/mm 1e3, kN/m 1e3, kN/mm 1e6, N/um 1e6, MN/m 1e6, mN/mm 1, N/cm 100, "
+    f"lbf/in {_POUND_FORCE / 0.0254}",
+    "damping": "N*s/m 1, N*s/mm 1e3",
+    "compliance": "um/N 1e-6, m/N 1, mm/N 1e-3, nm/N 1e-9, mm/kN 1e-6, um/kN 1e-9",
+    "material compliance": "1/Pa 1, 1/kPa 1e-3, 1/MPa 1e-6, 1/GPa 1e-9",
+    "force rate": f"mN/s 1e-3, N/s 1, uN/s 1e-6, N/min {1 / 60}, mN/min {1e-3 / 60}, "
+    f"N/h {1 / 3600}, mN/h {1e-3 / 3600}",
+    "strain": "1 1, % 1e-2, mm/mm 1, m/m 1, um/m 1e-6",
+    "stress": f"Pa 1, kPa 1e3, MPa 1e6, GPa 1e9, psi 6894.757293168361, ksi {6894757.293168361}, "
+    "bar 1e5, mbar 100, hPa 100, kgf/cm^2 98066.5",
+    "voltage": "V 1, mV 1e-3, uV 1e-6",
+    "torque": "N*m 1, N*mm 1e-3, mN*m 1e-3, uN*m 1e-6",
+    "angle": "rad 1, deg 0.017453292519943295, mrad 1e-3",
+    "area": "m^2 1, cm^2 1e-4, mm^2 1e-6",
+    "volume": "m^3 1, dm^3 1e-3, cm^3 1e-6, mm^3 1e-9",
+    "moment of inertia": "kg*m^2 1, kg*mm^2 1e-6, t*mm^2 1e-3, g*mm^2 1e-9",
+    "viscosity": "Pa*s 1, MPa*s 1e6",
+    "energy": "J 1, mJ 1e-3",
+    "molar energy": "J/mol 1, kJ/mol 1e3",
+}
+"""Unit words of each dimension with their size in SI."""
+
+
 def _table() -> dict[str, Unit]:
-    rows: dict[Dimension, dict[str, float]] = {
-        "time": {
-            "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0,
-            "d": 86400.0,
-        },
-        "length": {
-            "m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048,
-        },
-        "force": {
-            "N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12, "kN": 1e3, "MN": 1e6,
-            "cN": 1e-2, "daN": 10.0, "lbf": _POUND_FORCE, "kgf": GRAVITY, "gf": GRAVITY * 1e-3,
-            "kp": GRAVITY, "ozf": _POUND_FORCE / 16,
-        },
-        "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
-        "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": GRAVITY, "gn": GRAVITY},
-        "velocity": {"m/s": 1.0, "mm/s": 1e-3, "mm/min": 1e-3 / 60},
-        "frequency": {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "rad/s": 0.5 / math.pi, "1/min": 1 / 60},
-        "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6},
-        "damping": {"N*s/m": 1.0, "N*s/mm": 1e3},
-        "compliance": {
-            "um/N": 1e-6, "m/N": 1.0, "mm/N": 1e-3, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9,
-        },
-        "material compliance": {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9},
-        "force rate": {
-            "mN/s": 1e-3, "N/s": 1.0, "uN/s": 1e-6, "N/min": 1 / 60, "mN/min": 1e-3 / 60,
-            "N/h": 1 / 3600, "mN/h": 1e-3 / 3600,
-        },
-        "strain": {"1": 1.0, "%": 1e-2, "mm/mm": 1.0, "m/m": 1.0},
-        "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168361},
-        "voltage": {"V": 1.0, "mV": 1e-3, "uV": 1e-6},
-        "torque": {"N*m": 1.0, "N*mm": 1e-3, "mN*m": 1e-3, "uN*m": 1e-6},
-        "angle": {"rad": 1.0, "deg": 0.017453292519943295},
-        "area": {"m^2": 1.0, "cm^2": 1e-4, "mm^2": 1e-6},
-        "volume": {"m^3": 1.0, "dm^3": 1e-3, "cm^3": 1e-6, "mm^3": 1e-9},
-        "moment of inertia": {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "t*mm^2": 1e-3, "g*mm^2": 1e-9},
-        "viscosity": {"Pa*s": 1.0, "MPa*s": 1e6},
-        "energy": {"J": 1.0, "mJ": 1e-3},
-        "molar energy": {"J/mol": 1.0, "kJ/mol": 1e3},
-    }  # fmt: skip
     units: dict[str, Unit] = {}
-    for dimension, words in rows.items():
-        for word, factor in words.items():
+    for dimension, text in _SIZES.items():
+        for word, size in map(str.split, text.split(", ")):
             # "g" and "mg" are masses or accelerations: the dimension asked for decides
-            units[f"{dimension}:{word}"] = Unit(word, dimension, factor)
+            units[f"{dimension}:{word}"] = Unit(word, dimension, float(size))
     units["temperature:K"] = Unit("K", "temperature", 1.0)
     units["temperature:degC"] = Unit("degC", "temperature", 1.0, 273.15)
     units["temperature:degF"] = Unit("degF", "temperature", 5 / 9, 273.15 - 32 * 5 / 9)
@@ -125,7 +122,24 @@ _SPELLINGS = {
     "daN": "dan decanewton",
     "lbf": "lb_f lbsf lb-f poundforce pound-force lb.f",
     "kgf": "kg_f kg-f kilopond 公斤力 кгс",
-    "gf": "g_f gramforce gram-force",
+    "gf": "g_f gramforce gram-force pond ponds",
+    "dyn": "dyne dynes",
+    "tf": "tonf ton-force",
+    "mil": "mils",
+    "thou": "thous",
+    "Gal": "gals",
+    "cm/s^2": "cm/s2 cm/s² cm/s**2",
+    "ft/s^2": "ft/s2 ft/s² ft/s**2 ft/sec^2 ft/sec2",
+    "in/s^2": "in/s2 in/s² in/s**2 in/sec^2 in/sec2",
+    "in/s": "in/sec ips",
+    "ft/s": "ft/sec fps",
+    "um/s": "µm/s",
+    "N/um": "n/µm",
+    "lbf/in": "lb/in lbs/in",
+    "um/m": "µm/m microstrain ustrain µstrain µε ue",
+    "bar": "bars",
+    "kgf/cm^2": "kgf/cm2 kgf/cm² kg/cm2 kg/cm²",
+    "mrad": "milliradian milliradians",
     "ozf": "oz_f oz-f ounceforce ounce-force",
     "lb": "lbs pound pounds",
     "kg": "kilogram kilograms кг 千克 公斤",
@@ -142,7 +156,7 @@ _SPELLINGS = {
     "rad/s": "rad/sec rad.s-1 rad*s^-1 rad·s^-1 rad.s^-1 rad_s^-1",
     "1/min": "min^-1 rpm cpm u/min",
     "N/m": "n/meter",
-    "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1 n_s/m",
+    "N*s/m": "n/(m/s) n.s/m ns/m n·s/m n-s/m n*s*m^-1 n_s/m",
     "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm n_s/mm",
     "Pa*s": "pa_s",
     "um/N": "µm/n",

@@ -2,12 +2,21 @@
 
 from dashpot.registry.row import Extension, FileFormat
 
+_FRAMES = (
+    "pandas:DataFrame",
+    "pandas.core.frame:DataFrame",
+    "polars.dataframe.frame:DataFrame",
+    "xarray.core.dataset:Dataset",
+    "builtins:dict",
+)
 EXTENSION = Extension(
     "formats",
     handlers={
         "calibrate": {
             "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:add_calibrated_force",
         },
+        "read": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
+        "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray"), "dashpot.extensions.formats.frames:make_records"),
         "write frf": {
             ".uff": "dashpot.extensions.formats.write_uff:frf_uff",
             ".unv": "dashpot.extensions.formats.write_uff:frf_uff",

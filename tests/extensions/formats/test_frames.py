@@ -1,0 +1,101 @@
+"""Tables of pandas, polars and xarray, mappings of arrays, and arrays, as records."""
+
+from __future__ import annotations
+
+import tempfile
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+import xarray as xr
+from kit.foreign.files import press_and_hold
+
+import dashpot as dp
+from dashpot.base.errors import DataError, ReadError
+
+TIME, MOVED, FORCE = press_and_hold(20.0)
+COLUMNS = {"time [s]": TIME, "displacement [mm]": MOVED, "force [N]": FORCE}
+BARE = {"t": TIME, "x": MOVED, "F": FORCE}
+
+
+def stated_in_attributes() -> pd.DataFrame:
+    frame = pd.DataFrame(BARE)
+    frame.attrs["units"] = {"t": "s", "x": "mm", "F": "N"}
+    return frame
+
+
+def dataset(**of_force: Any) -> xr.Dataset:
+    return xr.Dataset(
+        {
+            "force": ("time", FORCE, {"units": "N", **of_force}),
+            "displacement": ("time", MOVED, {"units": "mm"}),
+        },
+        coords={"time": ("time", TIME, {"units": "s"})},
+    )
+
+
+def stamped() -> pd.DataFrame:
+    began = np.datetime64("2026-03-01T08:00:00", "ns")
+    index = pd.DatetimeIndex(began + np.round(TIME * 1e9).astype("timedelta64[ns]"))
+    return pd.DataFrame({"travel_mm": MOVED, "force_N": FORCE}, index=index)
+
+
+FRAMES = {
+    "pandas": pd.DataFrame(COLUMNS), "polars": pl.DataFrame(COLUMNS), "mapping": dict(COLUMNS),
+    "attributes": stated_in_attributes(), "xarray": dataset(), "instants": stamped(),
+    "words beside": pd.DataFrame(COLUMNS).assign(remark="a"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("frame", FRAMES.values(), ids=FRAMES)
+def test_read_takes_a_table_in_memory(frame: Any) -> None:
+    test = dp.read(frame)
+    np.testing.assert_allclose(test.force, FORCE, rtol=1e-14)
+    np.testing.assert_allclose(test.time, TIME, atol=1e-9)
+    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, rtol=1e-12)
+
+
+def test_read_asks_for_units_of_a_table_with_the_line_to_type() -> None:
+    with pytest.raises(ReadError, match=r"DataFrame: .* has no unit.*\(Python: dp\.read\(frame, "):
+        dp.read(pd.DataFrame(BARE))
+    said = dp.read(pd.DataFrame(BARE), units={"time": "s", "displacement": "mm", "force": "N"})
+    np.testing.assert_allclose(said.force, FORCE)
+
+
+def test_blank_cells_of_a_table_are_no_numbers() -> None:
+    gone = (TIME > 20) & (TIME < 20.3)
+    test = dp.read(pd.DataFrame(COLUMNS | {"force [N]": np.where(gone, np.nan, FORCE)}))
+    np.testing.assert_allclose(test.force, FORCE[~gone])
+
+
+def test_a_factor_in_attributes_is_a_caution() -> None:
+    assert any("gain = 10" in note for note in dp.read(dataset(gain=10.0)).source.cautions)
+
+
+def test_read_refuses_a_table_without_a_test() -> None:
+    with pytest.raises(DataError, match=r"no column of numbers"):
+        dp.read(pd.DataFrame({"a": ["b"]}))
+    with pytest.raises(DataError, match=r"differ in length .*'force' 3"):
+        dp.read({"time": TIME, "force": FORCE[:3]})
+    with pytest.raises(ReadError) as error:
+        dp.read({"time [s]": TIME})
+    assert tempfile.gettempdir() not in str(error.value)
+
+
+def test_fit_takes_tables_and_arrays_as_records() -> None:
+    test = dp.RelaxationTest(TIME, MOVED, FORCE, units="s, mm, N")
+    expected = dp.fit(test, arms=2).model.k_inf
+    arrays = dp.fit(TIME, MOVED, FORCE, units="s, mm, N", arms=2)
+    assert arrays.model.k_inf == pytest.approx(expected, rel=1e-9)
+    assert dp.fit(pd.DataFrame(COLUMNS), arms=2).model.k_inf == pytest.approx(expected, rel=1e-9)
+    said = dp.fit(pd.DataFrame(BARE), arms=2, units={"t": "s", "x": "mm", "F": "N"})
+    assert said.model.k_inf == pytest.approx(expected, rel=1e-9)
+
+
+def test_fit_shows_the_line_to_type_for_arrays() -> None:
+    with pytest.raises(DataError, match=r"arrays have no units. Say them: dp\.fit\(time, "):
+        dp.fit(TIME, MOVED, FORCE)
+    with pytest.raises(DataError, match=r"2 arrays are no test\. Give three"):
+        dp.fit(TIME, FORCE, units="s, N")
