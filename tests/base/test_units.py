@@ -25,7 +25,7 @@ PINT = {
     "gn": "standard_gravity", "gf": "gram_force", "kgf": "kilogram_force", "kp": "kilogram_force",
     "lbf": "pound_force", "in": "inch", "t": "metric_ton", "1": "dimensionless", "%": "percent",
     "lb": "pound", "h": "hour", "degC": "degree_Celsius", "degF": "degree_Fahrenheit",
-    "daN": "decanewton", "ozf": "force_ounce",
+    "daN": "decanewton", "ozf": "force_ounce", "mil": "thou", "tf": "force_metric_ton",
 }  # fmt: skip
 SI = {
     "time": "s", "length": "m", "force": "N", "mass": "kg", "acceleration": "m/s^2",
@@ -62,7 +62,10 @@ def test_every_factor_is_that_of_pint() -> None:
         ("g", "acceleration", "g"), ("g", "mass", "g"), ("nm", "length", "nm"),
         ("Nm", "torque", "N*m"), ("°C", "temperature", "degC"), ("千牛", "force", "kN"),
         ("毫米", "length", "mm"), ("мм", "length", "mm"), ("Sekunden", "time", "s"),
-        ("pounds", "mass", "lb"), ("lb_f", "force", "lbf"), ("KN", "force", "kN"),
+        ("mils", "length", "mil"), ("pond", "force", "gf"), ("ft/s²", "acceleration", "ft/s^2"),
+        ("GAL", "acceleration", "Gal"), ("lb/in", "stiffness", "lbf/in"), ("µε", "strain", "um/m"),
+        ("N/(m/s)", "damping", "N*s/m"), ("dyne", "force", "dyn"), ("pounds", "mass", "lb"),
+        ("lb_f", "force", "lbf"), ("KN", "force", "kN"),
         ("µm/N", "compliance", "um/N"), ("Pa⁻¹", "material compliance", "1/Pa"),
         ("mn/s", "force rate", "mN/s"),
         ("N.s/mm", "damping", "N*s/mm"), ("-", "strain", "1"), ("millimetres", "length", "mm"),

@@ -10,8 +10,7 @@ from kit.shell import ran
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.formats.ati import read_calibration
-from dashpot.extensions.gauges.simulated_record import write_gauges
-from dashpot.extensions.gauges.transducer import Daq, Instrument, Transducer, nano
+from dashpot.extensions.gauges.transducer import Daq, Instrument, Transducer, nano, write_gauges
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, overload
 from dashpot.api import call_with_options, show_overloads
 from dashpot.api.fit import Arms
 from dashpot.api.read_save import Place
-from dashpot.base.arrays import SI, convert_arrays_to_si
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Dimension, Quantity
@@ -163,6 +162,8 @@ def _arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
     DataError
         As :func:`convert_arrays_to_si`.
     """
+    from dashpot.base.arrays import SI, convert_arrays_to_si
+
     holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
     if units != SI:
         convert_arrays_to_si(holder, **{name: of for name, (_, of) in given.items()})

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.units import convert_to_unit
 from dashpot.cli._command import CommandOption, opt
 from dashpot.cli._param_types import WithUnit
-from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.reading.write import describe_temperature, format_table, save_text
 
 
 def list_options() -> list[CommandOption]:
@@ -62,7 +58,7 @@ def serialise_record(
     choices : mapping
         The options of ``dashpot simulate``.
     """
-    from dashpot.extensions.gauges.transducer import Daq, Instrument
+    from dashpot.extensions.gauges.transducer import Daq, Instrument, write_gauges
     from dashpot.simulation.ground_truth import stamp, truth_json
 
     truth = made.truth
@@ -78,23 +74,4 @@ def serialise_record(
         truth_json(truth, instrument=instrument),
         instrument.transducer.calibration(),
         instrument.list_limitations(truth.force, rig),
-    )
-
-
-def write_gauges(
-    test: RelaxationTest,
-    volts: FloatArray,
-    path: str | Path | None = None,
-    *,
-    comments: Sequence[str] = (),
-) -> str:
-    """Return a test with gauge voltages in the place of its force, and write it to `path`.
-
-    The columns are ``time [s], displacement [mm], G0 [V], ..., G5 [V]``, from which
-    `ReadOptions(calibration=)` makes the force.
-    """
-    head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
-    columns = [test.time, convert_to_unit(test.displacement, "mm"), *volts]
-    return save_text(
-        format_table([*comments, *describe_temperature(test.specimen)], head, columns), path
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, pi, sin, sqrt
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -14,6 +16,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 from dashpot.base.version import byline
+from dashpot.datamodel.relaxation import RelaxationTest
+from dashpot.reading.write import describe_temperature, format_table, save_text
 from dashpot.simulation.rig_errors import Rig
 
 # Acquisition card: one converter behind a multiplexer, with or without a filter.
@@ -283,3 +287,22 @@ class Instrument:
                     "it through"
                 )
         return tuple(names)
+
+
+def write_gauges(
+    test: RelaxationTest,
+    volts: FloatArray,
+    path: str | Path | None = None,
+    *,
+    comments: Sequence[str] = (),
+) -> str:
+    """Return a test with gauge voltages in the place of its force, and write it to `path`.
+
+    The columns are ``time [s], displacement [mm], G0 [V], ..., G5 [V]``, from which
+    `ReadOptions(calibration=)` makes the force.
+    """
+    head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
+    columns = [test.time, convert_to_unit(test.displacement, "mm"), *volts]
+    return save_text(
+        format_table([*comments, *describe_temperature(test.specimen)], head, columns), path
+    )
