@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.foreign.files import press_and_hold
+from kit.foreign.files import written as table_of
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.curves.creep.read import read_creep
@@ -15,7 +17,7 @@ from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.formats import text
 from dashpot.reading.read_options import PROFILE, ReadOptions, dump_profile
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.detect_kind import get_kind_label, recognise
+from dashpot.reading.readers.detect_kind import as_a_ramp, get_kind_label, recognise
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.signals.segments import CREPT, STEADY
@@ -305,3 +307,13 @@ def test_recognise_caches_few_files(tmp_path: Path) -> None:
     for number in range(channels._MOST + 3):
         recognise(written(tmp_path, both(), f"{number}.csv"))
     assert len(channels._LEFT_OPEN) == channels._MOST
+
+
+@pytest.mark.parametrize(("unit", "force"), [("lb", "lbf"), ("kg", "kgf"), ("lbs", "lbf")])
+def test_a_load_in_a_unit_of_mass_is_proposed_as_a_weight(
+    tmp_path: Path, unit: str, force: str
+) -> None:
+    time, moved, pushed = press_and_hold(20.0)
+    head = f"Time [s];Displacement [mm];Load [{unit}]"
+    (tmp_path / "a.csv").write_text(table_of(head, [time, moved, pushed]), "utf-8")
+    assert f'--column force="Load" --units "force={force}"' in as_a_ramp(tmp_path / "a.csv")

@@ -414,8 +414,7 @@ def format_wrong_unit(column: Column, role: Role) -> str:
     word = column.unit or ""
     names = units.dimensions(word)
     kind = f"a unit of {' or '.join(names)}" if names else "no unit known"
-    mass = units.find_unit(word, "mass")
-    weight = _WEIGHTS.get(mass.word, "") if mass is not None and role == "force" else ""
+    weight = find_weight(word) if role == "force" else ""
     weighed = f'; if they are a weight, add --units "force={weight}"' if weight else ""
     return (
         f"column '{column.name}' is labelled '{column.unit}', {kind}, where a unit of {dimension} "
@@ -423,6 +422,16 @@ def format_wrong_unit(column: Column, role: Role) -> str:
         f'{example}, add --units "{role}={example}"{weighed}; if they are volts, give the '
         f'sensitivity, for example --units "{role}={sensed}"'
     )
+
+
+def find_weight(word: str | None) -> str:
+    """Return the unit of force that a unit of mass over a load means, "" of any other unit.
+
+    >>> find_weight("lbs"), find_weight("N")
+    ('lbf', '')
+    """
+    mass = units.find_unit(word or "", "mass")
+    return _WEIGHTS.get(mass.word, "") if mass else ""
 
 
 def find_column(columns: Sequence[Column], named: str, option: str) -> int:

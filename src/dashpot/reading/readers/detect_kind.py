@@ -14,7 +14,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
-from dashpot.reading.columns.role_assignment import EXAMPLE, handle, score_columns
+from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
 from dashpot.reading.raw_file import RawFile, add_name_to_errors, like_json, open_raw
 from dashpot.reading.read_options import PROFILE, ReadOptions, flag
@@ -180,15 +180,15 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
         if columns[at].content == "number" and not (
             word and units.find_unit(word, DIMENSION[role])
         ):
-            lacking.append(f"{role}={EXAMPLE[role]}")
+            lacking.append(f"{role}={find_weight(word) or EXAMPLE[role]}")
     return " ".join([*names, *([f'--units "{",".join(lacking)}"'] if lacking else [])])
 
 
 def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
     """Return whether a unit is known, and of no such quantity."""
-    return (
-        word is not None and bool(units.dimensions(word)) and not units.find_unit(word, dimension)
-    )
+    measured = units.dimensions(word or "")
+    weighs = dimension == "force" and bool(find_weight(word))
+    return bool(measured) and dimension not in measured and not weighs
 
 
 @cache_on_record

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.foreign.files import press_and_hold, written
 
+import dashpot as dp
 from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
@@ -81,3 +83,41 @@ def test_read_stress_strain_asks_about_an_impossible_lateral_strain(
 ) -> None:
     with pytest.raises(ReadError, match=r"expected 0 to 0\.6\. Check its unit and its sign"):
         read_stress_strain(bulged(tmp_path, "lateral strain [%]", ratio, sign), "uniaxial")
+
+
+@pytest.mark.parametrize(
+    ("units", "strain", "stress", "lengths"),
+    [("%,MPa", 100.0, 1.0, "displacement=0.01mm,force=N"), ("1,kPa", 1.0, 1e3, "force=0.001N")],
+)
+def test_a_relaxation_in_strain_and_stress_is_refused_with_the_line_that_fits_it(
+    tmp_path: Path, units: str, strain: float, stress: float, lengths: str
+) -> None:
+    time, moved, force = press_and_hold(20.0)
+    names = [
+        f"{name} [{unit}]"
+        for name, unit in zip(("Strain", "Stress"), units.split(","), strict=True)
+    ]
+    head = ";".join(["Time [s]", *names])
+    columns = [time, moved / 80 * strain, force / 10 * stress]
+    (tmp_path / "a.csv").write_text(written(head, columns), "utf-8")
+    with pytest.raises(ReadError, match=r"relaxation test in strain and stress") as error:
+        dp.read(tmp_path / "a.csv", test="uniaxial")
+    assert lengths in str(error.value)
+    text = str(error.value).partition('--units "')[2].partition('"')[0]
+    stated = dict(pair.split("=") for pair in text.split(","))
+    test = dp.read(
+        tmp_path / "a.csv", columns={"displacement": "Strain", "force": "Stress"}, units=stated
+    )
+    assert test.force.max() / test.displacement.max() == pytest.approx(
+        force.max() / 10 / (0.1 * 1e-3), rel=1e-4
+    )
+    kept = dp.read(tmp_path / "a.csv", test="uniaxial", kind="stress-strain")
+    assert type(kept).__name__ == "StressStrainTest"
+
+
+def test_a_strain_that_goes_on_is_no_relaxation(tmp_path: Path) -> None:
+    strain = np.linspace(0, 50, 200)
+    columns = [strain / 5, strain, 0.01 * strain]
+    head = "Time [s];Strain [%];Stress [MPa]"
+    (tmp_path / "a.csv").write_text(written(head, columns), "utf-8")
+    assert len(dp.read(tmp_path / "a.csv", test="uniaxial").stress) == 200

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +24,9 @@ from dashpot.reading.readers.relaxation import signals
 from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
 from dashpot.reading.table import Column
 
+_RESTS, _HELD, _RELAXED = 0.02, 0.5, 0.02
+"""Of its range, by how much a held strain moves; of a record, how long it is held at least; of the
+stress, by how much it falls there."""
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 
@@ -60,6 +64,8 @@ def read_stress_strain(
         _require_stress_strain_file(file, elongated)
         chosen, values, notes = signals(file, elongated, "stress", least=4, clock_matters=False)
         strain, stress = values[elongated], values["stress"]
+        if "time" in values and file.options.kind is None:
+            _refuse_relaxation(file, chosen, strain, stress)
         # of a volume a hundredth is much
         difference = None if mode == "volumetric" else strain - (elongated == "stretch")
         refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], difference, stress)
@@ -85,6 +91,35 @@ def read_stress_strain(
         return StressStrainTest(
             mode, strain, stress, values.get("time"), stated, source, poisson, units="SI"
         )
+
+
+def _refuse_relaxation(
+    file: OpenedFile, chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
+) -> None:
+    """Refuse a strain that is held while the stress relaxes: an elastic law would take its ramp."""
+    held = np.abs(strain - np.median(strain)) < _RESTS * float(np.ptp(strain))
+    if held.mean() < _HELD or not np.ptp(strain):
+        return
+    begun, end = (float(np.median(part)) for part in np.array_split(stress[held], 10)[::9])
+    if abs(begun - end) < _RELAXED * abs(begun) or abs(end) > abs(begun):
+        return
+    elongated, pushed = chosen[-2:]
+    columns = file.table.columns
+    lengths = ",".join(
+        f"{role}={'' if size == 1 else f'{size:.6g}'}{word}"
+        for role, size, word in (
+            ("displacement", elongated.unit.factor, "mm"), ("force", pushed.unit.factor / 1e6, "N")
+        )
+    )  # fmt: skip
+    raise ReadError(
+        "is a relaxation test in strain and stress: its strain is held for "
+        f"{100 * held.mean():.0f} % of the record while its stress falls, and a law of stress over "
+        "strain would take the ramp alone. Fit it as that of a piece of 1 mm by 1 mm², whose N/mm "
+        "are MPa: --column "
+        f'displacement="{handle(columns, elongated.index)}" --column '
+        f'force="{handle(columns, pushed.index)}" --units "{lengths}"; with your length and area, '
+        "give those multiples. To fit its ramp nevertheless: --kind stress-strain"
+    )
 
 
 def _is_sideways(column: Column) -> bool:
