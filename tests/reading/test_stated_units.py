@@ -137,3 +137,9 @@ def test_read_takes_a_unit_that_stands_in_the_name_alone(tmp_path: Path, form: s
 def test_state_unit_joins_what_contradicts(name: str, unit: str | None, stated: str | None) -> None:
     column = state_unit(Column(name, unit))
     assert (column.name, column.unit) == (name, stated)
+
+
+def test_inspect_shows_the_units_that_are_given(tmp_path: Path) -> None:
+    write_text(tmp_path / "a", [("time", "s"), ("travel", "mm"), ("load", "g")])
+    found = inspect_file(tmp_path / "a", options=ReadOptions(units={"force": "gf"}))
+    assert [column.unit for column in found.columns] == ["s", "mm", "gf"]

@@ -194,3 +194,31 @@ def test_a_factor_of_a_group_is_a_caution(tmp_path: Path) -> None:
     path = save(tmp_path / "a.tdms", [GroupObject("g", {"Gain": 10.0}), *segment(slice(None))])
     source = read_relaxation(path).source
     assert any("Gain = 10" in note for note in source.cautions)
+
+
+def write_rates(path: Path, **steps: int) -> Path:
+    """Each channel with every so many samples of the record, and a temperature once a second."""
+    arrays = {"Displacement": (MOVED, "mm"), "Force": (FORCE, "N"), "Temp": (TIME, "degC")}
+    with TdmsWriter(str(path)) as writer:
+        writer.write_segment([
+            ChannelObject("g", name, values[:: steps.get(name, 1)], {
+                "unit_string": unit, "wf_increment": steps.get(name, 1) / RATE})
+            for name, (values, unit) in arrays.items()
+        ])  # fmt: skip
+    return path
+
+
+@pytest.mark.parametrize("slow", ["Force", "Displacement"])
+def test_channels_of_two_rates_stand_at_the_instants_of_the_slower(
+    tmp_path: Path, slow: str
+) -> None:
+    test = read_relaxation(write_rates(tmp_path / "a", Temp=20, **{slow: 2}))
+    np.testing.assert_allclose(test.time, TIME[::2])
+    np.testing.assert_allclose(test.force, FORCE[::2])
+    np.testing.assert_allclose(test.displacement, 1e-3 * MOVED[::2], rtol=1e-12)
+    assert any("sampled at different steps" in note for note in test.source.notes)
+
+
+def test_a_slow_temperature_does_not_thin_the_record(tmp_path: Path) -> None:
+    test = read_relaxation(write_rates(tmp_path / "a", Temp=20))
+    np.testing.assert_allclose(test.force, FORCE)

@@ -31,6 +31,7 @@ from dashpot.extensions.formats.attribute_factors import (
     split_full_scale,
     words_of_name,
 )
+from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
@@ -52,6 +53,8 @@ _NUMBERS = "iuf"
 """The kinds of arrays that hold numbers."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
 """What stands for a channel: the names of its group and its own."""
+_TEST = {"force", "displacement", "acceleration", "velocity", "stress", "strain"}
+"""Roles of the channels of a test."""
 _NONE = np.empty(0)
 _WHOLE = 0.01
 """Share of a sample by which channels may be apart before one is shifted."""
@@ -81,7 +84,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ------
     ReadError
         If groups hold different channels (name one with ``--file-part sheet``), or channels of one
-        group differ in rate or length.
+        group differ in length and have no clock.
     """
     extra("nptdms", "npTDMS", "TDMS files")
     from dashpot.extensions.formats.tdms_segments import SegmentReader
@@ -113,8 +116,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     factors = _stated_of_all(objects, first, notes)
     columns = [Column(c.name, c.unit, factor=c.factor or factors.get(c.name, "")) for c in first]
     rates = _rates_stated(objects)
-    refuse_different_rates([rate for rate in rates if _PATH.match(rate.name)])
-    notes += contradict_rate(rates, options.rate)
+    foreign = [rate for rate in rates if ".wf_" not in rate.name]
+    refuse_different_rates([rate for rate in foreign if _PATH.match(rate.name)])
+    notes += contradict_rate(foreign, options.rate)
     if blocks[0].shape[1] > len(first):
         columns.insert(0, Column("time", "s"))
     starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
@@ -337,10 +341,7 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     channels = _apply_start_times(channels)
     steps = {channel.step for channel in channels}
     if len(steps) > 1:
-        listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
-        raise ReadError(
-            f"channels are sampled at different steps ({listed}); export them at one rate"
-        )
+        return _block_of_rates(channels, notes)
     step, sizes = steps.pop(), sorted({channel.values.size for channel in channels})
     values, offset = [channel.values for channel in channels], channels[0].offset
     if step is None:
@@ -351,6 +352,45 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
         return np.array([offset + step * np.arange(sizes[0], dtype=float), *values]).T
     time = _common(channels, step)
     return np.array([time, *(_align_channel(c, time, step, notes) for c in channels)]).T
+
+
+def _block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
+    """One group of several rates as rows at the instants of the slowest channel of the test.
+
+    Straight lines between slow samples would be taken for a record of the fast ones. Channels of
+    the test are those named for a load or a motion.
+    """
+    listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
+    named = [c for c in channels if not _TEST.isdisjoint(vocabulary.matches(c.name))]
+    if not named or any(channel.step is None for channel in channels):
+        raise ReadError(
+            f"channels are sampled at different steps ({listed}); export them at one rate"
+        )
+    steps = [channel.step or 0.0 for channel in channels]
+    slowest = max(named, key=lambda channel: channel.step or 0.0)
+    step = slowest.step or 0.0
+    start = max(c.offset for c in named)
+    end = min(c.offset + (c.step or 0.0) * (c.values.size - 1) for c in named)
+    first = int(np.ceil((start - slowest.offset) / step - 1e-6))
+    time = slowest.offset + step * np.arange(first, slowest.values.size, dtype=float)
+    time = time[time <= end + 1e-6 * step]
+    if len(time) < 2:
+        raise ReadError("the channels do not overlap in time (wf_start_time, wf_start_offset)")
+    says = (
+        f"the channels are sampled at different steps ({listed}): they were interpolated to the "
+        f"{len(time)} common instants of '{slowest.name}'"
+    )
+    # straight lines dull what is near half the sampling rate
+    struck = any(vocabulary.matches(c.name).get("acceleration", 0.0) >= 1.5 for c in channels)
+    notes.append(Caution(says) if struck else says)
+    ticks = [
+        c.offset + own * np.arange(c.values.size) for c, own in zip(channels, steps, strict=True)
+    ]
+    columns = [
+        np.interp(time, at, c.values, left=np.nan, right=np.nan)
+        for at, c in zip(ticks, channels, strict=True)
+    ]
+    return np.array([time, *columns]).T
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:

@@ -36,7 +36,7 @@ from dashpot.reading.readers.detect_kind import (
 from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
 from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
 from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
-from dashpot.reading.table import FileTable, LoadedColumns, Question
+from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler
 
 COURSE_ROWS = 400
@@ -220,7 +220,7 @@ def inspect_opened(file: OpenedFile) -> Inspection:
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
         header=table.header, rows=len(loaded.values),
-        columns=_columns(table, _first(numbers, loaded.values), roles),
+        columns=_columns(file, _first(numbers, loaded.values), roles),
         rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
         warnings=tuple(warnings), questions=(*table.doubts, *doubts, *questions),
         simulated=table.simulated,
@@ -266,13 +266,13 @@ def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatAr
 
 
 def _columns(
-    table: FileTable, first: _First, roles: dict[int, tuple[Role, str]]
+    file: OpenedFile, first: _First, roles: dict[int, tuple[Role, str]]
 ) -> tuple[InspectedColumn, ...]:
     columns = []
-    for i, column in enumerate(table.columns):
+    for i, column in enumerate(file.table.columns):
         role, why = roles.get(i, _NO_ROLE)
-        cells = first.get(i, ())
-        columns.append(InspectedColumn(i + 1, column.name, column.unit, role, why, cells))
+        unit = file.unit_word(i, role) if role else column.unit
+        columns.append(InspectedColumn(i + 1, column.name, unit, role, why, first.get(i, ())))
     return tuple(columns)
 
 
