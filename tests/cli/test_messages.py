@@ -151,6 +151,7 @@ PYTHON_ONLY = {
 """Arguments of functions that no command passes on, so that no command can print their names."""
 _SPEAK_PYTHON = (
     "api/",
+    "extensions/formats/frames.py",
     *(f"extensions/{name}/api.py" for name in ("batch", "door", "modes", "amplitude")),
     *(
         f"extensions/materials/{name}/api.py"

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import h5py
 import numpy as np
 import pytest
-from kit.foreign.files import press_and_hold
+from kit.foreign.files import press_and_hold, written
 from kit.mdf_files import Channel, Group, mdf3, mdf4
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
@@ -17,6 +17,7 @@ from scipy.io import savemat
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns.header_units import state_unit
 from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.table import Column
@@ -121,7 +122,7 @@ def test_read_takes_a_unit_that_stands_twice(tmp_path: Path, form: str) -> None:
 
 
 @pytest.mark.parametrize("form", ["mdf4", "tdms"])
-def test_read_takes_a_unit_that_stands_in_the_name_alone(tmp_path: Path, form: str) -> None:
+def test_read_takes_a_unit_from_the_name(tmp_path: Path, form: str) -> None:
     WRITERS[form](tmp_path / "a", [("time", "s"), ("travel_mm", ""), ("force [kN]", "")])
     assert read_relaxation(tmp_path / "a").force.max() == pytest.approx(1e3 * FORCE.max())
 
@@ -139,7 +140,25 @@ def test_state_unit_joins_what_contradicts(name: str, unit: str | None, stated: 
     assert (column.name, column.unit) == (name, stated)
 
 
-def test_inspect_shows_the_units_that_are_given(tmp_path: Path) -> None:
+def test_inspect_shows_stated_units(tmp_path: Path) -> None:
     write_text(tmp_path / "a", [("time", "s"), ("travel", "mm"), ("load", "g")])
     found = inspect_file(tmp_path / "a", options=ReadOptions(units={"force": "gf"}))
     assert [column.unit for column in found.columns] == ["s", "mm", "gf"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "power"), [("N s/m", 1), ("N/(m/s)", 1), ("N/(m/s^2)", 2), ("N/m", 0), ("N*s/mm", 1)]
+)
+def test_impedance_and_apparent_mass_are_a_dynamic_stiffness(
+    tmp_path: Path, unit: str, power: int
+) -> None:
+    frequency = np.linspace(5.0, 40.0, 200)
+    s = 2j * np.pi * frequency
+    stiffness = 0.1148 * ((2 * np.pi * 12.71) ** 2 + 2 * 0.02 * 2 * np.pi * 12.71 * s + s**2)
+    value = stiffness / s**power / (1e3 if unit.endswith("mm") else 1.0)
+    columns = [frequency, value.real, value.imag]
+    head = f"Frequency [Hz];Real [{unit}];Imaginary [{unit}]"
+    (tmp_path / "a").write_text(written(head, columns), "utf-8")
+    frf = read_frf(tmp_path / "a")
+    assert frf.quantity.value == "dynamic_stiffness"
+    np.testing.assert_allclose(frf.value, stiffness, rtol=1e-5)

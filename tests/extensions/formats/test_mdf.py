@@ -264,7 +264,7 @@ def test_groups_without_a_clock_side_by_side_are_a_caution(tmp_path: Path) -> No
     assert any("no clock and 840 rows each" in note for note in test.source.cautions)
 
 
-def test_a_group_of_one_sample_stands_beside_the_record(tmp_path: Path) -> None:
+def test_mdf_reads_a_group_of_one_sample(tmp_path: Path) -> None:
     once = Group([clock(TIME[:1]), Channel("Temp", [21.0], "degC")], "air")
     path = save(tmp_path / "a.mf4", mdf4([bench()], [once]))
     np.testing.assert_allclose(read_relaxation(path).force, FORCE)

@@ -104,7 +104,7 @@ def test_most_significant_bytes_first(bits: int) -> None:
 
 
 @pytest.mark.parametrize("mark", [b"RF64", b"BW64"])
-def test_sizes_beyond_four_gigabytes(mark: bytes) -> None:
+def test_rf64_sizes_are_read(mark: bytes) -> None:
     data = np.array([0, 1 << 14, -1 << 15], "<i2").tobytes()
     np.testing.assert_array_equal(numbers(mark + long(data)[4:]), [0, 0.5, -1])
 

@@ -187,7 +187,7 @@ def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
     return tuple(
         number
         for name, value in attributes.items()
-        if _bare(name.rpartition(".")[2]) in _FILLS
+        if _remove_signs(name.rpartition(".")[2]) in _FILLS
         for number in stated_numbers(value)
     )
 
@@ -217,10 +217,10 @@ def split_full_scale(name: str) -> str | None:
 @lru_cache(maxsize=4096)
 def concerns_numbers(name: str) -> bool:
     """Return whether a name is that of a factor, a summand, a full scale or a fill value."""
-    return names_factor(name) or split_full_scale(name) is not None or _bare(name) in _FILLS
+    return names_factor(name) or split_full_scale(name) is not None or _remove_signs(name) in _FILLS
 
 
-def _bare(name: str) -> str:
+def _remove_signs(name: str) -> str:
     return "".join(filter(str.isalpha, name.casefold()))
 
 

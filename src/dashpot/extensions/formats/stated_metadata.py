@@ -69,7 +69,7 @@ def _assign_by_prefix(
     for name, column in folded.items():
         key = word.removeprefix(f"{name}_") if word != name else ""
         key = key if key != word else word.removesuffix(f"_{name}")
-        if key and key != word and _bare(key) in _UNITS:
+        if key and key != word and _remove_signs(key) in _UNITS:
             _add_value(stated.columns[column], key, value)
             return
     stated.table[".".join(path)] = value
@@ -89,14 +89,14 @@ def find_stated_unit(entries: Mapping[str, Any]) -> str | None:
     unit = None
     for key, value in entries.items():
         word = str(value).strip()
-        if _bare(key.rpartition(".")[2]) not in _UNITS or not word or value is None:
+        if _remove_signs(key.rpartition(".")[2]) not in _UNITS or not word or value is None:
             continue
         same = unit is None or units.is_same_unit(unit, word)
         unit = word if same else join_units(unit or "", word)
     return unit
 
 
-def _bare(key: str) -> str:
+def _remove_signs(key: str) -> str:
     return "".join(filter(str.isalpha, key.casefold()))
 
 

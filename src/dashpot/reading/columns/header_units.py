@@ -23,7 +23,6 @@ _RESPONSE_KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
     ("length", "force", Kind.RECEPTANCE),
     ("velocity", "force", Kind.MOBILITY),
     ("acceleration", "force", Kind.ACCELERANCE),
-    ("force", "length", Kind.DYNAMIC_STIFFNESS),
 )
 _MOTIONS: tuple[Dimension, ...] = ("length", "velocity", "acceleration")
 """Each the derivative of the one before."""
@@ -36,7 +35,8 @@ _LONGEST_UNIT = 60
 class Ratio(NamedTuple):
     """Ratio of a response: its kind, its factor to SI, and the derivatives still to be taken.
 
-    A motion over another is a transmissibility times s to a power: ``mm/g`` wants s^2.
+    A motion over another is a transmissibility times s to a power: ``mm/g`` wants s^2. Force over
+    velocity or acceleration is a dynamic stiffness over s or s^2.
     """
 
     kind: Kind
@@ -62,6 +62,9 @@ def parse_response_unit(word: str) -> Ratio | None:
     text = (undecibel(word) or word).replace(" s)", "*s)").strip()
     if text in _SPECIAL_RATIOS:
         return _SPECIAL_RATIOS[text]
+    impedance = units.find_unit(text, "damping")
+    if impedance:
+        return Ratio(Kind.DYNAMIC_STIFFNESS, impedance.factor, 1)
     swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
     if swapped:
         return _parse_unit_ratio(swapped[2], swapped[1])
@@ -99,6 +102,9 @@ def _parse_unit_ratio(top: str, bottom: str) -> Ratio | None:
         if a is not None and b is not None:
             return Ratio(kind, a.factor / b.factor)
     over, under = _find_motion_unit(top), _find_motion_unit(bottom)
+    force = units.find_unit(top, "force")
+    if force and under:  # of an impedance or an apparent mass the derivatives are still to be taken
+        return Ratio(Kind.DYNAMIC_STIFFNESS, force.factor / under[1], under[0])
     if over is None or under is None:
         return None
     return Ratio(Kind.TRANSMISSIBILITY, over[1] / under[1], under[0] - over[0])
