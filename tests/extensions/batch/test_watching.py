@@ -21,6 +21,7 @@ from dashpot.extensions.batch.folder_watch import BEAT, STILL, watch_batch
 from dashpot.extensions.batch.parquet_parts import KEY, SMALL
 from dashpot.extensions.batch.process_pool import Executor
 from dashpot.extensions.batch.table_row import row
+from dashpot.reading.read_options import ReadOptions
 
 pytestmark = pytest.mark.once
 
@@ -51,9 +52,10 @@ def here():
 class Story:
     """What happens at which second, and the table after it; interrupted at its end."""
 
-    def __init__(self, *acts, **asked):
+    def __init__(self, *acts, choices=None, **asked):
         self.now, self.acts, self.tables = 0.0, list(acts), []
-        job = BatchJob(("rig",), Path("lot"), BatchOptions(**QUICK), jobs=1, **asked)
+        choices = BatchOptions(**QUICK) if choices is None else choices
+        job = BatchJob(("rig",), Path("lot"), choices, jobs=1, **asked)
         self.lot = watch_batch(job, self.refreshed, wait=self.wait, clock=lambda: self.now)
 
     def refreshed(self, lot):
@@ -179,6 +181,68 @@ def test_watch_merges_many_single_tests_into_few_parts(rig):
     assert story.lot.table.height == 2 * SMALL
     assert len(list(Path("lot").glob("*.parquet"))) <= SMALL
     assert batch("rig", output="lot", jobs=1, **QUICK).computed == 0
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often the tests in the folder were sought."""
+    calls, sought = [], BatchJob.entries
+    monkeypatch.setattr(
+        BatchJob, "entries", lambda job, **how: (calls.append(1), sought(job, **how))[1]
+    )
+    return calls
+
+
+def test_an_idle_folder_is_only_scanned(rig, counted):
+    (rig / "a.csv").write_text(TEXT)
+    Story(until(STILL + BEAT))
+    before = len(counted)
+    counted.clear()
+    story = Story(write("b.csv", at=40.0), write("a_hammer.csv", at=80.0), until(120.0),
+                  pair="{stem}_hammer*.csv")  # fmt: skip
+    assert len(counted) <= 3 * before
+    assert [set(found) for _, found in story.tables] == [{"a"}, {*"ab"}, {"b"}, {*"ab"}]
+    assert [at for at, _ in story.tables] == [2.0, 42.0, 80.0, 82.0]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights")
+def test_an_idle_folder_notices_what_a_link_leads_to(rig, tmp_path):
+    (rig / "day").mkdir()
+    (rig / "day" / "a.csv").write_text(TEXT)
+    (tmp_path / "elsewhere.csv").write_text(TEXT)
+    (rig / "b.csv").symlink_to(tmp_path / "elsewhere.csv")
+
+    def lead_inside():
+        (tmp_path / "elsewhere.csv").unlink()
+        (tmp_path / "elsewhere.csv").symlink_to(tmp_path / "rig" / "day" / "c.csv")
+        (rig / "day" / "c.csv").write_text(TEXT)
+
+    story = Story((20.0, lead_inside), (40.0, (rig / "day" / "c.csv").unlink), until(60.0))
+    outside, inside = {"a": "fitted", "b": "refused"}, {"a": "fitted", "b": "fitted"}
+    assert story.tables == [
+        (2.0, outside), (20.0, {"a": "fitted"}), (22.0, inside), (40.0, {"a": "fitted"})
+    ]  # fmt: skip
+
+
+def test_a_calibration_that_changes_is_followed(rig, counted):
+    (rig / "a.csv").write_text(TEXT)
+    table = '[force]\nscale = "{} N/N"\nsource = "certificate"\n'
+    Path("cell.toml").write_text(table.format("1.0"))
+    reading = ReadOptions(calibration="cell.toml")
+    choices = BatchOptions(**QUICK, reading=reading)
+    story = Story(
+        (20.0, lambda: Path("cell.toml").write_text(table.format("1.1"))), until(30.0),
+        choices=choices,
+    )  # fmt: skip
+    assert [at for at, _ in story.tables] == [2.0, 20.0]
+
+
+@pytest.mark.parametrize("words", [{"pair": "../hammers/{stem}.csv"}, {"pair": "{lot}*.csv"}])
+def test_a_folder_whose_hammers_may_be_anywhere_is_sought_each_time(rig, counted, words):
+    (rig / "a.csv").write_text(TEXT)
+    by = r"(?P<lot>a)\.csv"
+    Story(until(10.0), by=by, **words)
+    assert len(counted) >= 20
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.base.progress import send_progress
@@ -83,9 +84,15 @@ class _Watched:
         self._hashes: dict[str, tuple[_State, str]] = {}
         self._made: tuple[str, ...] = ()
         self._said = ""
+        self._idle: tuple[Any, str] | None = None
 
     def look(self, lot: Lot | None, refreshed: Callable[[Lot], None]) -> Lot | None:
         """Make the rows of what has become still since the last look, if anything has."""
+        seen, idle = self._read_folder_states(), self._idle
+        if idle is not None and idle[0] == seen:
+            send_progress(idle[1])
+            return lot
+        self._idle = None
         try:
             every = self._job.entries(growing=True)
             tasks = self._tasks([entry for entry in every if self._still(entry)])
@@ -99,8 +106,25 @@ class _Watched:
             self._say(f"waiting: {error}")
         else:
             moving = len(every) - len(tasks)
-            send_progress(f"watching: {len(tasks)} tests, {moving} still being written")
+            text = f"watching: {len(tasks)} tests, {moving} still being written"
+            send_progress(text)
+            if seen is not None and not moving and keys == self._made and _are_all_read(tasks):
+                self._idle = seen, text
         return lot
+
+    def _read_folder_states(self) -> tuple[object, ...] | None:
+        """Return the states of all that decides the rows, in one pass; None where one is unknown.
+
+        It is read before a look: what changes during the look differs at the next one.
+        """
+        job = self._job
+        if job.manifest is not None or not _is_beside(job.pair):  # it may name files anywhere
+            return None
+        try:
+            states = [state for path in job.paths for state in _scan_states(str(path), job.output)]
+            return job.choices.calibration(), *states
+        except (DashpotError, OSError, ValueError):
+            return None
 
     def _still(self, entry: Entry) -> bool:
         """Return whether none of its files has changed for a while."""
@@ -145,9 +169,40 @@ class _Watched:
             append_log_line(self._job.output, what)
 
 
+def _is_beside(pair: str | None) -> bool:
+    """Return whether the hammers of a test, if any, are files of the test's own folder."""
+    text = (pair or "").replace("{stem}", "")
+    return not any(mark in text for mark in ("{", "/", "\\", "**"))
+
+
+def _are_all_read(tasks: Sequence[Task]) -> bool:
+    """Return whether each file that is to be read could be read."""
+    return all(task.entry.aside or all(task.hashes) for task in tasks)
+
+
+def _scan_states(folder: str, results: Path) -> Iterator[tuple[object, ...]]:
+    """Yield name and state of what a folder holds at any depth, of links with what they lead to."""
+    inside: list[str] = []
+    with os.scandir(folder) as items:
+        for item in items:
+            if item.is_dir(follow_symlinks=False):
+                if not item.name.startswith(".") and Path(item).resolve() != results.resolve():
+                    inside.append(item.path)
+                yield (item.path,)
+                continue
+            yield item.name, *_pick_state(item.stat(follow_symlinks=False))
+            if item.is_symlink():
+                yield os.path.realpath(item.path), *(_state(item.path) or ())
+    for path in inside:
+        yield from _scan_states(path, results)
+
+
 def _state(file: str) -> _State | None:
     try:
-        stat = Path(file).stat()
+        return _pick_state(Path(file).stat())
     except (OSError, ValueError):
         return None
+
+
+def _pick_state(stat: os.stat_result) -> _State:
     return stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns, stat.st_ino
