@@ -5,10 +5,10 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from types import EllipsisType
 from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import Status
 from dashpot.base.number_format import expand_powers
 from dashpot.base.plain_text import (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Protocol, Self
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 
 SIMULATED = "simulated"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
+from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.base.errors import DataError
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ import re
 import sys
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
 
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DashpotError
 from dashpot.base.plain_text import escaped_json
 from dashpot.base.serialisation import Key, Serialisable

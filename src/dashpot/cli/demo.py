@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.base.errors import ExportError
 from dashpot.base.plain_text import paragraph
 from dashpot.base.serialisation import Key, Serialisable

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from math import ceil, floor
 from pathlib import Path
@@ -13,6 +12,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyAsked, Method, get_choice_values
 from dashpot.cli._command_io import (

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from dashpot import workflow
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal, TypeAlias, TypedDict
 
 import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray, FrozenArrays, frozen, increasing, samples
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, interval, round_to_error
 from dashpot.base.reported_values import ReportedValue

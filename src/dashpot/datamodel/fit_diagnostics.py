@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.option_fields import Family
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue

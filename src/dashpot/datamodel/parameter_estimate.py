@@ -15,13 +15,13 @@ of the covariance lengthens either side of a profile by the root of the sum of s
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
 from math import exp, hypot, inf, isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, FrozenArrays, frozen
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable

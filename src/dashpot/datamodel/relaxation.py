@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -19,6 +18,7 @@ from dashpot.base.arrays import (
     median,
 )
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import EqualByValue, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import SIZES

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import load_function
 from dashpot.datamodel.frf import FRF, Kind, Mode

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +19,7 @@ from dashpot.base.arrays import (
     slices,
     validate_measured,
 )
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays, load_function

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Protocol, TypeAlias
@@ -12,6 +11,7 @@ from typing import Protocol, TypeAlias
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import celsius, format_quantity

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, FrozenArrays
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.solids.maxwell import Solid
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.datamodel.seal_line import SealSection, Shear, Stations
 from dashpot.export.deck import Deck

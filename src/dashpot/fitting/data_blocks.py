@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.option_fields import Method
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
 from dashpot.fitting.nuisance_priors import priors, spread_before, terms_of

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Literal
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import (
     FamilyAsked,

@@ -15,13 +15,13 @@ column of the record: with the elongations q_j of unit arms,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, kind_of
 from dashpot.numerics.design_matrices.block import DataBlock

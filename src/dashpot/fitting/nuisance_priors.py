@@ -11,12 +11,12 @@ bound by what the record, or the data sheet, says of it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, block_means, cache_on_record
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual

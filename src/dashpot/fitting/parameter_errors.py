@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.parameter_estimate import Profile, Residual
 from dashpot.datamodel.relaxation import RampHold

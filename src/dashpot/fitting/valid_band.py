@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Protocol, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, find_true_runs
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.bounds import WELL_KNOWN, BandError
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra
 from dashpot.numerics.design_matrices.block import DataBlock

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import compress
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, FrozenArrays
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.least_squares import FINISHED, LocalOptimum

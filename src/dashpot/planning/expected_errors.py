@@ -18,11 +18,11 @@ pulse short enough to make it ring.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check, HasChecks
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.plain_text import sentence
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable

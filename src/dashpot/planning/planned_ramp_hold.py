@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
 from dashpot.datamodel.machine import USUAL, Machine

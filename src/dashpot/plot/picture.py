@@ -6,10 +6,10 @@ people read. `svg` writes it for a page or a file, `bitmap` gives it to matplotl
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.option_fields import FigureSize
 from dashpot.base.result_mixins import load_function
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from dashpot.base.arrays import (
     make_cosine_sequence,
     median,
 )
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import format_quantity, parse_quantity

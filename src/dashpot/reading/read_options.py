@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import codecs
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
 from math import inf
 from pathlib import Path
 from typing import Any
 
+from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.base.units import Dimension, parse_quantity, si_fields

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from dashpot.base.dataclasses import dataclass
 
 if TYPE_CHECKING:  # a child that reads workbooks needs no numbers, and is there in half the time
     from dashpot.base.arrays import FloatArray

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.reading.raw_file import RawFile, open_raw

@@ -6,7 +6,6 @@ import base64
 import hashlib
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cache
 from importlib import resources
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from dashpot.base import number_format
 from dashpot.base.checks import Use, Verdict
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DashpotError, ExportError
 from dashpot.base.number_format import format_band
 from dashpot.base.plain_text import sentence

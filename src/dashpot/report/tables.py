@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DashpotError
 from dashpot.base.number_format import (
     decibels,

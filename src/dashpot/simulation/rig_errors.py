@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
 from math import pi, tan
 from typing import ClassVar
 
 import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray, samples
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_nonnegative, select_fields
 from dashpot.datamodel.specimen import Specimen

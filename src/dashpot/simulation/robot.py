@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import exp, pi
 from typing import TypeAlias
 
@@ -10,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields

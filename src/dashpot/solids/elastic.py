@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import format_quantity

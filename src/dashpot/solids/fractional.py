@@ -21,7 +21,6 @@ double away from it then do with fewer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from math import cos, exp, gamma, isfinite, log, pi, sin
 from typing import NamedTuple
 
@@ -29,6 +28,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive

@@ -7,12 +7,12 @@ in N m, N m/rad and rad.
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.solids.rate_independent import RateIndependent, amplitudes, require_positive_parameters
 
 _Path = tuple[tuple[float, float], ...]

@@ -2,12 +2,11 @@ r"""Springs that stiffen with deflection."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.solids.rate_independent import RateIndependent, amplitudes
 

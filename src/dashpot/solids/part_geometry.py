@@ -16,11 +16,11 @@ them and nearly incompressible, :math:`G = E/3`:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
+from dashpot.base.dataclasses import dataclass, field, fields, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import PartMode

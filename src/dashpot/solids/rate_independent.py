@@ -12,7 +12,6 @@ with the energy W lost in a cycle.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive, select_fields
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid

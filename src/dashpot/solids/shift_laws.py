@@ -10,13 +10,13 @@ Ferry, *Viscoelastic Properties of Polymers*, ch. 11.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from math import log
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass
 
 
 @dataclass(frozen=True)

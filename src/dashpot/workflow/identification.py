@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict

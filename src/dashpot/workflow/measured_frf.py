@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import overload
 
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import flag_of, iterate_option_fields

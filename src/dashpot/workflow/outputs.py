@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import validate_path, write_atomic
 from dashpot.base.version import is_ours, is_record

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fitted_mass, get_hammer_stiffness_factor

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.base.number_format import hertz, seals
 from dashpot.base.plain_text import paragraph

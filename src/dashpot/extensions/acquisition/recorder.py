@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 
 Block: TypeAlias = tuple[FloatArray, FloatArray]
 """Times, shape (n,), s; values, shape (n, channels), in the units of their channels."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.option_fields import AmplitudeLaw, get_choice_values
 from dashpot.extensions.amplitude.checks import MATTERS
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep

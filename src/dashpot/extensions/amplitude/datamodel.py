@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from dashpot.base.arrays import (
     resolve_unit,
 )
 from dashpot.base.checks import Check, HasChecks
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, round_to_error
 from dashpot.base.provenance import Source, describe_record_source

@@ -7,13 +7,13 @@ Polym. Sci. Symp. 39 (1984) 75. A rotary element is the same value in N m, N m/r
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.solids.jenkins import Jenkins, Masing, jenkins_reduction
 from dashpot.solids.rate_independent import (

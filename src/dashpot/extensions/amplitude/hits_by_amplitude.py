@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.checks import Check, HasChecks
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.serialisation import Serialisable

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, NoReturn, TypeAlias, overload
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
 from dashpot.base.checks import Check, HasChecks
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import ExportError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, Step

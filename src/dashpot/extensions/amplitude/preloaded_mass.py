@@ -21,7 +21,6 @@ Nonlinear Vibration Problems*, 2019, chapters 2 to 4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
@@ -29,6 +28,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import SIZES, format_quantity_short, require_positive

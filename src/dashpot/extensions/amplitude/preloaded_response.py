@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.serialisation import Key, Serialisable

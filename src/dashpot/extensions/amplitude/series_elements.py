@@ -13,7 +13,6 @@ Source: P. Gaillard and R. Singh, Applied Acoustics 60 (2000) 37.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache, singledispatch
 from typing import Any
 
@@ -23,6 +22,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.extensions.amplitude.friction import Coulomb
 from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid

@@ -8,10 +8,10 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import open_exclusive_lock
 from dashpot.base.option_fields import Method

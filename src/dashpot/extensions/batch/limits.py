@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import parse_quantity

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.plain_text import escape_formula
 from dashpot.base.provenance import SIMULATED

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.statistics.control_chart import (
     Chart,

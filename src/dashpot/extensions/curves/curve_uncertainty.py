@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.datamodel.bounds import BandError, Ended, EndOfHold
 from dashpot.datamodel.parameter_estimate import Interval
 from dashpot.fitting.admissible_spectra import (

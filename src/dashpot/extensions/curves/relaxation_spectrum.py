@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.datamodel.fit import Fit

@@ -11,13 +11,13 @@ WLF is sought as :math:`-\beta\,(T - T_r) / (1 + u\,(T - T_r))` with :math:`u = 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, samples
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import ShiftLaw, require_choice
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise

@@ -14,13 +14,13 @@ compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import format_quantity

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.attribute_factors import (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import EqualByValue, FloatArray, frozen
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.reading.raw_file import RawFile, add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from typing import BinaryIO, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.mdf_conversions import Conversion, keep_raw
 from dashpot.reading.sandbox.limits import check_value_count

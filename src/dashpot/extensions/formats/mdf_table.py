@@ -5,7 +5,6 @@ from __future__ import annotations
 import struct
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import BinaryIO
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray, median
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats import mdf3, mdf4

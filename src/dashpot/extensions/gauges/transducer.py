@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import cos, pi, sin, sqrt
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -12,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields

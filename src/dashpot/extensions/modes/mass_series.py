@@ -12,11 +12,11 @@ a non-negative least-squares problem over all relaxation times.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import Mode
 from dashpot.numerics.nonnegative_least_squares import solve_linear

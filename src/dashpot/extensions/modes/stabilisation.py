@@ -14,11 +14,10 @@ second opinion on each of its modes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.structure import FRFSet
 from dashpot.vibration.modal.modal_methods import (

@@ -6,11 +6,11 @@ Coefficients are those of Table 1 in SI: k_inf and k_j in N/m, b_j in N s/m, tau
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 
 NODES = 40
 """Of the rule that integrates the history: a ramp is a few time constants long."""

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import round_to_error
 from dashpot.base.progress import send_progress
 from dashpot.base.reported_values import ReportedValue

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, FrozenArrays, samples
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind

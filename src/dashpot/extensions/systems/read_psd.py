@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
 from dashpot.reading.columns.role_assignment import assign, list_columns

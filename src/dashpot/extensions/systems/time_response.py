@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +16,7 @@ from dashpot.base.arrays import (
     same_length,
     samples,
 )
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.multibody import Point, System
 

@@ -20,12 +20,12 @@ The lines count alike in all of them, by the scatter that the best one leaves. A
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import with_error
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.fit_diagnostics import Explanation

@@ -20,13 +20,13 @@ static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.datamodel.fit import Fit
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.identification.parametrisation import (

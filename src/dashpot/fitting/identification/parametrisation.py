@@ -9,13 +9,13 @@ gain, delay and a parallel dashpot stand beside it
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.fitting.fractional_model.checks import fractional_slope_determined

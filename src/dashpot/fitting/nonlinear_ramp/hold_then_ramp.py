@@ -12,12 +12,12 @@ so that no law, however wrong, can bend what the hold says.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     Bounds,
     DownsampledRows,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, distinct, median
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.nuisance_priors import LoadCellPriors, Prior, priors

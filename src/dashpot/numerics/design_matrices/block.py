@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 
 # Arms under a recorded displacement on a uniform clock, block by block.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.design_matrices.block import Columns, DataBlock, Rows, design_rows
 
 # Weighted samples: a few hundred in place of many, with the same fit.

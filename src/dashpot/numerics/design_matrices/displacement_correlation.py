@@ -19,12 +19,12 @@ Gram matrix of [fixed, q, y, p] then holds the columns in orthogonal coordinates
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, find_fast_length
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import (
     DataBlock,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -18,6 +17,7 @@ from dashpot.base.arrays import (
     cache_on_record,
     find_fast_length,
 )
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.design_matrices.block import DataBlock, design_rows
 from dashpot.numerics.design_matrices.data_compression import (
     FEW_DIGITS,

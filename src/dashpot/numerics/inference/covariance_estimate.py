@@ -13,12 +13,12 @@ A coefficient that rests at zero is held there and has no error unless its bound
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
 from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.numerics.exponential_fit import Solution
 from dashpot.numerics.log_tau_descent import Stack
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 from types import MappingProxyType
@@ -15,6 +14,7 @@ import numpy.typing as npt
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
 from dashpot.reading.columns import vocabulary

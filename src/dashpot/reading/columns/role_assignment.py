@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
 from typing import get_args
@@ -14,6 +13,7 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import cache_on_record
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.reading.columns import vocabulary

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -14,6 +13,7 @@ import numpy as np
 from dashpot.base import units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution, Source, cautions_in
 from dashpot.base.units import Unit

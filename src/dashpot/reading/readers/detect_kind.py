@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Plottable, Series
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, SWEEPS

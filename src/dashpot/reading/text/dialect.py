@@ -6,10 +6,10 @@ import codecs
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, islice, product, zip_longest
 
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.table import Content

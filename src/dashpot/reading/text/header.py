@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import zip_longest
 
 from dashpot.base import units
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import (

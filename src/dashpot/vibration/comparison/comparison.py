@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.result_mixins import Plottable, Series
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.frf import FRF

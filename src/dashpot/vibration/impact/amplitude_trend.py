@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode

@@ -20,12 +20,12 @@ Source: W. G. Halvorsen and D. L. Brown, Sound and Vibration 11(11), 1977, for t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.hits import GUARD, HitBlock
 

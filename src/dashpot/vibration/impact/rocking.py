@@ -9,11 +9,10 @@ stand symmetrically. Otherwise, whatever their gains and places, the weights are
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.vibration.modal.pole_fit import FLOOR, FRFLines, find_poles, pole_kernel, residues_at
 
 ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape

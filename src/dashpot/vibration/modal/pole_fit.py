@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.least_squares import Objective, descend
 
 # Modal assurance criterion: similarity of two mode shapes.

@@ -12,11 +12,11 @@ is solved again one by one, so that the result is that of
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.extensions.batch.arrays.grid_search import POINTS, GridSearch
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, FrozenArrays, increasing, samples
 from dashpot.base.checks import status_of
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, Status
 from dashpot.base.option_fields import Method
 from dashpot.extensions.batch.arrays.batched_solver import (

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.design_matrices.data_compression import (

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 
 POOLED = 0.25

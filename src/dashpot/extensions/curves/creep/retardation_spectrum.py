@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.fit_diagnostics import OrderScore
 from dashpot.datamodel.parameter_estimate import CreepEstimate, Profile
 from dashpot.fitting.order_selection import SelectedModel

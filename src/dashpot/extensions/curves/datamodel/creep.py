@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -19,6 +18,7 @@ from dashpot.base.arrays import (
     resolve_unit,
 )
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-
 import numpy as np
 
 from dashpot.base.arrays import (
@@ -18,6 +16,7 @@ from dashpot.base.arrays import (
     make_units_field,
     resolve_unit,
 )
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays

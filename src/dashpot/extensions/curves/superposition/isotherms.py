@@ -16,12 +16,12 @@ a loss relative to itself weighs most where it is nearly zero.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, sources_of
 from dashpot.base.units import celsius

@@ -10,11 +10,11 @@ deviation.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
 from dashpot.numerics.inference.correlated_noise import white
 from dashpot.numerics.inference.covariance_estimate import white_noise

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.datamodel.parameter_estimate import Nuisance, Residual, parameter_names
 from dashpot.extensions.curves.temperatures.joint_problem import (
     JointTests,

@@ -13,13 +13,13 @@ With :math:`q'_j = \partial q / \partial \ln \tau` of the column of an arm, the 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.option_fields import Vertical
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.numerics.design_matrices.block import DataBlock

@@ -14,13 +14,13 @@ What is known of the four beforehand makes them a part of the noise, whose rows 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import shifted_log_tau
 from dashpot.fitting.data_blocks import InitialFit, first_sample, motion

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -15,6 +14,7 @@ from dashpot.base.arrays import (
     make_units_field,
 )
 from dashpot.base.checks import Check, HasChecks
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays

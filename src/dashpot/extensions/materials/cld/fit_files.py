@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from dashpot.base.checks import Check, HasChecks, select_gravest_check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import ReportedValue

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from dashpot.base.arrays import (
     validate_measured,
 )
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source

@@ -12,11 +12,11 @@ its time cancels from F/F0 to first order. The second is chemical, and alone fol
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.shift_laws import GAS
 

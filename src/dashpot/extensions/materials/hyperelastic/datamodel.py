@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -15,6 +14,7 @@ from dashpot.base.arrays import (
     make_units_field,
 )
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source, sources_of

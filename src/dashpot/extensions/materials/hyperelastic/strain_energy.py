@@ -25,7 +25,6 @@ the second for foam (R. Hill 1978; B. Storakers 1986) and, without its last part
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -33,6 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import require_choice
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind

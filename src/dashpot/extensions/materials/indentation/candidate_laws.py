@@ -9,7 +9,6 @@ The motion is marched again for the law's own numbers alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
@@ -17,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.extensions.materials.indentation.collision import (
     Collision,
     Shape,

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from bisect import bisect
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from math import atan2, exp, sqrt
 from typing import NamedTuple, TypeAlias
@@ -20,6 +19,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -16,6 +15,7 @@ from dashpot.base.arrays import (
     median,
 )
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue

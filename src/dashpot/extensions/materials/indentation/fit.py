@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import require_choice
 from dashpot.base.provenance import sources_of

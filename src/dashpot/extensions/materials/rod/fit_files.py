@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.provenance import Step

@@ -18,12 +18,12 @@ Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two acceleromete
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import require_positive

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-
 import numpy as np
 
 from dashpot.base.arrays import (
@@ -15,6 +13,7 @@ from dashpot.base.arrays import (
     median,
 )
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source

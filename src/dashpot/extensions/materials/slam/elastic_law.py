@@ -8,11 +8,10 @@ free both are nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dashpot.base.arrays import EqualByValue, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 

@@ -13,13 +13,13 @@ relaxation test with their covariance, the speeds. So the tests are of one likel
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Step, sources_of

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import parameter_names

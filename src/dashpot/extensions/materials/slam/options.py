@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.option_fields import option
 
 

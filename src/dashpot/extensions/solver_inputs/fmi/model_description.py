@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.version import __version__
 from dashpot.export.unit_systems import UnitSystem
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.door.door_model import Door, RigidPart, Support
 from dashpot.extensions.systems.door.mounts import line_mounts

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.extensions.systems.multibody import System
 from dashpot.extensions.systems.time_response import ComplexMode
 

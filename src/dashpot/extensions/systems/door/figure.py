@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.systems.door.assembly import AXES, DOOR

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.seal_line import Shear
 from dashpot.extensions.systems.door.assembly import DOOR, Assembly

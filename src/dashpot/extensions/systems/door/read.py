@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
@@ -11,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.value_ranges import SIZES

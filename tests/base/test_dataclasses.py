@@ -1,0 +1,141 @@
+"""Dataclasses made on first use are those of the standard library."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import inspect
+from dataclasses import FrozenInstanceError, field, fields, is_dataclass, replace
+
+import pytest
+
+from dashpot.base.dataclasses import dataclass
+
+
+class Point:
+    """A value with defaults of every kind."""
+
+    name: str
+    x: float = 1.0
+    tags: tuple[str, ...] = field(default_factory=tuple)
+    hidden: int = field(default=3, repr=False, compare=False)
+    made: list[int] = field(init=False, default_factory=list, compare=False)
+    last: float = field(default=0.0, kw_only=True)
+
+    def __post_init__(self):
+        object.__setattr__(self, "post", (*self.tags, self.name))
+
+
+class Single:
+    """A value of one field, with a hash of its own."""
+
+    value: float
+
+    def __hash__(self):
+        return 7
+
+
+def make(kind, by, **how):
+    """Return the class as a decorator makes it."""
+    body = {key: item for key, item in vars(kind).items() if key not in {"__dict__", "__weakref__"}}
+    return by(frozen=True, **how)(type(kind.__name__, (), {**body, "__qualname__": kind.__name__}))
+
+
+CHOICES = [{}, {"eq": False}, {"repr": False}, {"eq": False, "repr": False}, {"kw_only": True}]
+
+
+@pytest.fixture(params=CHOICES, ids=str)
+def pair(request):
+    """The class of the standard library and ours."""
+    return [make(Point, by, **request.param) for by in (dataclasses.dataclass, dataclass)]
+
+
+def test_a_dataclass_has_the_members_of_the_standard_library(pair):
+    theirs, ours = pair
+    assert inspect.signature(theirs) == inspect.signature(ours) or (
+        str(inspect.signature(theirs)) == str(inspect.signature(ours))
+    )
+    assert theirs.__match_args__ == ours.__match_args__
+    assert set(vars(ours)) == set(vars(theirs)) | {"__init__"}
+    assert ours.__init__.__annotations__ == theirs.__init__.__annotations__
+    assert ours.__init__.__qualname__ == theirs.__init__.__qualname__
+    assert is_dataclass(ours)
+    assert [str(item) for item in fields(ours)] == [str(item) for item in fields(theirs)]
+
+
+def test_values_compare_print_and_copy_as_those_of_the_standard_library(pair):
+    outcomes = []
+    for kind in pair:
+        values = [kind(name="a"), kind(name="a", hidden=9), kind(name="b", tags=("t",), last=2.0)]
+        outcomes.append(
+            [
+                [one == other for one in values for other in values],
+                [repr(one).partition(" object at ")[0] for one in values],
+                [hash(one) == hash(other) for one in values for other in values],
+                values[0] == 1,
+                dataclasses.asdict(replace(values[2], x=4.0, name="c")),
+                vars(copy.deepcopy(values[2])),
+                vars(kind(name="c", x=2.0)),
+            ]
+        )
+    assert outcomes[0] == outcomes[1]
+
+
+def test_a_frozen_value_refuses_changes_in_the_words_of_the_standard_library(pair):
+    said = []
+    for kind in pair:
+        value = kind(name="a")
+        for change, words in ((setattr, ("x", 1)), (delattr, ("name",)), (setattr, ("other", 1))):
+            with pytest.raises(FrozenInstanceError) as error:
+                change(value, *words)
+            said.append(str(error.value))
+        for words in ({}, {"name": "a", "wrong": 1}):
+            with pytest.raises(TypeError) as error:
+                kind(**words)
+            said.append(str(error.value))
+    assert said[: len(said) // 2] == said[len(said) // 2 :]
+
+
+def test_dataclass_keeps_a_hash_of_the_class():
+    kind = make(Single, dataclass)
+    assert hash(kind(1.0)) == 7
+    assert kind(1.0) == kind(1.0) != kind(2.0)
+
+
+@dataclass(frozen=True)
+class Base:
+    """A value with a field of its own."""
+
+    first: int
+
+    def double(self):
+        return 2 * self.first
+
+
+@dataclass(frozen=True)
+class Derived(Base):
+    """A value of a class that inherits."""
+
+    second: int = 2
+
+    def double(self):
+        return super().double() + self.second
+
+
+class Plain(Derived):
+    """A subclass that is no dataclass may have more."""
+
+
+def test_inherited_fields_come_first():
+    value = Derived(1)
+    assert (value.first, value.second, value.double()) == (1, 2, 4)
+    assert value == copy.deepcopy(value) == replace(value)
+    assert Base(1) != value
+    assert str(Base(1)) == "Base(first=1)"
+    plain = Plain(1)
+    plain.more = 3
+    with pytest.raises(FrozenInstanceError):
+        plain.first = 2
+    del plain.more
+    assert plain == Plain(1)
+    assert "__init__" not in vars(Plain)
