@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -91,6 +91,8 @@ def read_logo(path: str | Path) -> str:
         kind = "image/svg+xml"
     if not kind:
         raise ReadError(f"{name} is no image that a page can hold; expected PNG, JPEG or SVG")
+    import base64
+
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
@@ -267,6 +269,58 @@ class Study(Plottable, Serialisable):
         return (self.joint or self.fit).headline
 
 
+@dataclass(frozen=True, eq=False)
+class FittedTests:
+    """Relaxation tests of a study, and what no mass on the seals changes.
+
+    Attributes
+    ----------
+    tests : tuple of RampHold
+    fit : Fit
+        Of all of them, at the temperature of the seals under the hammer.
+    """
+
+    tests: tuple[RampHold, ...]
+    fit: Fit
+
+    @cached_property
+    def hold_fit(self) -> tuple[Fit | None, tuple[Check, ...]]:
+        """Fit of the paper's eq. (5) to one test, or why the record does not allow it."""
+        if len(self.tests) > 1:
+            return None, ()
+        arms = get_fewest_arms_model(self.fit).arms
+        try:
+            return fit(self.tests, arms=arms, method="hold"), ()
+        except (DataError, FitError) as error:
+            return None, (hold_fit_possible(str(error)),)
+
+    @cached_property
+    def alternatives(self) -> tuple[Fit, ...]:
+        """Fits with other numbers of arms."""
+        prepared = self.tests[find_reference_test(self.fit, self.tests)]
+        own = self.fit.model.arms if self.fit.family == "maxwell" else 0
+        return tuple(
+            self.fit if arms == own else fit_fixed_order(prepared, arms) for arms in COMPARED_ORDERS
+        )
+
+    @cached_property
+    def unmeasured(self) -> StiffnessBounds:
+        """Limits of the stiffness over every spectrum that the tests do not exclude."""
+        return unseen_arm_band(self.fit, self.tests, STIFFNESS_LINES)
+
+
+def fit_tests(
+    tests: tuple[RelaxationTest, ...],
+    options: FitOptions,
+    temperature: Quantity | None,
+    **preparation: Any,
+) -> FittedTests:
+    """Return the relaxation tests of a study, prepared as :func:`characterise` says, and fitted."""
+    every = prepared_tests(tests, **preparation)
+    chosen = fit(every, **options.choices)
+    return FittedTests(every, chosen if temperature is None else chosen.at_temperature(temperature))
+
+
 def characterise(
     test: RelaxationTest,
     measured: FRF | None = None,
@@ -282,6 +336,7 @@ def characterise(
     machine: Machine | None = None,
     joint: bool = True,
     impact_temperature: Quantity | None = None,
+    fit_once: Callable[..., FittedTests] = fit_tests,
 ) -> Study:
     """Return the main job: prepare, fit, predict, compare, and mend with a joint fit.
 
@@ -309,6 +364,8 @@ def characterise(
         Whether to fit relaxation and FRF together, too.
     impact_temperature : float, optional
         Of the seals under the hammer, K; by default that of the solid of the tests.
+    fit_once : callable
+        What stands in for :func:`fit_tests` where it remembers.
 
     Raises
     ------
@@ -318,13 +375,11 @@ def characterise(
     band = si_range(band, "frequency")
     mass, noted = total_mass(block)
     send_progress("fitting the relaxation test")
-    every = prepared_tests(
-        (test, *tests), filter=filter, machine=_on_bench(machine, measured),
-        time_limits=time_limits, cycle=cycle,
+    fitted = fit_once(
+        (test, *tests), options, impact_temperature, filter=filter, time_limits=time_limits,
+        cycle=cycle, machine=_on_bench(machine, measured),
     )  # fmt: skip
-    chosen = fit(every, **options.choices)
-    if impact_temperature is not None:
-        chosen = chosen.at_temperature(impact_temperature)
+    every, chosen = fitted.tests, fitted.fit
     # what is shown is of the temperature of the solid
     first = find_reference_test(chosen, every)
     test, prepared = (test, *tests)[first], every[first]
@@ -348,21 +403,19 @@ def characterise(
             under = MassOnSeals(*found, on.compression)
             mended = _JointResults(both, *_predict_and_compare(both, measured, under, band))
     send_progress("bounding what the tests leave open")
-    hold_fit, checks = _fit_paper_equation(every, chosen)
+    hold_fit, checks = fitted.hold_fit
     return Study(
         test=test,
         prepared=prepared,
         fit=chosen,
-        alternatives=tuple(
-            _get_fixed_order_fit(arms, chosen, prepared) for arms in COMPARED_ORDERS
-        ),
+        alternatives=fitted.alternatives,
         hold_fit=hold_fit,
         seals=block.seals,
         mass=None if on is None else on.mass,
         mass_inferred=mass is None and on is not None,
         impact=impact,
         measured=measured,
-        unmeasured=unseen_arm_band(chosen, every, STIFFNESS_LINES),
+        unmeasured=fitted.unmeasured,
         parameters=parameter_band(chosen, STIFFNESS_LINES),
         checks=(*checks, *response.untested, *noted),
         other_tests=(*every[:first], *every[first + 1 :]),
@@ -445,13 +498,6 @@ def _predict_mass_response(
     )
 
 
-def _get_fixed_order_fit(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
-    """Return the fit with so many arms, which is drawn, not judged."""
-    if chosen.family == "maxwell" and chosen.model.arms == arms:
-        return chosen
-    return fit_fixed_order(prepared, arms)
-
-
 def find_reference_test(chosen: Fit, tests: Sequence[RampHold]) -> int:
     """Return which test is of the temperature of the fit's solid; the first if all are of one."""
     if chosen.temperatures is None:
@@ -462,10 +508,13 @@ def find_reference_test(chosen: Fit, tests: Sequence[RampHold]) -> int:
     )
 
 
-def run(job: Job, *, read: Reader | None = None) -> Study:
+def run(
+    job: Job, *, read: Reader | None = None, fit_once: Callable[..., FittedTests] = fit_tests
+) -> Study:
     """Read the files of a job and characterise the seal.
 
-    `read` stands in for the reader of the relaxation tests where it remembers.
+    `read` and `fit_once` stand in for the reader and the fit of the relaxation tests where they
+    remember.
     """
     files = job.relaxation, *job.other_tests
     send_progress(f"reading {_format_file_names(files)}")
@@ -496,6 +545,7 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
         machine=job.machine,
         joint=job.joint,
         impact_temperature=job.impact_temperature,
+        fit_once=fit_once,
     )
     logo = "" if job.logo is None else read_logo(job.logo)
     return replace(study, title=job.title, logo=logo)
@@ -545,15 +595,3 @@ def _prediction_bounds(
     near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
     lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
     return frf_limits(chosen, prepared, point, on, frequency=lines)
-
-
-def _fit_paper_equation(
-    tests: Sequence[RampHold], chosen: Fit
-) -> tuple[Fit | None, tuple[Check, ...]]:
-    """Return the fit of the paper's eq. (5) to one test, or why the record does not allow it."""
-    if len(tests) > 1:
-        return None, ()
-    try:
-        return fit(tests, arms=get_fewest_arms_model(chosen).arms, method="hold"), ()
-    except (DataError, FitError) as error:
-        return None, (hold_fit_possible(str(error)),)

@@ -110,6 +110,24 @@ def test_what_is_shown_are_the_digits_of_the_fit(store, page_job):
     assert head["time_limits"]["ramp_end"] == 2.6
 
 
+def test_another_mass_leaves_the_fit_of_the_tests(store, page_job, monkeypatch):
+    fitted, fit_once = [], result_cache.fit_tests
+    monkeypatch.setattr(
+        result_cache,
+        "fit_tests",
+        lambda *args, **how: (fitted.append(1), fit_once(*args, **how))[1],
+    )
+    monkeypatch.setattr(result_cache, "_fitted", {})
+    jobs = [job_of(page_job | {"mass": mass}, store.folder) for mass in ("114.5g", "115g")]
+    first, second = map(result_cache.study, jobs)
+    assert len(fitted) == 1
+    assert first.unseen is second.unseen
+    fresh = workflow.run(jobs[1])
+    assert to_json(second) == to_json(fresh)
+    result_cache.study(job_of(page_job | {"mass": "115g", "arms": 3}, store.folder))
+    assert len(fitted) == 2
+
+
 def test_record_is_parsed_once_for_all_workers(store):
     text = workflow.EXAMPLES["seal_8mm.csv"]()
     identity = store.put("once.csv", text.encode())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import lru_cache
+from typing import Any
 
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.datamodel.fit import Fit
@@ -16,7 +17,7 @@ from dashpot.vibration.mass_on_seals import highest_peak
 from dashpot.workflow.bench_tests import prepared_tests
 from dashpot.workflow.frf_prediction import Prediction, prediction
 from dashpot.workflow.job import Job, TimeLimits
-from dashpot.workflow.study import Study, find_reference_test, run
+from dashpot.workflow.study import FittedTests, Study, find_reference_test, fit_tests, run
 
 
 def deciding(job: Job, *what: str) -> Job:
@@ -138,10 +139,29 @@ def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
     return record if record.time[-1] > prepared_one.time[-1] else None
 
 
+_fitted: dict[tuple[Any, ...], tuple[tuple[RelaxationTest, ...], FittedTests]] = {}
+"""Records and what was made of them, by which they are and how they were fitted."""
+
+
+def fit_study_tests(
+    tests: tuple[RelaxationTest, ...], *choices: Any, **preparation: Any
+) -> FittedTests:
+    """Return the relaxation tests of a study, fitted; another mass or band leaves them as they are.
+
+    Records are told apart by identity: those in use are kept, so none takes the place of another.
+    """
+    key = (*map(id, tests), *choices, *preparation.items())
+    if key not in _fitted:
+        while len(_fitted) >= KEPT:
+            del _fitted[next(iter(_fitted))]
+        _fitted[key] = tests, fit_tests(tests, *choices, **preparation)
+    return _fitted[key][1]
+
+
 @lru_cache(KEPT)
 def study(job: Job) -> Study:
     """Return the whole story of a job."""
-    return run(job, read=test)
+    return run(job, read=test, fit_once=fit_study_tests)
 
 
 @lru_cache(KEPT)
