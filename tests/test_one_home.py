@@ -82,7 +82,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         ("base/units.py",),
         {
             "base/value_ranges.py": "prefixes before any unit of SI",
-            "cli/demo.py": "a refrigerator is at 0 degC",
+            "extensions/paper/story_handler.py": "a refrigerator is at 0 degC",
             "reading/write.py": "an example of 0 degC",
             "planning/plan.py": "a refrigerator, and an example, are at 0 degC",
             "solids/shift_laws.py": "an example of 0 degC",

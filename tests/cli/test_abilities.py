@@ -57,6 +57,9 @@ ROWS = (
     # 1, the paper
     ("demo --paper --mass 104g", "No such option '--mass'"),
     ("demo --paper --files", "leave out --files"),
+    ("demo --story --files", "leave out --files"),
+    ("demo --story --paper", "leave out one"),
+    ("demo --seed 1", "--seed is for --story and --paper"),
     ("demo --paper --all", "--all is for the files to learn on"),
     ("demo --paper -o slam.csv", "nothing can be written to"),
     ("demo --paper -o paper --plot x.svg", "No such option '--plot'"),

@@ -1,4 +1,4 @@
-"""The demonstration's second answer: a cold test instead of a hammer."""
+"""The demonstration, and its story's second answer: a cold test instead of a hammer."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from kit.shell import run_json
+from kit.shell import ran, run_json
 
 from dashpot.datamodel.machine import Machine
 from dashpot.fitting.prediction_bounds import unseen_arm_band
@@ -14,10 +14,21 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json
 
 
+def test_demo_writes_two_files_and_the_page_of_their_report(tmp_path):
+    done = ran("demo", "-o", tmp_path / "demo")
+    assert done.exit_code == 0
+    page = tmp_path / "demo" / "report.html"
+    assert {one.name for one in page.parent.iterdir()} == {"seal_8mm.csv", "hammer.csv", page.name}
+    assert done.stdout.startswith("Use: ")
+    assert done.stderr.splitlines()[-2] == f"wrote {page}"
+    again = ran("demo", "-o", tmp_path / "demo", "--overwrite")
+    assert again.stdout == done.stdout
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
-    seal = run_json("demo", "-o", tmp_path, "--seed", seed)["seals"]["broad"]
+    seal = run_json("demo", "--story", "-o", tmp_path, "--seed", seed)["seals"]["broad"]
     alone, cold = seal["comparison"], seal["cold"]["comparison"]
     assert alone["predicted_damping"] / alone["measured_damping"] < 0.5
     assert cold["predicted_hz"] == pytest.approx(cold["measured_hz"], rel=0.01)

@@ -122,14 +122,16 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/materials/slam/command_options.py": (),
     "extensions/materials/slam/fit_handler.py": (),
     "extensions/modes/fit_handler.py": (),
-    "extensions/paper/demo_handler.py": (),
+    "extensions/paper/command.py": (),
+    "extensions/paper/paper_handler.py": (),
+    "extensions/paper/story_handler.py": ("demo",),
     "extensions/projects/command.py": (),
 }
 """Commands that can print the messages of a package, file or function; the longest name counts."""
 OURS = {
     "reading/sandbox/parent_process.py": {"--read-for-dashpot"},
     "plot/svg.py": {"--panel"},
-    "registry/core.py": {"--files"},  # of demo, whose line in --help it is
+    "extensions/paper/registration.py": {"--files"},  # of demo, whose line in --help it is
 }
 """Words that look like options and reach no user."""
 PYTHON_ONLY = {

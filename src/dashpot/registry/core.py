@@ -63,6 +63,19 @@ EXTENSION = Extension(
             "dashpot.workflow.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
         },
+        "document": {
+            "dashpot/model@1": "dashpot.solids.maxwell:GeneralizedMaxwell",
+            "dashpot/fractional@1": "dashpot.solids.fractional:FractionalZener",
+            "dashpot/parallel@1": "dashpot.solids.maxwell:Parallel",
+            "dashpot/fit@2": "dashpot.datamodel.fit:Fit",
+            "dashpot/impact@2": "dashpot.workflow.measured_frf:ImpactResult",
+            "dashpot/inspection@2": "dashpot.workflow.inspections:Inspections",
+            "dashpot/comparison@2": "dashpot.vibration.comparison.comparison:Comparison",
+            "dashpot/plan@2": "dashpot.planning.plan:Plan",
+            "dashpot/job@2": "dashpot.workflow.job:Job",
+            "dashpot/study@2": "dashpot.workflow.study:Study",
+        },
+        "read document": {"InspectedFile": "dashpot.workflow.inspections:convert_old_inspection"},
         "html": {"dashpot.workflow.study:Study": "dashpot.report:write_study"},
         "deck terms": {"dashpot.datamodel.fit:Fit": "dashpot.report.page_frame:find_terms"},
         "export": {
@@ -79,7 +92,6 @@ EXTENSION = Extension(
         Command("export", "Work", "A model or constitutive law as input for solvers, as FMU or table.", "dashpot.cli.export", order=5),
         Command("plan", "Before the test", "How well a test will measure, before it is run.", "dashpot.cli.plan", order=8),
         Command("simulate", "Before the test", "A test of a known seal, marked 'simulated'.", "dashpot.cli.simulate", order=10),
-        Command("demo", "Learn", "The main job on two seals; --files to try by hand.", "dashpot.cli.demo", order=11),
     ),
     formats=(
         FileFormat("text", "dashpot.reading.formats.text"),

@@ -1,7 +1,16 @@
-"""Registry rows of the reproduced paper."""
+"""Registry rows of the demonstration: the main job, its story, and the reproduced paper."""
 
-from dashpot.registry.row import Extension
+from dashpot.registry.row import Command, Extension
 
 EXTENSION = Extension(
-    "paper", handlers={"demo": {"paper": "dashpot.extensions.paper.demo_handler:run"}}
+    "paper",
+    commands=(
+        Command(
+            "demo",
+            "Learn",
+            "The main job on a simulated seal; --files to try by hand.",
+            "dashpot.extensions.paper.command",
+            order=11,
+        ),
+    ),
 )

@@ -1,4 +1,4 @@
-"""dashpot demo: the paper's whole method on two simulated seals, and its puzzle solved twice."""
+"""Handler of ``dashpot demo --story``: the main job on two seals, and its puzzle solved twice."""
 
 from __future__ import annotations
 
@@ -6,20 +6,13 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.dataclasses import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
-from dashpot.cli import _options as options
-from dashpot.cli._command import group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, claim, format_command, grams, write
-from dashpot.cli._options import RESULT
-from dashpot.cli._param_types import Folder
+from dashpot.cli._command_io import CommandResult, claim, format_command, write
 from dashpot.cli._simulation_options import impact, relaxation, seal_named
-from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -52,70 +45,7 @@ class Demo(Serialisable):
     seals: dict[str, dict[str, Any]]
 
 
-@dataclass(frozen=True)
-class Examples(Serialisable):
-    """Example files that were written."""
-
-    schema = "dashpot/example@1"
-
-    files: tuple[str, ...]
-
-
-@verb(
-    "demo",
-    """Run the main job on two simulated seals, or write files to learn on.
-
-  dashpot demo                  reports of both seals in dashpot-demo/
-  dashpot demo --files          seal_8mm.csv and hammer.csv, here
-  dashpot demo --files --all    the files of every how-to page, too
-  dashpot demo --paper -o DIR   the paper's equations, figures and table, again
-
-The 'paper' seal is Table 1 of the paper. The 'broad' seal relaxes the same way.
-Its three faster arms show under a hammer, but not in a 1 s ramp.""",
-    group(
-        RESULT,
-        opt("--files", "files_only", help="Write the files only."),
-        opt("--all", "every", help="With --files: those of the how-to pages, too."),
-        opt("--paper", help="Make the paper's figures and table again."),
-        opt("-o", "--output", type=Folder(), metavar="DIR",
-            help="Where (dashpot-demo; of --files, here; of\n--paper, paper)."),
-        mark_advanced(opt("--seed", type=click.IntRange(0), default=0, metavar="N",
-                 help="Seed of the noise (0).")),
-    ),
-    options.result(plot=False, opens=False),
-)  # fmt: skip
-def command(
-    *, files_only: bool, every: bool, paper: bool, output: str | None, seed: int
-) -> CommandResult:
-    """Tell the whole story, or write the files of it."""
-    if every and not files_only:
-        raise click.UsageError("--all is for the files to learn on. Add --files")
-    if paper:
-        if files_only:
-            raise click.UsageError("--paper makes files of its own: leave out --files")
-        outcome: CommandResult = find_handler("demo", "paper")(Path(output or "paper"), seed)
-        return outcome
-    if files_only:
-        return _examples(Path(output or "."), every=every)
-    return _stories(Path(output or "dashpot-demo"), seed)
-
-
-def _examples(folder: Path, *, every: bool) -> CommandResult:
-    """Write the test of a seal and of a hammer, simulated, and stamped so."""
-    names = tuple(workflow.EXAMPLES) if every else workflow.FIRST
-    paths = [folder / name for name in names]
-    claim(paths)
-    for name, path in zip(names, paths, strict=True):
-        send_progress(f"simulating {name}")
-        write(path, workflow.EXAMPLES[name]())
-    bench, hammer = paths[:2]
-    lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
-    words = ("report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", 2)
-    examples = Examples(tuple(map(str, paths)))
-    return CommandResult(examples, Text(lines), follow=format_command(*words, "-o", "report.html"))
-
-
-def _stories(folder: Path, seed: int) -> CommandResult:
+def run(folder: Path, seed: int) -> CommandResult:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
     from dashpot.text_output import results
 
