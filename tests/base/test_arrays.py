@@ -14,6 +14,7 @@ from dashpot.base.arrays import (
     MOST_SAMPLES,
     compute_single_dft,
     frozen,
+    interpolate_quantile,
     make_cosine_sequence,
     sample_count,
     set_readonly,
@@ -89,3 +90,9 @@ def test_a_wave_and_a_turned_sum_are_those_of_exponentials(count):
         make_cosine_sequence(count, turn, size), (size * turns).real, atol=1e-11
     )
     assert compute_single_dft(values, turn) == pytest.approx(values @ turns, abs=1e-9)
+
+
+@given(st.integers(1, 60), st.integers(0, 2**32), st.floats(0, 1))
+def test_a_quantile_is_that_of_numpy(rows, seed, part):
+    values = np.random.default_rng(seed).normal(size=(rows, 3))
+    assert (interpolate_quantile(values, part) == np.quantile(values, part, axis=0)).all()

@@ -42,7 +42,9 @@ from dashpot.registry import (
     Piece,
     asks_of,
     figure_of,
+    find_handler,
     find_kinds_by_option,
+    list_names,
     load_object,
     row_of,
 )
@@ -238,6 +240,10 @@ def test_a_document_comes_back_as_it_was(folder: Path, name: str) -> None:
     found = json.loads(text)
     assert schemas()[found["schema"]] is type(noun)
     assert json.loads(to_json(from_json(text))) == found
+
+
+def test_a_document_row_is_named_by_the_schema_of_its_class() -> None:
+    assert all(find_handler("document", name).schema == name for name in list_names("document"))
 
 
 def test_find_kinds_by_option_names_the_fits_that_take_it() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import field, fields
@@ -237,6 +238,18 @@ def median(values: FloatArray) -> float:
     low, high = (len(values) - 1) // 2, len(values) // 2
     parted = np.partition(values, (low, high))
     return 0.5 * float(parted[low] + parted[high])
+
+
+def interpolate_quantile(values: FloatArray, part: float) -> FloatArray:
+    """Return a quantile along the first axis, by linear interpolation, as ``numpy.quantile`` does.
+
+    That imports ``numpy.ma``, as ``numpy.median`` does.
+    """
+    place = part * (len(values) - 1)
+    ends = math.floor(place), math.ceil(place)
+    first, second = np.partition(values, ends, axis=0)[[*ends]]
+    step, t = second - first, place % 1
+    return np.asarray(second - step * (1 - t) if t >= 0.5 else first + step * t)
 
 
 def distinct(values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:

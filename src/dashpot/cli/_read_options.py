@@ -13,7 +13,6 @@ from dashpot import workflow
 from dashpot.base import units
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli._command_io import is_json, reads
-from dashpot.reading.columns.role_assignment import EXAMPLE
 from dashpot.reading.columns.vocabulary import DIMENSION
 from dashpot.reading.read_options import ReadOptions
 
@@ -82,6 +81,8 @@ def _refuse_unknown_units(records: Sequence[str], options: ReadOptions) -> None:
     for name, word in options.get_units_by_name().items():
         meant, names = _MEASURED.get(name), units.dimensions(word)
         if meant and names and not {meant, "voltage"} & set(names):
+            from dashpot.reading.columns.role_assignment import EXAMPLE
+
             raise ReadError(
                 f"--units {name}={word}: '{word}' is a unit of {' or '.join(names)}. Give one of "
                 f"{meant}, such as --units {name}={EXAMPLE[name]}"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, interpolate_quantile, samples
 from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, get_choice_values
@@ -18,18 +18,13 @@ from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
-from dashpot.fitting.admissible_spectra import (
-    AdmissibleSpectra,
-    compute_distance_range,
-    compute_transmissibility_range,
-    deviance_limit,
-)
-from dashpot.fitting.input_tests import Tests, ramp_holds
-from dashpot.fitting.marginal_relaxation import misfits
-from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.mass_on_seals import MassOnSeals
+
+if TYPE_CHECKING:
+    from dashpot.fitting.admissible_spectra import AdmissibleSpectra
+    from dashpot.fitting.input_tests import Tests
 
 # Parameters of a fit as a vector, and the solid of a vector.
 
@@ -323,6 +318,11 @@ class PredictedFRF:
 
     def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Return lowest and highest magnitude over all spectra that the tests do not reject."""
+        from dashpot.fitting.admissible_spectra import (
+            compute_distance_range,
+            compute_transmissibility_range,
+        )
+
         ratio = omega**2 / self.on.seals
         if self.kind is Kind.TRANSMISSIBILITY:
             return compute_transmissibility_range(
@@ -379,7 +379,7 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
 
 def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
     """Return limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
-    low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2], axis=0)
+    low, high = (interpolate_quantile(values, q) for q in ((1 - level) / 2, (1 + level) / 2))
     return np.array([np.minimum(low, base), np.maximum(high, base)])
 
 
@@ -387,6 +387,11 @@ def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray
 
 
 def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> AdmissibleSpectra:
+    from dashpot.fitting.admissible_spectra import AdmissibleSpectra, deviance_limit
+    from dashpot.fitting.input_tests import ramp_holds
+    from dashpot.fitting.marginal_relaxation import misfits
+    from dashpot.fitting.relaxation_likelihood import build_relaxation_data
+
     _level(level)
     records = ramp_holds(tests)
     if not records:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -146,21 +147,7 @@ class Bench(PlannedRamp):
         A fit of `several` temperatures looks for a seal that warms, and finds it; it is a point,
         and bears nothing of earlier presses.
         """
-        columns, values = self.sensitivity(model), np.zeros((0, 0))
-        unmeasured = self.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
-        if self.machine is not None:
-            sd = self.prior_sd(model)
-            if several:
-                columns, sd = np.hstack((columns, unmeasured[:, :1])), np.append(sd, _IN_A_CHAMBER)
-                unmeasured = unmeasured[:, 2:]
-            values = np.diag(1 / np.maximum(sd, 1e-300))
-        count = columns.shape[1]
-        both = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / self.noise
-        priors = np.pad(values, ((0, 0), (count - len(values), 0)))
-        return PlannedRows(
-            np.vstack((both[:, :count], priors)),
-            np.pad(both[:, count:], ((0, len(values)), (0, 0))),
-        )
+        return _compute_rows(self, model, several)
 
     def unmeasured_effects(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
         """Return what climate and machine may add that the fit does not estimate, in N, shape (n,
@@ -198,6 +185,29 @@ class Bench(PlannedRamp):
             excess = np.sqrt(max(free**2 - quiet**2, 0.0))
             columns.append(self._since_rest(time) * excess)
         return np.hstack(columns)
+
+
+@lru_cache(maxsize=4)
+def _compute_rows(bench: Bench, model: GeneralizedMaxwell, several: bool) -> PlannedRows:
+    """Return the rows of a planned test; a plan asks for those of the same test several times."""
+    columns, values = bench.sensitivity(model), np.zeros((0, 0))
+    unmeasured = bench.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
+    if bench.machine is not None:
+        sd = bench.prior_sd(model)
+        if several:
+            columns, sd = np.hstack((columns, unmeasured[:, :1])), np.append(sd, _IN_A_CHAMBER)
+            unmeasured = unmeasured[:, 2:]
+        values = np.diag(1 / np.maximum(sd, 1e-300))
+    count = columns.shape[1]
+    both = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / bench.noise
+    priors = np.pad(values, ((0, 0), (count - len(values), 0)))
+    planned = PlannedRows(
+        np.vstack((both[:, :count], priors)),
+        np.pad(both[:, count:], ((0, len(values)), (0, 0))),
+    )
+    for array in planned:
+        array.flags.writeable = False
+    return planned
 
 
 # Repeats at other temperatures, where the arms are slower or faster.
@@ -288,8 +298,6 @@ def rows_with(
     :class:`~dashpot.planning.planned_ramp_hold.Bench`; a `slope_sd` of 0 supposes that one factor
     shifts every arm.
     """
-    from scipy.linalg import block_diag
-
     shared = 1 + 2 * model.arms
     planned_rows = bench.rows(model, several=True)
     blocks = [_repeat(model, bench, repeat) for repeat in repeats]
@@ -299,14 +307,23 @@ def rows_with(
     rows = np.hstack(
         (
             np.vstack([rows.rows[:, :shared] for rows in every]),
-            block_diag(*private),
+            _block_diagonal(*private),
             np.concatenate(slope)[:, None],
         )
     )
     values = np.zeros((1, rows.shape[1]))
     values[0, -1] = 1 / max(slope_sd, 1e-12)
-    diag = block_diag(*(rows.unseen for rows in every), np.zeros((1, 0)))
+    diag = _block_diagonal(*(rows.unseen for rows in every), np.zeros((1, 0)))
     return PlannedRows(np.vstack((rows, values)), diag)
+
+
+def _block_diagonal(*blocks: FloatArray) -> FloatArray:
+    """Return a matrix of blocks along its diagonal; SciPy's takes 120 ms to import."""
+    ends = np.cumsum([block.shape for block in blocks], axis=0)
+    matrix = np.zeros(ends[-1])
+    for block, (row, column) in zip(blocks, ends, strict=True):
+        matrix[row - block.shape[0] : row, column - block.shape[1] : column] = block
+    return matrix
 
 
 def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:

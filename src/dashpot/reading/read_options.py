@@ -12,7 +12,6 @@ from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.base.units import Dimension, parse_quantity, si_fields
-from dashpot.reading.toml import parsed_toml
 
 DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
@@ -410,6 +409,7 @@ def load_profile(path: str | Path) -> ReadOptions:
         If the file is missing, is not TOML, or holds a word that no reader knows.
     """
     from dashpot.reading.raw_file import open_raw  # a page of help reads no file
+    from dashpot.reading.toml import parsed_toml
 
     raw = open_raw(path)
     try:

@@ -248,9 +248,9 @@ class Extension(NamedTuple):
         Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds), ``"html"`` (a
         page of its own look), ``"export"`` (the input of a solver), ``"deck terms"`` (what the
         solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
-        document"`` (fields of that class from its values), ``"write frf"`` (to bytes, by the
-        ending of a file), ``"lot columns"`` (what the row of a lot lists), ``"solver input"``
-        (what writes that of a plug-in).
+        document"`` (fields of that class, or of one without a schema by its name, from its
+        values), ``"write frf"`` (to bytes, by the ending of a file), ``"lot columns"`` (what
+        the row of a lot lists), ``"solver input"`` (what writes that of a plug-in).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
@@ -279,7 +279,7 @@ class Extension(NamedTuple):
         bodies), ``"compare"`` (two of a type), ``"simulated record"`` (of a virtual test, through
         an instrument).
 
-        Of commands: ``"compare files"``, ``"predict file"``, ``"demo"``, ``"options"`` (those
+        Of commands: ``"compare files"``, ``"predict file"``, ``"options"`` (those
         that it has besides), ``"option groups"`` (those under titles of their own), ``"files
         beside"`` (those that `simulate` writes beside its record).
 

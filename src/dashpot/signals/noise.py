@@ -74,9 +74,13 @@ def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
 
 def median_of_three(values: FloatArray) -> FloatArray:
     """Removes a lone glitch, keeps every edge where it is."""
-    before, here, after = values[:-2], values[1:-1], values[2:]
-    low, high = np.minimum(before, here), np.maximum(before, here)
-    return np.concatenate((values[:1], np.maximum(low, np.minimum(high, after)), values[-1:]))
+    result = values.copy()
+    here = result[1:-1]  # in place: new memory takes most of the time
+    high = np.maximum(values[:-2], here)
+    np.minimum(high, values[2:], out=high)
+    np.minimum(values[:-2], here, out=here)
+    np.maximum(here, high, out=here)
+    return result
 
 
 # What a machine and the climate may add to the force of a seal that no channel shows.

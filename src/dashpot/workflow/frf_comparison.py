@@ -23,7 +23,6 @@ from dashpot.registry import find_handler
 from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
-from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
 from dashpot.workflow.checks import measurement_independent_of_fit
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
 from dashpot.workflow.measured_frf import read_measured, remove_seal_mass, total_mass
@@ -236,7 +235,11 @@ def compare_files(
     impact, frf = read_measured(
         measured, choices=hammer, options=options, mass=block.mass, band=band
     )
-    tests = prepared_files(records, options=options_with)
+    tests: tuple[RampHold, ...] = ()
+    if records:
+        from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
+
+        tests = prepared_files(records, options=options_with)
     held = agreement(fit, frf, block, tests=tests, band=band)
     if not (held.in_sample and tests):
         return held
@@ -286,6 +289,8 @@ def agreement(
     limits = None
     circular = find_fitted_files(fit, frf)
     if tests and not circular:  # the unseen arms of a joint fit have no bound
+        from dashpot.workflow.bench_tests import refuse_unfitted_tests
+
         refuse_unfitted_tests(tests, fit)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(fit, tests, rests.point, on, frequency=about)

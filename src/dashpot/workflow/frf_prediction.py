@@ -40,11 +40,6 @@ from dashpot.vibration.mass_on_seals import (
     on_heavy_mounts,
     predict_frf,
 )
-from dashpot.workflow.bench_tests import (
-    fill_missing_temperatures,
-    prepared_files,
-    refuse_unfitted_tests,
-)
 from dashpot.workflow.checks import base_band_in_valid_band, prediction_in_valid_band
 from dashpot.workflow.job import BlockOnSeals, LevelChoices, PartChoices, require_test_for_machine
 from dashpot.workflow.stiffness_under_mass import (
@@ -424,7 +419,11 @@ def predict_files(
     if at_level is not None and at_level != LevelChoices():
         read_sweep = find_handler("read sweep", at_level)
         swept = read_sweep(at_level, unit=fit.unit, part=part, options=options)
-    tests = prepared_files(records, machine=machine, options=options)
+    tests: tuple[RampHold, ...] = ()
+    if records:
+        from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
+
+        tests = prepared_files(records, machine=machine, options=options)
     return prediction(fit, tests, block=block, part=part, at_level=at_level, swept=swept, **asked)
 
 
@@ -660,6 +659,8 @@ def _bounds(
     """Return what bounds the FRF by the relaxation tests; None without them."""
     if not tests:
         return None
+    from dashpot.workflow.bench_tests import fill_missing_temperatures, refuse_unfitted_tests
+
     refuse_unfitted_tests(tests, fit)
     return partial(
         frf_limits,

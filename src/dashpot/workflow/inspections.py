@@ -69,6 +69,15 @@ class InspectedFile(Inspection, Serialisable):
         return {"error": self.refusal} if self.refusal else self.preparation
 
 
+def convert_old_inspection(entries: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of an inspected file from its values; an older one has its error there."""
+    account = entries.get("preparation", {})
+    if "error" not in account:
+        return entries
+    rest = {key: item for key, item in entries.items() if key != "preparation"}
+    return rest | {"refusal": account["error"]}
+
+
 @dataclass(frozen=True)
 class Inspections(Serialisable):
     """Result of ``dashpot inspect``, file by file."""

@@ -26,9 +26,7 @@ from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.datamodel.shift_factors import TemperatureShifts
-from dashpot.planning.plan import Plan
 from dashpot.reading.raw_file import like_json, open_raw
-from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
@@ -37,11 +35,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import RateIndependent
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
-from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.inspections import InspectedFile, Inspections
-from dashpot.workflow.job import Job
-from dashpot.workflow.measured_frf import ImpactResult
-from dashpot.workflow.study import Study
 
 # Invalid documents: duplicate or unknown keys, texts for numbers, edits.
 
@@ -115,15 +108,6 @@ _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 # Writing and reading of results.
 
 
-_OF_THE_JOB: dict[str, type[Serialisable]] = {
-    cls.schema: cls
-    for cls in (
-        GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, Inspections, Comparison,
-        Plan, Job, Study,
-    )
-}  # fmt: skip
-
-
 @cache
 def schemas() -> dict[str, type[Serialisable]]:
     """What each versioned schema name holds, those of every kind included, which it loads."""
@@ -134,12 +118,12 @@ def schemas() -> dict[str, type[Serialisable]]:
         if issubclass(kind, Serialisable) and kind.schema and kind._is_loadable
     )
     others = {name: find_handler("document", name) for name in list_names("document")}
-    return {**_OF_THE_JOB, **others, **{item.schema: item for item in retained}}
+    return {**others, **{item.schema: item for item in retained}}
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
-    """Return what a schema name holds; no kind is loaded for what the main job keeps."""
-    return _OF_THE_JOB.get(name) or find_handler("document", name) or schemas().get(name)
+    """Return what a schema name holds; only what it names is loaded."""
+    return find_handler("document", name) or schemas().get(name)
 
 
 def to_json(noun: object, *, indent: int | None = 2) -> str:
@@ -295,7 +279,7 @@ def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | Non
 @cache
 def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
     """Return what adds to the values of a document what its keys leave out."""
-    other = find_handler("read document", getattr(cls, "schema", ""))
+    other = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
     return _FILLED.get(cls) or other or dict
 
 
@@ -410,14 +394,6 @@ def _shifts(entries: dict[str, Any]) -> dict[str, Any]:
     return {"covariance": np.zeros((count, count)).tolist(), **entries, "law": law}
 
 
-def _convert_old_inspection(entries: dict[str, Any]) -> dict[str, Any]:
-    account = entries.get("preparation", {})
-    if "error" not in account:
-        return entries
-    rest = {key: item for key, item in entries.items() if key != "preparation"}
-    return rest | {"refusal": account["error"]}
-
-
 _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _model,
     Fit: _fit,
@@ -426,7 +402,6 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     DepthStiffness: _convert_old_depth,
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda entries: {"end_time": np.nan} | entries,
-    InspectedFile: _convert_old_inspection,
 }
 """Constructors of classes that need more than their keys."""
 
@@ -487,6 +462,8 @@ def _a_fit(path: str | Path, result: object) -> Fit:
 
 def format_unexpected_kind(path: str | Path, result: object) -> str:
     """Return what a document holds that is not what was wanted, and who wants it."""
+    from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
+
     kind = str(getattr(result, "schema", "")).partition("/")[2].partition("@")[0]
     use = get_kind_command(kind)
     return f"{path} is {get_kind_label(kind)}{f' ({use})' if use else ''}"

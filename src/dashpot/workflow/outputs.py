@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -117,7 +116,9 @@ def _refuse_closed(path: Path) -> None:
     while not folder.exists():
         folder = folder.parent
     try:
-        with tempfile.TemporaryFile(dir=folder):
+        from tempfile import TemporaryFile
+
+        with TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise ExportError(

@@ -223,6 +223,8 @@ class _TermsOptimum:
 
 @dataclass(frozen=True, eq=False)
 class _LineData:
+    """Measured lines of the FRFs at their amplitudes."""
+
     omega: FloatArray
     X: FloatArray
     weight: FloatArray

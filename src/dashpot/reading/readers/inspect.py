@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Plottable, Series
@@ -259,7 +259,7 @@ def _as_of_rubber(
 def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
     """Return rows spread evenly over the record, of every column."""
     rows = len(values) if numbers else 0
-    at = np.unique(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
+    at = distinct(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
     course = np.full((len(at), columns), np.nan)
     course[:, numbers] = values[at]
     return course
@@ -417,7 +417,7 @@ def _sampling(
     forward = steps[steps > 0]
     if forward.size == 0:
         return None, True, None
-    step = float(np.median(forward))
+    step = median(forward)
     even = bool(np.abs(steps - step).max() <= 0.2 * step)
     return 1 / step, even, float(np.nanmax(time) - np.nanmin(time))
 
