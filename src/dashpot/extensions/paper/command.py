@@ -125,8 +125,9 @@ def _examples(folder: Path, *, every: bool) -> CommandResult:
     claim(paths)
     _write_examples(folder, names)
     lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
+    bench, hammer = paths[:2]
     return CommandResult(
         Examples(tuple(map(str, paths))),
         Text(lines),
-        follow=_format_report_command(*paths[:2], Path("report.html")),
+        follow=_format_report_command(bench, hammer, Path("report.html")),
     )
