@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import EllipsisType
 from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
-from dashpot.base.dataclasses import dataclass, field, replace
+from dashpot.base import dataclass, field, replace
 from dashpot.base.errors import Status
 from dashpot.base.number_format import expand_powers
 from dashpot.base.plain_text import (

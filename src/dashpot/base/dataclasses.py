@@ -21,27 +21,28 @@ if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
 
-    def dataclass(*, frozen: bool, eq: bool = True, repr: bool = True, kw_only: bool = False):
+    def dataclass(*, frozen: bool, eq: bool = True, repr: bool = True, **how: bool):
         """Return what makes a class a dataclass, as that of the standard library does.
 
         Parameters
         ----------
         frozen : bool
             True; use the standard library's for others.
-        eq, repr, kw_only : bool
+        eq, repr : bool
+        **how : bool
+            Such as ``kw_only``.
         """
         assert frozen  # noqa: S101
 
         def add_methods(kind: type) -> type:
-            own = vars(kind).copy()
-            dataclasses.dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(kind)
+            dataclasses.dataclass(init=False, repr=False, eq=False, **how)(kind)
             methods = _build_methods(kind)
             if not repr:
                 del methods["__repr__"]
             if not eq:
                 del methods["__eq__"], methods["__hash__"]
             for name, method in methods.items():
-                if own.get(name) is None:
+                if vars(kind).get(name) is None:
                     setattr(kind, name, method)
             return kind
 
@@ -84,26 +85,19 @@ def _build_methods(kind: Any) -> dict[str, Any]:
         cells = (f"{item.name}={getattr(self, item.name)!r}" for item in fields(kind) if item.repr)
         return f"{self.__class__.__qualname__}({', '.join(cells)})"
 
-    def is_frozen(self: object, name: str) -> bool:
-        return type(self) is kind or name in {item.name for item in fields(kind)}
-
-    def assign(self: Any, name: str, value: object) -> None:
-        if is_frozen(self, name):
-            raise FrozenInstanceError(f"cannot assign to field {name!r}")
-        super(kind, self).__setattr__(name, value)
-
-    def delete(self: Any, name: str) -> None:
-        if is_frozen(self, name):
-            raise FrozenInstanceError(f"cannot delete field {name!r}")
-        super(kind, self).__delattr__(name)
+    def refuse(self: Any, name: str, *value: object) -> None:
+        change = "assign to" if value else "delete"
+        if type(self) is kind or name in {item.name for item in fields(kind)}:
+            raise FrozenInstanceError(f"cannot {change} field {name!r}")
+        getattr(super(kind, self), "__setattr__" if value else "__delattr__")(name, *value)
 
     return {
         "__init__": _Constructor(kind),
         "__repr__": represent,
         "__eq__": equals,
         "__hash__": lambda self: hash(_build_pick(kind)(self)),
-        "__setattr__": assign,
-        "__delattr__": delete,
+        "__setattr__": refuse,
+        "__delattr__": refuse,
     }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import Field, field, fields
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.units import Dimension, convert_to_si, si_range
 

@@ -6,8 +6,8 @@ import math
 import re
 from typing import NamedTuple
 
+from dashpot.base import dataclass
 from dashpot.base.checks import HasChecks
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.number_format import ascii_only, format_interval, round_to_error, symbol
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import convert_to_unit, get_display_unit

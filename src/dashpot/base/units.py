@@ -8,7 +8,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
-from dashpot.base.dataclasses import dataclass, fields, replace
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.errors import DataError
 
 if TYPE_CHECKING:

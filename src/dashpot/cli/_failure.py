@@ -13,7 +13,7 @@ from pathlib import Path
 
 import click
 
-from dashpot.base.dataclasses import dataclass, replace
+from dashpot.base import dataclass, replace
 from dashpot.base.errors import DashpotError
 from dashpot.base.plain_text import escaped_json
 from dashpot.base.serialisation import Key, Serialisable

@@ -9,7 +9,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.dataclasses import dataclass, fields, replace
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.errors import ExportError
 from dashpot.base.plain_text import paragraph
 from dashpot.base.serialisation import Key, Serialisable

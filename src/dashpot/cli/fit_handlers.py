@@ -12,7 +12,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyAsked, Method, get_choice_values
 from dashpot.cli._command_io import (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dashpot import workflow
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Rehearsed, get_choice_values
 from dashpot.base.serialisation import Key, Serialisable

@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias, TypedDict
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import EqualByValue, FloatArray, FrozenArrays, frozen, increasing, samples
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, interval, round_to_error
 from dashpot.base.reported_values import ReportedValue

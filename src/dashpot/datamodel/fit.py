@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.base.errors import DataError, Status
 from dashpot.base.number_format import format_band, format_count
 from dashpot.base.option_fields import Family, Method, PartMode, get_choice_values

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.option_fields import Family
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue

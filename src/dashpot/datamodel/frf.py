@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import (
     SI,
     BoolArray,
@@ -22,7 +23,6 @@ from dashpot.base.arrays import (
     words_of,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue

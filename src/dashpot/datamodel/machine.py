@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from dashpot.base.dataclasses import dataclass, replace
+from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import iterate_option_fields, key_of, option
 from dashpot.base.units import si_fields

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -18,7 +19,6 @@ from dashpot.base.arrays import (
     median,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function

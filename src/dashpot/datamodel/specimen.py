@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Sequence
 
-from dashpot.base.dataclasses import dataclass, fields, replace
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.units import convert_to_unit, format_quantity, si_fields

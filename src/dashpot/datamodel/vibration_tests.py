@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -19,7 +20,6 @@ from dashpot.base.arrays import (
     slices,
     validate_measured,
 )
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays, load_function

@@ -10,8 +10,8 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import celsius, format_quantity

@@ -7,8 +7,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, FrozenArrays
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.solids.maxwell import Solid
 

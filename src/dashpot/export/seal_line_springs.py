@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.datamodel.seal_line import SealSection, Shear, Stations
 from dashpot.export.deck import Deck

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import TypeVar
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.base.number_format import ascii_only
 from dashpot.base.units import parse_unit

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.option_fields import Method
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
 from dashpot.fitting.nuisance_priors import priors, spread_before, terms_of

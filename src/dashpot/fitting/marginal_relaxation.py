@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, kind_of
 from dashpot.numerics.design_matrices.block import DataBlock

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.parameter_estimate import Profile, Residual
 from dashpot.datamodel.relaxation import RampHold

@@ -7,8 +7,8 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, find_true_runs
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.bounds import WELL_KNOWN, BandError
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra
 from dashpot.numerics.design_matrices.block import DataBlock

@@ -8,8 +8,8 @@ from itertools import compress
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, FrozenArrays
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.least_squares import FINISHED, LocalOptimum

@@ -8,8 +8,8 @@ from typing import Any, Generic, NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.nonnegative_least_squares import solve_linear
 
@@ -551,12 +551,6 @@ class Optimum:
         """Which of theta and beta may move: a coefficient that rests at zero does not."""
         still = (self.beta == 0) & self.problem.positive
         return np.concatenate((np.ones(len(self.theta), dtype=bool), ~still))
-
-    @property
-    def is_on_bound(self) -> bool:
-        """Whether a theta rests at an end of its range."""
-        low, high, _ = self.problem.bounds
-        return bool(((self.theta <= low) | (self.theta >= high)).any())
 
     @property
     def values(self) -> FloatArray:

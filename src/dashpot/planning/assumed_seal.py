@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.option_fields import option
 from dashpot.base.units import Quantity, convert_to_si, si_fields
 from dashpot.base.value_ranges import require_positive

@@ -21,8 +21,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import duration, round_to_error
 from dashpot.base.plain_text import paragraph
 from dashpot.base.reported_values import NORMAL

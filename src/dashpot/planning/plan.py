@@ -7,9 +7,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.plain_text import sentence
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, option, require_choice
 from dashpot.base.units import si_fields

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
 from dashpot.datamodel.machine import USUAL, Machine
@@ -141,13 +141,28 @@ class Bench(PlannedRamp):
         )
         return offset, held, free
 
+    @lru_cache(maxsize=4)  # noqa: B019  a plan asks for the same test several times
     def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
         """Return what the test tells its fit, and what its rig may add to that unseen.
 
         A fit of `several` temperatures looks for a seal that warms, and finds it; it is a point,
         and bears nothing of earlier presses.
         """
-        return _compute_rows(self, model, several)
+        columns, values = self.sensitivity(model), np.zeros((0, 0))
+        unmeasured = self.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
+        if self.machine is not None:
+            sd = self.prior_sd(model)
+            if several:
+                columns, sd = np.hstack((columns, unmeasured[:, :1])), np.append(sd, _IN_A_CHAMBER)
+                unmeasured = unmeasured[:, 2:]
+            values = np.diag(1 / np.maximum(sd, 1e-300))
+        count = columns.shape[1]
+        both = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / self.noise
+        priors = np.pad(values, ((0, 0), (count - len(values), 0)))
+        return PlannedRows(
+            np.vstack((both[:, :count], priors)),
+            np.pad(both[:, count:], ((0, len(values)), (0, 0))),
+        )
 
     def unmeasured_effects(self, model: GeneralizedMaxwell, by_arms: FloatArray) -> FloatArray:
         """Return what climate and machine may add that the fit does not estimate, in N, shape (n,
@@ -185,29 +200,6 @@ class Bench(PlannedRamp):
             excess = np.sqrt(max(free**2 - quiet**2, 0.0))
             columns.append(self._since_rest(time) * excess)
         return np.hstack(columns)
-
-
-@lru_cache(maxsize=4)
-def _compute_rows(bench: Bench, model: GeneralizedMaxwell, several: bool) -> PlannedRows:
-    """Return the rows of a planned test; a plan asks for those of the same test several times."""
-    columns, values = bench.sensitivity(model), np.zeros((0, 0))
-    unmeasured = bench.unmeasured_effects(model, columns[:, 1 : 1 + model.arms])
-    if bench.machine is not None:
-        sd = bench.prior_sd(model)
-        if several:
-            columns, sd = np.hstack((columns, unmeasured[:, :1])), np.append(sd, _IN_A_CHAMBER)
-            unmeasured = unmeasured[:, 2:]
-        values = np.diag(1 / np.maximum(sd, 1e-300))
-    count = columns.shape[1]
-    both = np.asarray(np.linalg.qr(np.hstack((columns, unmeasured)), mode="r")) / bench.noise
-    priors = np.pad(values, ((0, 0), (count - len(values), 0)))
-    planned = PlannedRows(
-        np.vstack((both[:, :count], priors)),
-        np.pad(both[:, count:], ((0, len(values)), (0, 0))),
-    )
-    for array in planned:
-        array.flags.writeable = False
-    return planned
 
 
 # Repeats at other temperatures, where the arms are slower or faster.

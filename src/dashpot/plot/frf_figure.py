@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import format_band, round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.bounds import FRFBounds

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import (
     FloatArray,
     block_means,
@@ -14,7 +15,6 @@ from dashpot.base.arrays import (
     make_cosine_sequence,
     median,
 )
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import format_quantity, parse_quantity

@@ -8,7 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.dataclasses import dataclass, fields, replace
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.base.units import Dimension, parse_quantity, si_fields

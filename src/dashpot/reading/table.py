@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 
 if TYPE_CHECKING:  # a child that reads workbooks needs no numbers, and is there in half the time
     from dashpot.base.arrays import FloatArray

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.reading.raw_file import RawFile, open_raw

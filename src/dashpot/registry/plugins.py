@@ -20,7 +20,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.serialisation import Key, Serialisable

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from dashpot import plot
-from dashpot.base.dataclasses import dataclass, replace
+from dashpot.base import dataclass, replace
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import strip, swatch, validate_svg_id
 from dashpot.registry import find_handler

@@ -11,9 +11,8 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from dashpot.base import number_format
+from dashpot.base import dataclass, field, number_format
 from dashpot.base.checks import Use, Verdict
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DashpotError, ExportError
 from dashpot.base.number_format import format_band
 from dashpot.base.plain_text import sentence

@@ -8,8 +8,8 @@ from collections.abc import Collection, Iterable, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, Verdict, format_check_tally
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.result_mixins import HasVerdict

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DashpotError
 from dashpot.base.number_format import (
     decibels,

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive

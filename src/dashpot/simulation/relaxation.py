@@ -6,8 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.relaxation import RelaxationTest, Trajectory

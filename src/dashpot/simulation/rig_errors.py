@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import EqualByValue, FloatArray, samples
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_nonnegative, select_fields
 from dashpot.datamodel.specimen import Specimen

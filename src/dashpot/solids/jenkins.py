@@ -11,8 +11,8 @@ from abc import abstractmethod
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.solids.rate_independent import RateIndependent, amplitudes, require_positive_parameters
 
 _Path = tuple[tuple[float, float], ...]

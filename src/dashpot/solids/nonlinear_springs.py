@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.solids.rate_independent import RateIndependent, amplitudes
 

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.dataclasses import dataclass, field, fields, replace
+from dashpot.base import dataclass, field, fields, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import PartMode

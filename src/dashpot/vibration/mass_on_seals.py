@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal
 
+from dashpot.base import dataclass
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.base.option_fields import Method, copy_option, make_nested_options
 from dashpot.base.result_mixins import HasSummary

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import HasVerdict, Series
 from dashpot.base.serialisation import Key, Serialisable

@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Literal, Protocol, get_args, overload
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_band
 from dashpot.base.option_fields import PartMode

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict

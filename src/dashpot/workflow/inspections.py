@@ -7,8 +7,8 @@ from inspect import signature
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
 from dashpot.base.serialisation import Key, Serialisable

@@ -7,7 +7,7 @@ from dataclasses import MISSING, fields, replace
 from operator import not_
 from typing import Any, Literal, TypeVar
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import (
     AmplitudeLawAsked,

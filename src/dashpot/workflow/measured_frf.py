@@ -9,8 +9,8 @@ from typing import overload
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import flag_of, iterate_option_fields

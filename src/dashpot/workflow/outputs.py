@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import validate_path, write_atomic
 from dashpot.base.version import is_ours, is_record

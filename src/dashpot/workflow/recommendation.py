@@ -6,8 +6,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fitted_mass, get_hammer_stiffness_factor

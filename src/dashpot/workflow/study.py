@@ -9,8 +9,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.base.number_format import hertz, seals
 from dashpot.base.plain_text import paragraph

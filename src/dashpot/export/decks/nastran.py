@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.seal_line import Shear, Stations

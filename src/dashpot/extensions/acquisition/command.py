@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import dashpot as dp
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Driver, get_choice_values
 from dashpot.base.progress import send_progress

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Protocol, TypeAlias
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 
 Block: TypeAlias = tuple[FloatArray, FloatArray]
 """Times, shape (n,), s; values, shape (n, channels), in the units of their channels."""

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.option_fields import AmplitudeLaw, get_choice_values
 from dashpot.extensions.amplitude.checks import MATTERS
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import (
     BoolArray,
     ComplexArray,
@@ -19,7 +20,6 @@ from dashpot.base.arrays import (
     resolve_unit,
 )
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, round_to_error
 from dashpot.base.provenance import Source, describe_record_source

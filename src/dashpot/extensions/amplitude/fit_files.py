@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns

@@ -7,8 +7,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import SIZES, format_quantity_short

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.serialisation import Serialisable

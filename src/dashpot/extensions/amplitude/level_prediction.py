@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ClassVar
 
+from dashpot.base import dataclass, fields
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, fields
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Key
 from dashpot.datamodel.frf import FRF, Kind

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias, overload
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import ExportError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, Step

@@ -27,8 +27,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY, Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import SIZES, format_quantity_short, require_positive

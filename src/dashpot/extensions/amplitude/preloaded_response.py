@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.serialisation import Key, Serialisable

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray, median
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest

@@ -21,8 +21,8 @@ import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.extensions.amplitude.friction import Coulomb
 from dashpot.solids.jenkins import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid

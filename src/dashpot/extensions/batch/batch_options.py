@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, copy_option, make_nested_options, option
 from dashpot.base.units import Dimension, Quantity, convert_to_si, si_fields

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import open_exclusive_lock
 from dashpot.base.option_fields import Method

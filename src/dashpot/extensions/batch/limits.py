@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import parse_quantity

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.plain_text import escape_formula
 from dashpot.base.provenance import SIMULATED

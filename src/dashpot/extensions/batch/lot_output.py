@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
 import dashpot as dp
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.progress import send_progress

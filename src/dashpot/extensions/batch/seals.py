@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.statistics.control_chart import (
     Chart,

@@ -8,8 +8,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.checks import GRADES, Check, HasChecks
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.plain_text import sentence

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.datamodel.bounds import BandError, Ended, EndOfHold
 from dashpot.datamodel.parameter_estimate import Interval
 from dashpot.fitting.admissible_spectra import (

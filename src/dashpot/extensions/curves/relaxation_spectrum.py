@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.datamodel.fit import Fit

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, samples
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import ShiftLaw, require_choice
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise

@@ -18,9 +18,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import format_quantity

@@ -9,9 +9,8 @@ from itertools import chain
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.attribute_factors import (

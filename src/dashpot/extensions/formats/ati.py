@@ -9,9 +9,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import EqualByValue, FloatArray, frozen
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.reading.raw_file import RawFile, add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions

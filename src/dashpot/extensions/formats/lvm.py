@@ -9,8 +9,8 @@ from itertools import chain
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile, TimeBudget

@@ -8,8 +8,8 @@ from typing import BinaryIO, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.mdf_conversions import Conversion, keep_raw
 from dashpot.reading.sandbox.limits import check_value_count

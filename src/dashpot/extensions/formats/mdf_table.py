@@ -10,9 +10,8 @@ from typing import BinaryIO
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import FloatArray, median
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats import mdf3, mdf4

@@ -8,9 +8,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.array_table import (

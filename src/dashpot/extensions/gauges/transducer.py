@@ -10,8 +10,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields

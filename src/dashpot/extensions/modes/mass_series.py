@@ -15,8 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import Mode
 from dashpot.numerics.nonnegative_least_squares import solve_linear

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import OverBase
 from dashpot.base.serialisation import EVERY_FIELD

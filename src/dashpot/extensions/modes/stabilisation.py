@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.structure import FRFSet
 from dashpot.vibration.modal.modal_methods import (

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from dashpot import workflow
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 
 NODES = 40
 """Of the rule that integrates the history: a ramp is a few time constants long."""

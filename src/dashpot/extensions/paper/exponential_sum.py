@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, FrozenArrays, same_length, samples
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.numerics.exponential_fit import OptimalityCertificate, certificate, solve

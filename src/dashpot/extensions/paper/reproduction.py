@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import round_to_error
 from dashpot.base.progress import send_progress
 from dashpot.base.reported_values import ReportedValue

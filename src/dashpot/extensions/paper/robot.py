@@ -7,8 +7,8 @@ from math import atan2, hypot, pi
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.simulation.robot import Axis, Point, unit
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command_io import CommandResult, claim, format_command, write

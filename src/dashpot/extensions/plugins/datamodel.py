@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict, Series

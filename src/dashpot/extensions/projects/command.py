@@ -8,8 +8,8 @@ from pathlib import Path
 import click
 
 from dashpot import workflow
+from dashpot.base import dataclass
 from dashpot.base.checks import Check, verdict
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.base.number_format import format_count
 from dashpot.base.plain_text import decapitalise_sentence

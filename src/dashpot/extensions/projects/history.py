@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.dataclasses import dataclass, field, fields
+from dashpot.base import dataclass, field, fields
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import software

@@ -25,7 +25,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import PART, open_exclusive_lock, validate_path, write_atomic
 from dashpot.base.serialisation import Key, Serialisable, to_plain_value

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from dashpot.base import units
+from dashpot.base import dataclass, units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
 from dashpot.reading.columns.role_assignment import assign, list_columns

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import (
     ComplexArray,
     FloatArray,
@@ -16,7 +17,6 @@ from dashpot.base.arrays import (
     same_length,
     samples,
 )
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.multibody import Point, System
 

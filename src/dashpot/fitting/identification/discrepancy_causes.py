@@ -24,8 +24,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.number_format import with_error
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.fit_diagnostics import Explanation

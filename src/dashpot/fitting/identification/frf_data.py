@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.numerics.design_matrices.block import DataBlock, design_block

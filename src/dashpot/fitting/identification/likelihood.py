@@ -25,8 +25,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, fields, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, fields, replace
 from dashpot.datamodel.fit import Fit
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.identification.parametrisation import (

@@ -14,8 +14,8 @@ from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
 from dashpot.fitting.fractional_model.checks import fractional_slope_determined

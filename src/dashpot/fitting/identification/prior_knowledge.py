@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Literal
 
-from dashpot.base.dataclasses import dataclass, replace
+from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.units import Dimension, Quantity, si_fields, si_range

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import RampLawAsked, require_choice
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, parameter_names

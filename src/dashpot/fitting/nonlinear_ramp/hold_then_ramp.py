@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     Bounds,
     DownsampledRows,

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, distinct, median
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.nuisance_priors import LoadCellPriors, Prior, priors

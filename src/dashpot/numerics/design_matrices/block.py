@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 
 # Arms under a recorded displacement on a uniform clock, block by block.

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.design_matrices.block import Columns, DataBlock, Rows, design_rows
 
 # Weighted samples: a few hundred in place of many, with the same fit.

@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, find_fast_length
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import (
     DataBlock,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import (
     BoolArray,
     ComplexArray,
@@ -17,7 +18,6 @@ from dashpot.base.arrays import (
     cache_on_record,
     find_fast_length,
 )
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.design_matrices.block import DataBlock, design_rows
 from dashpot.numerics.design_matrices.data_compression import (
     FEW_DIGITS,

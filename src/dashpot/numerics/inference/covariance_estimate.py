@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
 from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich

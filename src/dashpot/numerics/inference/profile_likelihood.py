@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.numerics.exponential_fit import Solution
 from dashpot.numerics.log_tau_descent import Stack
 

@@ -12,9 +12,8 @@ from typing import Literal, NamedTuple, TypeAlias, cast
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base import units
+from dashpot.base import dataclass, field, replace, units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
 from dashpot.reading.columns import vocabulary

@@ -11,9 +11,8 @@ from typing import get_args
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, units
 from dashpot.base.arrays import cache_on_record
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.reading.columns import vocabulary

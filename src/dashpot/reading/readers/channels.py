@@ -10,10 +10,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution, Source, cautions_in
 from dashpot.base.units import Unit

@@ -9,9 +9,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from dashpot.base import units
+from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns

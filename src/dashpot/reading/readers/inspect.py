@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, distinct, median
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.base.result_mixins import Plottable, Series
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, SWEEPS

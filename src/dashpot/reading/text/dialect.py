@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain, islice, product, zip_longest
 
-from dashpot.base.dataclasses import dataclass, replace
+from dashpot.base import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.table import Content

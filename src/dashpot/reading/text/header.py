@@ -7,8 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 
-from dashpot.base import units
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass, units
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.header_units import (

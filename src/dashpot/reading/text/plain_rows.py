@@ -13,8 +13,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import ClockColumn
 from dashpot.reading.text.dialect import Dialect

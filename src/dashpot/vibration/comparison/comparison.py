@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.result_mixins import Plottable, Series
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.frf import FRF

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode

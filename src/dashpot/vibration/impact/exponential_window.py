@@ -24,8 +24,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.hits import GUARD, HitBlock
 

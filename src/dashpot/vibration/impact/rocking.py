@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.vibration.modal.pole_fit import FLOOR, FRFLines, find_poles, pole_kernel, residues_at
 
 ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes

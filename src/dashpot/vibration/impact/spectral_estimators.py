@@ -6,8 +6,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.vibration.impact.hits import HitBlock
 

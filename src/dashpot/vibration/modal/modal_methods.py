@@ -7,8 +7,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 

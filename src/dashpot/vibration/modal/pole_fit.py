@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.least_squares import Objective, descend
 
 # Modal assurance criterion: similarity of two mode shapes.

@@ -15,8 +15,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import FitError
 from dashpot.extensions.batch.arrays.grid_search import POINTS, GridSearch
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling

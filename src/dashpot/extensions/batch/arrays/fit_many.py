@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, FrozenArrays, increasing, samples
 from dashpot.base.checks import status_of
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, Status
 from dashpot.base.option_fields import Method
 from dashpot.extensions.batch.arrays.batched_solver import (

@@ -9,8 +9,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.design_matrices.data_compression import (

@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 
 Ends: TypeAlias = tuple[float, float]

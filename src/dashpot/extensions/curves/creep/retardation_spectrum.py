@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.fit_diagnostics import OrderScore
 from dashpot.datamodel.parameter_estimate import CreepEstimate, Profile
 from dashpot.fitting.order_selection import SelectedModel

@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import (
     Dimensions,
     EqualByValue,
@@ -18,7 +19,6 @@ from dashpot.base.arrays import (
     resolve_unit,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import (
     BoolArray,
     ComplexArray,
@@ -16,7 +17,6 @@ from dashpot.base.arrays import (
     make_units_field,
     resolve_unit,
 )
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays

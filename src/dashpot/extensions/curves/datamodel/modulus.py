@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import (
     Dimensions,
     EqualByValue,
@@ -10,7 +11,6 @@ from dashpot.base.arrays import (
     make_units_field,
     resolve_unit,
 )
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import EqualByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.provenance import Source, Step
 from dashpot.base.result_mixins import Plottable, Series
 from dashpot.base.units import celsius

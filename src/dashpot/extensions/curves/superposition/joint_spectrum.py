@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
 from dashpot.numerics.inference.correlated_noise import white
 from dashpot.numerics.inference.covariance_estimate import white_noise

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.datamodel.parameter_estimate import Nuisance, Residual, parameter_names
 from dashpot.extensions.curves.temperatures.joint_problem import (
     JointTests,

@@ -18,8 +18,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.option_fields import Vertical
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.numerics.design_matrices.block import DataBlock

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import shifted_log_tau
 from dashpot.fitting.data_blocks import InitialFit, first_sample, motion

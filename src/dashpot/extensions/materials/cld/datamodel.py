@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -14,7 +15,6 @@ from dashpot.base.arrays import (
     make_units_field,
 )
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, HasChecks, select_gravest_check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import ReportedValue

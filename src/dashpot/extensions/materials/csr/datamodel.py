@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -16,7 +17,6 @@ from dashpot.base.arrays import (
     validate_measured,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source

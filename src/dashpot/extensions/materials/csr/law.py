@@ -15,8 +15,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import EqualByValue, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.shift_laws import GAS
 

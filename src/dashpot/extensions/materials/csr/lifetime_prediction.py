@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue

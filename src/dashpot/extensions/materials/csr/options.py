@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.option_fields import option
 
 

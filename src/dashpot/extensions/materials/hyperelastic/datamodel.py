@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -14,7 +15,6 @@ from dashpot.base.arrays import (
     make_units_field,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source, sources_of

@@ -31,8 +31,8 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import require_choice
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.extensions.materials.indentation.collision import (
     Collision,
     Shape,

@@ -18,8 +18,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import EqualByValue, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact

@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -15,7 +16,6 @@ from dashpot.base.arrays import (
     median,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue

@@ -18,8 +18,8 @@ from itertools import product
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import require_choice
 from dashpot.base.provenance import sources_of

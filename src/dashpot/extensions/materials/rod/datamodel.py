@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, field, fields, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, IndexArray
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, field, fields, replace
 from dashpot.vibration.modal.dynamic_stiffness import compute_stiffness_change
 
 

@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.provenance import Step

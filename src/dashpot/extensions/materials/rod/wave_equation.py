@@ -21,9 +21,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import require_positive

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dashpot.base.dataclasses import dataclass
+from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY, Quantity, parse_quantity
 from dashpot.base.value_ranges import require_positive

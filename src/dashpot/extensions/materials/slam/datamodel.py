@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
@@ -13,7 +14,6 @@ from dashpot.base.arrays import (
     median,
 )
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, field, replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source

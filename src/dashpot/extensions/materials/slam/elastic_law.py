@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import EqualByValue, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.datamodel.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 

@@ -17,9 +17,9 @@ from functools import cached_property
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Step, sources_of

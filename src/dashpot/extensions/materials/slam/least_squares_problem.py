@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import parameter_names

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import EqualByValue, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive
 from dashpot.solids.elastic import ElasticLaw

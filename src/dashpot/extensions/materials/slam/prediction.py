@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.door.door_model import Door, RigidPart, Support
 from dashpot.extensions.systems.door.mounts import line_mounts

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import Key, Serialisable

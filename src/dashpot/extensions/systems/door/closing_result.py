@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Key, Serialisable

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from dashpot.base import dataclass, field
 from dashpot.base.arrays import EqualByValue
-from dashpot.base.dataclasses import dataclass, field
 from dashpot.base.provenance import Source
 from dashpot.datamodel.seal_line import LineFriction
 from dashpot.extensions.systems.door.closing_setup import ClosingSetup

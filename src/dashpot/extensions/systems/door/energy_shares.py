@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.extensions.systems.multibody import System
 from dashpot.extensions.systems.time_response import ComplexMode
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.systems.door.assembly import AXES, DOOR

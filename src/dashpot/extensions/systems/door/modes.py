@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.dataclasses import dataclass, replace
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.seal_line import Shear
 from dashpot.extensions.systems.door.assembly import DOOR, Assembly

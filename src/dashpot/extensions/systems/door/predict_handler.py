@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
+from dashpot.base import dataclass
 from dashpot.base.checks import verdict
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli._command_io import CommandResult, format_json, write, write_figure
 from dashpot.cli.predict import is_page

@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.value_ranges import SIZES

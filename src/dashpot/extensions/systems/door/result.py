@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.checks import Check, HasChecks
-from dashpot.base.dataclasses import dataclass
 from dashpot.base.provenance import Source
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Key, Serialisable
