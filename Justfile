@@ -56,6 +56,7 @@ nightly:
     done
     python benchmarks/verdicts.py "$night/verdicts.jsonl" > "$night/verdicts.txt" || failed=1
     python benchmarks/anybody.py > "$night/speed.txt" || failed=1
+    just speed "$(git rev-list -n 1 --before=7.days.ago HEAD)" > "$night/ratios.txt" || failed=1
     for study in $(python benchmarks/coverage_kinds.py --list); do
         python benchmarks/coverage_kinds.py "$study" >> "$night/coverage.txt" || failed=1
     done
@@ -97,6 +98,27 @@ findings *names:
         [ "$result" = unchanged ] || tail -n 12 <<< "$told" | sed 's/^/           /'
     done
     exit "$failed"
+
+# CPU time of this working copy beside an earlier commit: fails where a command takes a quarter more
+speed before *args:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    room="$(mktemp -d)"
+    trap 'git worktree remove --force "$room/tree"; rm -rf "$room"' EXIT
+    git worktree add --quiet --detach "$room/tree" "{{before}}"
+    # the version is written by the build, and a working copy has one
+    cp src/dashpot/base/_version.py "$room/tree/src/dashpot/base/"
+    packages="$(python -c 'import numpy, pathlib; print(pathlib.Path(numpy.__file__).parents[1])')"
+    for one in before after; do
+        python -m venv --without-pip "$room/$one"
+        source="$room/tree/src"; [ "$one" = before ] || source="$PWD/src"
+        paths=("$room/$one"/lib/python*/site-packages)
+        printf '%s\n' "$source" "$packages" > "${paths[0]}/dashpot.pth"
+        printf '#!%s\nimport sys\nfrom dashpot.cli import main\nsys.exit(main())\n' \
+            "$room/$one/bin/python" > "$room/$one/bin/dashpot"
+        chmod +x "$room/$one/bin/dashpot"
+    done
+    python benchmarks/side_by_side.py "$room/before" "$room/after" --most 1.25 {{args}}
 
 # what the gate tests, pinned: constraints.txt, and requirements.txt with the hash of every file
 pins:

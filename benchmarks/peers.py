@@ -99,6 +99,14 @@ def reading() -> Iterator[Row]:
             import pandas as pd
 
             readers["pandas.read_csv"] = lambda: pd.read_csv(path)
+        with suppress(ImportError):
+            import polars as pl
+
+            readers["polars.read_csv"] = lambda: pl.read_csv(path, comment_prefix="#")
+        with suppress(ImportError):
+            from pyarrow import csv
+
+            readers["pyarrow.csv"] = lambda: csv.read_csv(path)
         for name, reader in readers.items():
             _, theirs = spent(reader, 9)
             job = f"read {rows:,} rows of text"
@@ -148,6 +156,35 @@ def holds() -> Iterator[Row]:
                 "fit a hold, 2 arms, 40,001 samples", name, ours, float(np.median(times)),
                 f"optimum found from {STARTS} blind starts", "no start needed", f"{hits} times",
             )  # fmt: skip
+
+
+def intervals() -> Iterator[Row]:
+    """Limits of every parameter of a hold; those of lmfit are of white noise alone."""
+    with suppress(ImportError):
+        from lmfit import Minimizer, Parameters, conf_interval
+
+        made = dp.simulation.simulate_relaxation(SEAL, seed=1).test.prepare()
+        _, ours = spent(lambda: dp.fit(made, arms=2, method="hold"), 5)
+        held = made.time >= made.ramp_end
+        seconds, force = made.time[held] - made.ramp_end, made.force[held]
+        k, tau = engine.TRUTH[2]
+        names = ("k_inf", *(f"k{j}" for j in range(2)), *(f"tau{j}" for j in range(2)))
+        start = Parameters()
+        for name, value in zip(names, (engine.K_INF, *k, *tau), strict=True):
+            start.add(name, value=1.2 * value, min=0.0)
+
+        def residual(p: Parameters) -> np.ndarray:
+            return engine.hold(seconds, np.array([p[name].value for name in names])) - force
+
+        def limits() -> object:
+            minimizer = Minimizer(residual, start)
+            return conf_interval(minimizer, minimizer.minimize(method="leastsq"), sigmas=[1.96])
+
+        _, theirs = spent(limits, 1)
+        yield Row(
+            f"limits of a hold, 2 arms, {len(force):,} samples", "lmfit conf_interval, good start",
+            ours, theirs, "what they hold", "correlated noise, drift, rig", "white noise",
+        )  # fmt: skip
 
 
 def certified() -> Iterator[Row]:
@@ -270,7 +307,17 @@ def table(rows: list[Row]) -> str:
 
 def versions() -> str:
     told = [f"Python {platform.python_version()}"]
-    for name in ("numpy", "scipy", "pandas", "lmfit", "pyvisco", "pyFRF", "sdypy-EMA"):
+    for name in (
+        "numpy",
+        "scipy",
+        "pandas",
+        "polars",
+        "pyarrow",
+        "lmfit",
+        "pyvisco",
+        "pyFRF",
+        "sdypy-EMA",
+    ):
         try:
             told.append(f"{name} {version(name)}")
         except PackageNotFoundError:
@@ -279,7 +326,7 @@ def versions() -> str:
 
 
 def main() -> None:
-    jobs = (reading, holds, batches, certified, curves, hammers, shapes)
+    jobs = (reading, holds, intervals, batches, certified, curves, hammers, shapes)
     told = table([row for job in jobs for row in job()]) + f"\nOne run with {versions()}.\n"
     sys.stdout.write(told)
     if "--write" in sys.argv:

@@ -38,6 +38,11 @@ RUNS = [
     ("coverage_kinds", "speeds --seeds 1", r"^  tau2 +[01]$"),
     ("engine", "--once", r"^batch, hold, R = 200, errors, per record .*scipy's optimum alone"),
     ("frf_peers", "", r"^  at the end  dashpot .*2\.00 .* %$"),
+    (
+        "growth",
+        "--rows 2000 4000 --temperatures 1 --files 1 --watched 5 --rounds 1",
+        r"^ +5 files, idle --watch +[\d.]+ ms a beat$",
+    ),
     ("global_optimum", "4", r"^wide +thorough +[01]\.\d{4} / "),
     ("main_calls", "", r"^all main calls ran$"),
     ("master_curves", "", r"^together +5 arms, loss 0\.004-50 Hz off by +0\."),
