@@ -54,6 +54,7 @@ from dashpot.extensions.materials.slam import checks as slam
 from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
 from dashpot.extensions.projects import verification_checks
+from dashpot.extensions.solver_inputs.draws import checks as draws
 from dashpot.extensions.systems.door import checks as seals
 from dashpot.fitting.checks import relaxation, solid
 from dashpot.fitting.fractional_model import checks as fractional
@@ -1847,6 +1848,13 @@ EXPORT = [
     Case("nominal_in_valid_band", lambda x: export.nominal_in_valid_band(x, 12.0), 0, 1),
 ]
 
+DRAWS = [
+    Case(
+        "unresolved_arm_drawn",
+        lambda x: draws.unresolved_arm_drawn(x, 12.5, has_record=False), 0, 1,
+    ),
+]  # fmt: skip
+
 RECORDS = [
     Case(
         "numbers_unambiguous",
@@ -1859,6 +1867,7 @@ RECORDS = [
 ]
 STAGES = {
     "export": EXPORT,
+    "extensions/solver_inputs/draws": DRAWS,
     "datamodel": RECORDS,
     "reading/readers": READING,
     "preprocessing": PREPARATION,
@@ -1890,6 +1899,7 @@ STAGES = {
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
     "export": {"rows_in_valid_band": 0, "nominal_in_valid_band": 0},
+    "extensions/solver_inputs/draws": {"unresolved_arm_drawn": 0},
     "reading/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "stiffness_of_a_seal": 10.0,
         "time_of_a_test": 0.1,

@@ -19,7 +19,7 @@ from dashpot.cli._command_io import CommandResult, write
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
-from dashpot.registry import SOLVER_INPUTS, find_handler
+from dashpot.registry import SOLVER_INPUTS, find_handler, list_names
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
@@ -96,6 +96,7 @@ ALL = "all"
                 help="Density of the rubber, for material cards."),
         ),
     ),
+    *find_handler("option groups", "export")(),
     options.piece(more=False),
     options.result("Solver input (printed).", plot=False, opens=False, default="-"),
 )  # fmt: skip
@@ -107,9 +108,6 @@ def command(
     line: str | None,
     pitch: float | None,
     normal: str | None,
-    seals: float,
-    compression: float | None,
-    allow: tuple[str, ...],
     output: str,
     specimen: Specimen,
     **choices: Any,
@@ -126,22 +124,20 @@ def command(
     elif hasattr(exported, "specimen"):
         exported = replace(exported, specimen=_update_specimen(exported.specimen, specimen))
     if target is None:
-        raise click.UsageError(_unsaid(exported, units, specimen, allow))
+        raise click.UsageError(_unsaid(exported, units, specimen, choices["allow"]))
     if line is None and choices["first_id"] is not None:
         raise click.UsageError("--first-id numbers the elements of a line: add --line FILE.")
     if line is not None:
         kelvin = specimen.temperature
         choices["line"], choices["shear"] = _seal_line(line, pitch, normal, units, kelvin)
-    deck = workflow.deck_for(
-        target,
-        exported,
-        seals=seals,
-        compression=compression,
-        units=units,
-        temperature=specimen.temperature,
-        allow=allow,
-        **choices,
+    choices |= {"units": units, "temperature": specimen.temperature}
+    by_option = (
+        find_handler("export with option", name) for name in list_names("export with option")
     )
+    outcomes = (export(target, exported, output, choices) for export in by_option)
+    if outcome := next(filter(None, outcomes), None):
+        return outcome
+    deck = workflow.deck_for(target, exported, **choices)
     if output == "-" and not deck.printable:
         raise ExportError(
             f"the file of {target} is an archive, which is not printed; name it: -o FILE"

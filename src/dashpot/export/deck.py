@@ -251,7 +251,7 @@ Exportable: TypeAlias = Solid | Fit | NonlinearFit
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
 
-_MOVES = ("parallel", "compression", "temperature", "aging")
+_MOVES = ("parallel", "compression", "temperature", "aging", "draw")
 """Steps that made another solid of the fitted one."""
 
 

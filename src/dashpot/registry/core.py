@@ -99,8 +99,6 @@ EXTENSION = Extension(
     solver_inputs=(
         SolverInput("nastran", "dashpot.export.decks.nastran", order=0),
         SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
-        SolverInput("statespace", "dashpot.export.decks.statespace", order=8),
-        SolverInput("csv", "dashpot.export.decks.csv", order=9),
     ),
     fits=(
         FitRow(

@@ -279,7 +279,8 @@ class Extension(NamedTuple):
         bodies), ``"compare"`` (two of a type), ``"simulated record"`` (of a virtual test, through
         an instrument).
 
-        Of commands: ``"compare files"``, ``"predict file"``, ``"options"`` (those
+        Of commands: ``"compare files"``, ``"predict file"``, ``"export with option"`` (what
+        `export` writes otherwise where an option asks for it), ``"options"`` (those
         that it has besides), ``"option groups"`` (those under titles of their own), ``"files
         beside"`` (those that `simulate` writes beside its record).
 

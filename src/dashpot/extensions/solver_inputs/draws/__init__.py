@@ -1,0 +1,1 @@
+"""Solver inputs of solids drawn from the uncertainty of a fit."""

@@ -1,0 +1,22 @@
+"""Criteria on solids drawn from the uncertainty of a fit."""
+
+from __future__ import annotations
+
+from dashpot.base.checks import Finding, Remedy, criterion
+
+
+@criterion("peaks outside the valid band, without a record", "<=", 0, "the valid band of the fit")
+def unresolved_arm_drawn(outside: int, peak: float, *, has_record: bool) -> Finding:
+    """The draws hold what the test leaves open at the peak."""
+    where = f"{peak:.4g} Hz"
+    return Finding(
+        f"The peak at {where} lies outside the valid band, and the draws have an unresolved arm"
+        if outside and has_record
+        else f"The peak at {where} lies in the valid band of the fit",
+        outside,
+        "A faster arm, which the test does not show, may change peak and damping by far more",
+        Remedy("Give the record behind the fit.", "record"),
+        instead=f"The peak at {where} lies outside the valid band, and the draws hold standard "
+        "errors alone",
+        excused=has_record,
+    )

@@ -1,0 +1,265 @@
+r"""Solids drawn from the covariance of a fit, and from what its test leaves open.
+
+An arm faster than the ramp is not in the fit, for the test hardly shows it. In each draw its
+relaxation time lies between what matters at the peak and the end of the valid band, or the fastest
+arm of the fit, evenly in ln tau. With :math:`a` its whitened column, J those of the fit
+and y what the fit leaves,
+
+.. math::
+
+    r = a - J J^+ a, \qquad k = \frac{r'y}{|r|^2} \pm \frac{1}{|r|}, \quad k \ge 0, \qquad
+    \theta(k) = \hat\theta - J^+ a\, k
+
+so the other parameters follow it as the test demands, and their own covariance is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.option_fields import Method, get_choice_values
+from dashpot.base.provenance import Step
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.solver_inputs.draws.stratified_sampling import (
+    convert_to_uniform,
+    draw_standard_normal,
+    truncated_normal,
+)
+from dashpot.fitting.prediction_bounds import (
+    UNKNOWN,
+    compute_covariance_root,
+    get_solid_parameters,
+)
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+_LEAST_SHARE = 0.02
+"""Share of a stiffness that is left of it in every draw."""
+_BEYOND = 3.0
+"""The fastest unresolved arm has its loss at so many times the frequency of the peak."""
+_ROUNDS = 40
+_UNSEEN = 1e-9
+"""A column of which no more is left than this share is not seen at all."""
+
+
+@dataclass(frozen=True)
+class UnresolvedArm:
+    """Arm of a draw that the fit does not have: k in N/m, tau in s."""
+
+    k: float
+    tau: float
+
+
+@dataclass(frozen=True)
+class DrawnSolid:
+    """One solid that the test does not reject.
+
+    Attributes
+    ----------
+    number : int
+        From 1 on.
+    solid : Solid
+    arm : UnresolvedArm or None
+        Which of its arms is the unresolved one.
+    deviance : float or None
+        By how much it leaves a larger sum of squares of the record than the fit, in units of the
+        noise variance; None where no record was given.
+    """
+
+    number: int
+    solid: Solid
+    arm: UnresolvedArm | None = None
+    deviance: float | None = None
+
+
+def draw_solids(
+    fit: Fit,
+    count: int,
+    *,
+    seed: int,
+    records: Sequence[RampHold] = (),
+    times: tuple[float, float] | None = None,
+) -> tuple[DrawnSolid, ...]:
+    """Return stratified draws of the solid of a fit.
+
+    Parameters
+    ----------
+    fit : Fit
+    count : int
+    seed : int
+    records : sequence of RampHold
+        The relaxation tests behind the fit.
+    times : (float, float), optional
+        Between which the unresolved arm has its relaxation time, s; none is drawn without.
+
+    Raises
+    ------
+    DataError
+        If no covariance is known, or the records are not those of a relaxation fit.
+    """
+    names, mean, covariance = get_solid_parameters(fit)
+    if not fit.estimate.parameters:
+        raise DataError(
+            "the fit has no covariance, so nothing can be drawn from it; fit with fewer arms"
+        )
+    widest = UNKNOWN * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
+    variance = np.diag(covariance)
+    lost = ~np.isfinite(variance) | (variance > widest**2)
+    covariance[lost, :] = covariance[:, lost] = 0.0
+    covariance[lost, lost] = widest[lost] ** 2
+    normal = draw_standard_normal(count, len(names) + 2, seed)
+    values = mean + normal[:, :-2] @ compute_covariance_root(covariance)
+    if times is None or not records:
+        return tuple(
+            DrawnSolid(number, _build_solid(fit, names, mean, row))
+            for number, row in enumerate(values, start=1)
+        )
+    if isinstance(fit.solid, FractionalZener) or fit.method not in get_choice_values(Method):
+        raise DataError(
+            "--record adds an unresolved arm to the fit of one or more relaxation tests with "
+            f"Maxwell arms; this one is of the method '{fit.method}': leave --record out"
+        )
+    test = _Sensitivities([relaxation_data(record, fit) for record in records], fit, names)
+    shares = convert_to_uniform(normal[:, -2:])
+    low, high = np.log(times)
+    return tuple(
+        test.add_arm(number, mean, row, float(np.exp(low + (high - low) * at)), float(share))
+        for number, (row, (at, share)) in enumerate(zip(values, shares, strict=True), start=1)
+    )
+
+
+def choose_unresolved_times(fit: Fit, peak: float) -> tuple[float, float] | None:
+    """Return the relaxation times, s, of arms that act on a peak, Hz, above the valid band.
+
+    None where the test informs the peak, and where it says nothing of any frequency.
+    """
+    high = fit.band[1]
+    if not 0 < high < peak:
+        return None
+    return 1 / (2 * np.pi * _BEYOND * peak), min(1 / (2 * np.pi * high), *fit.model.tau)
+
+
+def compute_deviance_quantile(dof: int) -> float:
+    """Return the 99 % quantile of chi-square (E. B. Wilson and M. M. Hilferty, 1931)."""
+    part = 2 / (9 * dof)
+    return float(dof * (1 - part + NormalDist().inv_cdf(0.99) * np.sqrt(part)) ** 3)
+
+
+class _Sensitivities:
+    """Whitened columns of some records in the parameters of a fit."""
+
+    def __init__(self, data: Sequence[RelaxationData], fit: Fit, names: Sequence[str]) -> None:
+        self.data, self.fit, self.names = data, fit, names
+        self.fitted = [name in fit.estimate.parameters for name in names]
+        self.limit = compute_deviance_quantile(sum(self.fitted) + 1)
+
+    def _list_columns(
+        self, model: GeneralizedMaxwell, tau: Sequence[float]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the target, the columns of the fit's parameters, and of arms at other times."""
+        log_tau, n = np.log([*model.tau, *tau]), model.arms
+        targets, columns, others = [], [], []
+        for data in self.data:
+            rows = data.rows(log_tau)
+            parts = [rows.spring[:, None], rows.arms[:, :n], rows.slopes[:, :n] * model.k]
+            if "b" in self.names:
+                parts.append(rows.dashpot[:, None])
+            targets.append(rows.target - model.b * rows.dashpot * ("b" not in self.names))
+            columns.append(np.hstack(parts))
+            others.append(rows.arms[:, n:])
+        return np.concatenate(targets), np.vstack(columns), np.vstack(others)
+
+    def add_arm(
+        self, number: int, mean: FloatArray, values: FloatArray, tau: float, share: float
+    ) -> DrawnSolid:
+        """Return the draw of these values with an unresolved arm, its k at a share of what may be.
+
+        No stiffness of the fit falls below 2 % of it. A draw that the record rejects at 99 % is
+        brought nearer to the fit.
+        """
+        model = self.fit.model
+        target, columns, others = self._list_columns(model, [tau])
+        J, a = columns[:, self.fitted], others[:, 0]
+        scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+        along = np.linalg.lstsq(J / scale, a, rcond=1e-12)[0] / scale
+        left = a - J @ along
+        size = float(np.linalg.norm(left))
+        linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
+        residual = target - columns[:, linear] @ mean[linear]
+        follow = np.zeros(len(mean))
+        follow[self.fitted] = -along
+        falling = [i for i in linear if follow[i] < 0]
+        most = min([(1 - _LEAST_SHARE) * mean[i] / -follow[i] for i in falling], default=model.k_0)
+        if size <= _UNSEEN * float(np.linalg.norm(a)):
+            k = share * most
+        else:
+            k = truncated_normal(share, float(left @ residual) / size**2, 1 / size)
+        k = min(k, most, 10 * model.k_0)
+        step, part = values - mean + follow * k, 1.0
+        for _ in range(_ROUNDS):
+            solid = _build_solid(self.fit, self.names, mean, mean + part * step)
+            whole = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))
+            deviance = self._compute_deviance(model, whole)
+            if deviance <= self.limit:
+                break
+            part *= min(0.9, float(np.sqrt(self.limit / deviance)))
+        return DrawnSolid(number, whole, UnresolvedArm(part * k, tau), deviance)
+
+    def _compute_deviance(self, fitted: GeneralizedMaxwell, drawn: GeneralizedMaxwell) -> float:
+        log_tau = np.log([*fitted.tau, *drawn.tau])
+        total = 0.0
+        for data in self.data:
+            rows = data.rows(log_tau, slopes=False)
+            for sign, solid, at in (
+                (-1, fitted, slice(fitted.arms)),
+                (1, drawn, slice(fitted.arms, None)),
+            ):
+                left = (
+                    rows.target
+                    - solid.k_inf * rows.spring
+                    - solid.b * rows.dashpot
+                    - rows.arms[:, at] @ np.asarray(solid.k)
+                )
+                total += sign * float(left @ left)
+        return total
+
+
+def _build_solid(fit: Fit, names: Sequence[str], mean: FloatArray, values: FloatArray) -> Solid:
+    """Return the solid of parameters in the order of their names."""
+    if isinstance(fit.solid, FractionalZener):
+        k_inf, k_0 = np.maximum(values[:2], _LEAST_SHARE * mean[:2])
+        alpha = float(np.clip(values[3], 0.05, 1.0))
+        return FractionalZener(float(k_0), float(k_inf), float(np.exp(values[2])), alpha)
+    arms = fit.model.arms
+    k = np.maximum(values[: 1 + arms], _LEAST_SHARE * mean[: 1 + arms])
+    tau = np.exp(np.clip(values[1 + arms : 1 + 2 * arms], -60.0, 60.0))
+    order = np.argsort(tau)
+    b = max(float(values[-1]), 0.0) if "b" in names else fit.model.b
+    return GeneralizedMaxwell(
+        float(k[0]), tuple(k[1:][order].tolist()), tuple(tau[order].tolist()), b
+    )
+
+
+def replace_solid(fit: Fit, drawn: DrawnSolid, *, count: int, seed: int) -> Fit:
+    """Return the fit with a drawn solid, whose parameters are exact: they have no errors."""
+    step = Step(
+        "draw",
+        (("number", str(drawn.number)), ("of", fit.identity), ("seed", str(seed))),
+        f"draw {drawn.number} of {count} of fit {fit.identity}, with seed {seed}",
+    )
+    zero = np.zeros_like(fit.covariance)
+    return replace(
+        fit,
+        solid=drawn.solid,
+        estimate=replace(fit.estimate, covariance=zero, of_noise=None, profiles=()),
+        provenance=replace(fit.provenance, steps=(*fit.steps, step)),
+    )
