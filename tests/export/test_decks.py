@@ -129,14 +129,15 @@ def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
 
 def test_extrapolated_rows_are_marked(fit):
     wide = altered(fit, band=(2.0, 20.0))
-    table = TARGETS["nastran"](wide, units="mm-t-s")
+    asked = {"units": "mm-t-s", "frequency_range": (1.0, 100.0)}
+    table = TARGETS["nastran"](wide, **asked)
     assert re.search(r"\$ EXTRAPOLATED: \d+ of \d+ rows, from 1 to 100 Hz", table)
-    connector = TARGETS["abaqus"](wide, units="mm-t-s", form="connector").splitlines()
+    connector = TARGETS["abaqus"](wide, form="connector", **asked).splitlines()
     at = {line: i for i, line in enumerate(connector)}
     assert "** EXTRAPOLATED" in at
     assert "** identified" in at
     rows = list(comma.DictReader(
-        line for line in TARGETS["csv"](wide, units="mm-t-s").splitlines() if line[0] != "#"
+        line for line in TARGETS["csv"](wide, **asked).splitlines() if line[0] != "#"
     ))  # fmt: skip
     for row in rows:
         inside = 2.0 <= float(row["frequency [Hz]"]) <= 20.0

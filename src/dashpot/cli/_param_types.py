@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import Field
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -205,11 +206,18 @@ class ChoiceWithSuggestion(click.Choice[str]):
 
     name = "NAME"
 
-    def __init__(self, choices: Sequence[str], *, plugins: Group | None = None) -> None:
+    def __init__(
+        self,
+        choices: Sequence[str],
+        *,
+        plugins: Group | None = None,
+        synonyms: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         super().__init__(choices)
-        self.plugins = plugins
+        self.plugins, self.synonyms = plugins, synonyms
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        value = self.synonyms.get(str(value).lower(), value)
         if value not in self.choices and not self._is_plugin(str(value)):
             message = f"'{value}' is unknown. {format_suggestion(str(value), self.choices)}"
             self.fail(message + self._more(), param, ctx)

@@ -19,7 +19,7 @@ from dashpot.cli._command_io import CommandResult, write
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
-from dashpot.registry import SOLVER_INPUTS, find_handler, list_names
+from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler, list_names
 from dashpot.text_output.layout import Text
 from dashpot.workflow.job import Job
 
@@ -62,13 +62,14 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=ChoiceWithSuggestion(_SOLVERS, plugins="solver_inputs"),
+        opt("--to", "target", type=ChoiceWithSuggestion(
+                _SOLVERS, plugins="solver_inputs", synonyms=SOLVER_NAMES),
             metavar="SOLVER",
             help=f"{', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
         opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
-            help="Frequencies of a table (1:100Hz)."),
+            help="Frequencies of a table (the valid band)."),
         build_options(Job, "seals", metavar="N"),
         opt("--compression", type=WithUnit("length"), metavar="LENGTH",
             help="Compression to linearise about."),

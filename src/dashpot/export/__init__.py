@@ -19,7 +19,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText
 from dashpot.export.deck_validation import PROBLEMS, option_of
 from dashpot.export.unit_systems import UNIT_SYSTEMS
-from dashpot.registry import SOLVER_INPUTS, find_handler
+from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler
 from dashpot.solids.maxwell import Solid
 
 _MODULES = {name: import_module(row.module) for name, row in SOLVER_INPUTS.items()}
@@ -81,6 +81,7 @@ def deck_for(
     Parameters
     ----------
     target : str
+        Or a synonym of it, such as ``"optistruct"``, in upper or lower case.
     result : Solid, Fit or another result that a row names
         Of one seal; of a material, whose card is written.
     seals : float
@@ -96,6 +97,7 @@ def deck_for(
     ExportError
         If there is no such target, it takes no such choice, or refuses the fit.
     """
+    target = SOLVER_NAMES.get(target.lower(), target)
     find_writer(target)
     export = find_handler("export", result)
     if export is None:

@@ -20,7 +20,7 @@ from dashpot.datamodel.fit import Fit, list_arm_values
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.checks import nominal_in_valid_band, rows_in_valid_band
-from dashpot.export.frequency_tables import Damping, Table, tabulate
+from dashpot.export.frequency_tables import Damping, Table, round_band_inwards, tabulate
 from dashpot.export.unit_systems import UnitSystem, convert_to_printable_ascii, text
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.jenkins import Jenkins
@@ -421,6 +421,12 @@ class Deck:
     def band(self) -> tuple[float, float] | None:
         """The frequencies that the test informs, Hz; None for a bare solid."""
         return self.fit.band if self.fit else None
+
+    @property
+    def default_band(self) -> tuple[float, float] | None:
+        """Range of a table, Hz, where none is given: the valid band of a fit that has one."""
+        low, high = self.band or (0.0, 0.0)
+        return round_band_inwards((low, high)) if 0 < low < high < math.inf else None
 
     @property
     def checks(self) -> tuple[Check, ...]:

@@ -40,6 +40,10 @@ _REMEDIES = {
 }
 
 
+NOMINAL = 10.0
+"""Hz: of the stiffness for modes beside a table of the valid band, or the end of that band."""
+
+
 class Target(Protocol):
     """Solver target: writes the deck of a solid by :func:`open_deck`."""
 
@@ -98,6 +102,11 @@ def target(
                         f"--form {able[0]} (Python: {argument}, form='{able[0]}')"
                     )
             deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
+            band = deck.default_band
+            if band and form in only.get("frequency_range", ()) and not own.get("frequency_range"):
+                own["frequency_range"] = band
+                if "nominal" in only and own.get("nominal") is None:
+                    own["nominal"] = min(NOMINAL, band[1])
             return cards(deck, **own)
 
         request = signature(write)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -162,3 +163,12 @@ class _Chords:
             f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
             "the deck prints; ask for less"
         )
+
+
+def round_band_inwards(band: tuple[float, float]) -> tuple[float, float]:
+    """Return the band to four digits, no wider than it is."""
+    low, high = (
+        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
+        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
+    )
+    return low, high

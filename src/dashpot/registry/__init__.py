@@ -42,6 +42,7 @@ __all__ = [
     "PREDICTED",
     "RESPONSES",
     "SOLVER_INPUTS",
+    "SOLVER_NAMES",
     "Command",
     "Example",
     "Extension",
@@ -130,6 +131,11 @@ SOLVER_INPUTS: Mapping[str, SolverInput] = MappingProxyType(
     }
 )
 """Every solver whose input is written, in the order in which they are listed."""
+
+SOLVER_NAMES: Mapping[str, str] = MappingProxyType(
+    {word: name for name, row in SOLVER_INPUTS.items() for word in (name, *row.synonyms)}
+)
+"""Each name and synonym of a solver, in lower case, with its name."""
 
 FIT_FILES = "dashpot.workflow.bench_tests:fit_files"
 RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.place in {"response", "base"})

@@ -97,7 +97,7 @@ EXTENSION = Extension(
         FileFormat("text", "dashpot.reading.formats.text"),
     ),
     solver_inputs=(
-        SolverInput("nastran", "dashpot.export.decks.nastran", order=0),
+        SolverInput("nastran", "dashpot.export.decks.nastran", order=0, synonyms=("optistruct", "msc-nastran", "nx-nastran")),
         SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
     ),
     fits=(

@@ -201,11 +201,14 @@ class SolverInput(NamedTuple):
         Its name, and the module that holds the function of this name, ``FORMS`` and ``SUFFIX``.
     order : int
         Where it stands among all.
+    synonyms : tuple of str
+        Programs that read the same input, and other names, in lower case.
     """
 
     name: str
     module: str
     order: int = 0
+    synonyms: tuple[str, ...] = ()
 
 
 class FitRow(NamedTuple):

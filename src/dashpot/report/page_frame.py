@@ -6,7 +6,6 @@ import base64
 import hashlib
 import shlex
 from collections.abc import Mapping, Sequence
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -21,6 +20,7 @@ from dashpot.base.version import byline, software
 from dashpot.datamodel.fit import Fit
 from dashpot.export import SUFFIXES, DeckText, deck_for, reads
 from dashpot.export.deck import NonlinearFit
+from dashpot.export.frequency_tables import round_band_inwards
 from dashpot.plot import style as drawing_style
 from dashpot.registry import find_handler
 from dashpot.workflow.json_archive import from_json
@@ -220,7 +220,7 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
     of_band: dict[str, Any] = {}
     if terms.band and not terms.choices:
-        of_band["frequency_range"] = _round_band_inwards(terms.band)
+        of_band["frequency_range"] = round_band_inwards(terms.band)
     options += [word for name in terms.unstated for word in ("--allow", name)]
     made = []
     for target in _SOLVERS:
@@ -265,12 +265,3 @@ def attach_decks(made: Sequence[AttachedDeck], document: str) -> list[Attachment
             )
         )
     return files
-
-
-def _round_band_inwards(band: tuple[float, float]) -> tuple[float, float]:
-    """Return the band to four digits, no wider than it is."""
-    low, high = (
-        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
-        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
-    )
-    return low, high

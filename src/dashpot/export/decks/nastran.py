@@ -54,12 +54,12 @@ def nastran(
         As in :func:`dashpot.export.deck_validation.open_deck`.
     form : str
     frequency_range : (float, float)
-        Of the tables, Hz.
+        Of the tables, Hz; by default the valid band of a fit, and 1 to 100 Hz of a bare solid.
     tolerance : float
         Largest relative error of the FRF of any mass that the tables may cause.
     nominal : float, optional
-        Frequency, Hz, of the nominal K and GE of PBUSH, which normal modes use; the geometric
-        middle of the range if not given.
+        Frequency, Hz, of the nominal K and GE of PBUSH, which normal modes use; if not given the
+        geometric middle of a given range, else 10 Hz or the end of the valid band below it.
     line : Stations, optional
         Puts one CBUSH at each station of a seal line, each with its share of the stiffness, at its
         compression and its normal: needs the contact length that the model stands for. Without it

@@ -32,13 +32,13 @@ from dashpot.extensions.solver_inputs.draws.stratified_sampling import (
     draw_standard_normal,
     truncated_normal,
 )
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.prediction_bounds import (
     UNKNOWN,
     compute_covariance_root,
     get_solid_parameters,
 )
-from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.relaxation_likelihood import relaxation_data
+from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -128,7 +128,7 @@ def draw_solids(
             "--record adds an unresolved arm to the fit of one or more relaxation tests with "
             f"Maxwell arms; this one is of the method '{fit.method}': leave --record out"
         )
-    test = _Sensitivities([relaxation_data(record, fit) for record in records], fit, names)
+    test = _Sensitivities([build_relaxation_data(record, fit) for record in records], fit, names)
     shares = convert_to_uniform(normal[:, -2:])
     low, high = np.log(times)
     return tuple(
