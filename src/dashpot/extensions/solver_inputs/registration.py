@@ -1,15 +1,21 @@
 """Registry rows of further solver inputs."""
 
-from dashpot.registry.row import Extension, SolverInput
+from dashpot.registry.row import Command, Extension, SolverInput
 
 EXTENSION = Extension(
     "solver_inputs",
     handlers={
+        "text": {
+            "dashpot.extensions.solver_inputs.cards.imported_model:ImportedModel": "dashpot.extensions.solver_inputs.cards.text:render_imported_model",
+        },
         "option groups": {"export": "dashpot.extensions.solver_inputs.draws.command_options:list_groups"},
         "export with option": {
             "draws": "dashpot.extensions.solver_inputs.draws.command_options:export_requested_draws",
         },
     },
+    commands=(
+        Command("import", "Work", "A solver card back to a model; what a test could tell of it.", "dashpot.extensions.solver_inputs.cards.command", order=13),
+    ),
     solver_inputs=(
         SolverInput("ansys", "dashpot.extensions.solver_inputs.ansys", order=2, synonyms=("mapdl", "apdl")),
         SolverInput("lsdyna", "dashpot.extensions.solver_inputs.lsdyna", order=3, synonyms=("ls-dyna", "dyna")),

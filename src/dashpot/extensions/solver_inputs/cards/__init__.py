@@ -1,0 +1,1 @@
+"""Solver cards read back to a model."""

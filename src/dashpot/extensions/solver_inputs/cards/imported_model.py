@@ -1,0 +1,196 @@
+"""Model of a solver card as a fit, with what a test could have told of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import FitError, ReadError, Status
+from dashpot.base.number_format import format_band
+from dashpot.base.provenance import Source, Step
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import Serialisable
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
+from dashpot.datamodel.specimen import Specimen
+from dashpot.export.unit_systems import UnitSystem
+from dashpot.extensions.solver_inputs.cards.card import Card, FrequencyTable
+from dashpot.extensions.solver_inputs.cards.checks import (
+    arms_testable,
+    table_followed,
+    test_behind_model,
+)
+from dashpot.extensions.solver_inputs.cards.testable_arms import TestableArm, find_testable_arms
+from dashpot.planning.planned_ramp_hold import Bench
+from dashpot.registry import find_handler
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+METHOD = "card"
+"""Of a fit whose model is that of a card."""
+
+
+@dataclass(frozen=True)
+class ImportedModel(HasVerdict, Serialisable):
+    """Model of a solver card, and which of its arms a ramp and hold could have determined.
+
+    Attributes
+    ----------
+    card : str
+        Name of the material or property.
+    keyword : str
+    fit : Fit
+        What is kept: it has no errors, for no test stands behind it.
+    test : Bench
+        The ramp and hold that was asked about.
+    arms : tuple of TestableArm
+    testable_band : (float, float) or None
+        Where that test would know |K| to 10 % and the loss factor to 30 %, Hz.
+    notes : tuple of str
+        What of the card was not read, and what was taken for granted.
+    """
+
+    schema = "dashpot/imported@1"
+    _keys = ("card", "keyword", "model=fit.model", "unit=fit.unit", "test=_test_terms", "arms",
+             "testable_band_hz=testable_band", "notes", "verdict")  # fmt: skip
+    _is_loadable = False
+
+    card: str
+    keyword: str
+    fit: Fit
+    test: Bench
+    arms: tuple[TestableArm, ...]
+    testable_band: tuple[float, float] | None
+    notes: tuple[str, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def _test_terms(self) -> dict[str, float]:
+        test = self.test
+        return {"depth": test.depth, "ramp_time": test.ramp_time, "hold_time": test.hold_time,
+                "rate": test.rate, "noise": test.noise, "baseline": test.baseline}  # fmt: skip
+
+    @property
+    def headline(self) -> str:
+        """The band that such a test could have told."""
+        if self.testable_band is None:
+            return "Such a test could have told the damping nowhere"
+        return f"Such a test could have told the model {format_band(self.testable_band)}"
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        return verdict(self.checks, headline=self.headline)
+
+    @property
+    def summary_lines(self) -> tuple[str, ...]:
+        """The verdict and the model."""
+        return str(self.verdict), f"{self.fit.model} ({self.fit.unit}, s), {self.keyword}"
+
+
+def import_card(
+    card: Card,
+    units: UnitSystem,
+    source: Source,
+    *,
+    test: Bench,
+    relative_noise: float | None = None,
+    modulus: float | None = None,
+    specimen: Specimen | None = None,
+) -> ImportedModel:
+    """Return the model of a card as a fit, and what a test could have told of it.
+
+    Parameters
+    ----------
+    card : Card
+    units : UnitSystem
+    source : Source
+    test : Bench
+        Its noise is replaced where `relative_noise` is given, in parts of the largest force.
+    modulus : float, optional
+        Instantaneous Young's modulus, Pa, of a card that has none.
+    specimen : Specimen, optional
+
+    Raises
+    ------
+    ReadError
+        If a modulus is missing, or no springs and dashpots follow the card.
+    """
+    error = None
+    if card.table is None:
+        model = card.convert_to_model(units, modulus)
+    else:
+        model, error = _fit_table(card.table, card.name)
+    if model.arms == 0 and model.b == 0:
+        raise ReadError(f"{card.keyword} of {card.name} is elastic: it has no relaxation")
+    arms: tuple[TestableArm, ...] = ()
+    band = None
+    bench = replace(test, machine=None)
+    if relative_noise is not None:
+        time = [bench.ramp_time]
+        peak = float(model.ramp_hold_force(time, depth=bench.depth, ramp_time=bench.ramp_time)[0])
+        bench = replace(bench, noise=relative_noise * peak)
+    if model.arms:
+        arms, band = find_testable_arms(model, bench)
+    undetermined = sum(not arm.is_determined for arm in arms)
+    told = (
+        "It could have told damping nowhere"
+        if band is None
+        else (f"It could have told the model {format_band(band)}")
+    )
+    behind = test_behind_model(card.keyword)
+    checks = (behind, table_followed(error))
+    fit = _build_fit(card, model, (behind,), source, specimen or Specimen())
+    if arms:
+        checks = (*checks, arms_testable(undetermined, len(arms), told))
+    return ImportedModel(card.name, card.keyword, fit, bench, arms, band, card.notes, checks)
+
+
+def _build_fit(
+    card: Card,
+    model: GeneralizedMaxwell,
+    checks: tuple[Check, ...],
+    source: Source,
+    specimen: Specimen,
+) -> Fit:
+    shifts = None
+    if card.law is not None:
+        none = Shift(card.law.reference, 0.0, 0.0)
+        shifts = TemperatureShifts(card.law, (none,), np.zeros((2, 2)), vertical="1")
+        specimen = replace(specimen, temperature=card.law.reference)
+    step = Step(
+        "import", (("keyword", card.keyword), ("card", card.name)), f"model of {card.keyword}"
+    )
+    return Fit(
+        model,
+        Status.CONVERGED,
+        ParameterEstimate((), np.zeros((0, 0)), inf, Residual(0, 1.0, 0.0)),
+        Evidence((0.0, 0.0), checks=checks),
+        Provenance(METHOD, (source,), (step,), specimen),
+        unit="Pa" if card.is_material else "N/m",
+        temperatures=shifts,
+    )
+
+
+def _fit_table(table: FrequencyTable, name: str) -> tuple[GeneralizedMaxwell, float]:
+    """Return springs and dashpots of a frequency table, and their largest relative error.
+
+    Raises
+    ------
+    ReadError
+        If too few rows, or none with damping, are there.
+    """
+    fit_modulus: Any = find_handler("fit complex modulus", "dma")
+    try:
+        model = fit_modulus(table.frequency, table.stiffness).model
+    except FitError as error:
+        raise ReadError(
+            f"the table of {name} has no model of springs and dashpots: {error}"
+        ) from None
+    K = model.complex_stiffness(omega=2 * np.pi * table.frequency)
+    return model, float(np.abs(K / table.stiffness - 1).max())

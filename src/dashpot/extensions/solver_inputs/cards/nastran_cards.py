@@ -1,0 +1,225 @@
+"""Nastran and OptiStruct bushes and MATVE materials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.export.unit_systems import UnitSystem
+from dashpot.extensions.solver_inputs.cards.card import Card, FrequencyTable, parse_number
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.part_geometry import RUBBER
+
+Entry = tuple[str, list[str]]
+"""Name of a bulk data entry, and its fields in eights, a line after another."""
+
+
+def parse_bulk_data(text: str) -> Iterator[Entry]:
+    """Yield the entries of bulk data in free, small (8 columns) and large (16 columns) field."""
+    current: Entry | None = None
+    half = False
+    for raw in text.splitlines():
+        line = raw.partition("$")[0].rstrip().expandtabs(8)
+        if not line:
+            continue
+        head, fields, large = _split_line(line)
+        is_continuation = not head or head[0] in "+*"
+        if is_continuation and current is not None:
+            if not (large and half):
+                _pad_to_eight(current[1])
+            current[1].extend(fields)
+            half = large and not half
+            continue
+        if current is not None:
+            yield current
+        current, half = (head.rstrip("*").upper(), fields), large
+    if current is not None:
+        yield current
+
+
+def _split_line(line: str) -> tuple[str, list[str], bool]:
+    """Return the first field of a line, the data fields, and whether it is of large field."""
+    if "," in line:
+        head, *fields = [word.strip() for word in line.split(",")]
+        large = "*" in head
+        count = 4 if large else 8
+        return head, (fields + [""] * count)[:count], large
+    head = line[:8].strip()
+    large = "*" in head
+    width, count = (16, 4) if large else (8, 8)
+    body = line[8:].ljust(width * count)
+    return head, [body[i * width : (i + 1) * width].strip() for i in range(count)], large
+
+
+def _pad_to_eight(fields: list[str]) -> None:
+    fields.extend([""] * (-len(fields) % 8))
+
+
+def read_nastran_cards(text: str, units: UnitSystem, component: int | None) -> tuple[Card, ...]:
+    """Return the bushes and viscoelastic materials of bulk data.
+
+    Parameters
+    ----------
+    text : str
+    units : UnitSystem
+    component : int, optional
+        1 to 6 of the bushes; by default the first that has a stiffness.
+
+    Raises
+    ------
+    ReadError
+        If a property has structural damping alone, a table is logarithmic, or a material is of
+        another model than a Prony series.
+    """
+    entries = list(parse_bulk_data(text))
+    tables = {fields[0]: _read_table(fields) for name, fields in entries if name == "TABLED1"}
+    bushes = {fields[0]: _split_rows(fields) for name, fields in entries if name == "PBUSH"}
+    by_frequency = {fields[0]: _split_rows(fields) for name, fields in entries if name == "PBUSHT"}
+    cards = [
+        _read_bush(pid, rows, by_frequency.get(pid, {}), tables, units, component)
+        for pid, rows in bushes.items()
+    ]
+    elastic = {fields[0]: fields for name, fields in entries if name == "MAT1"}
+    cards += [
+        _read_material(name, fields, elastic)
+        for name, fields in entries
+        if name in {"MATVE", "MATFVE"}
+    ]
+    return tuple(cards)
+
+
+def _read_table(fields: Sequence[str]) -> tuple[FloatArray, FloatArray] | str:
+    """Return abscissae and ordinates of a TABLED1, or why it is not read."""
+    axes = [word.upper() for word in fields[1:3] if word]
+    if any(axis != "LINEAR" for axis in axes):
+        return f"TABLED1 {fields[0]} has axes {', '.join(axes)}; expected LINEAR"
+    values = []
+    for word in fields[8:]:
+        if word.upper() == "ENDT":
+            break
+        if word and word.upper() != "SKIP":
+            values.append(parse_number(word, f"TABLED1 {fields[0]}"))
+    if len(values) % 2 or not values:
+        return f"TABLED1 {fields[0]} has {len(values)} numbers; expected pairs"
+    return np.array(values[::2]), np.array(values[1::2])
+
+
+def _split_rows(fields: Sequence[str]) -> dict[str, list[str]]:
+    """Return the six fields that follow each flag (K, B, GE) of a PBUSH or PBUSHT."""
+    rows = {}
+    for start in range(0, len(fields), 8):
+        flag, *values = (list(fields[start + 1 : start + 8]) + [""] * 7)[:7]
+        if flag:
+            rows[flag.upper()] = values
+    return rows
+
+
+def _read_bush(
+    pid: str,
+    rows: dict[str, list[str]],
+    tabled: dict[str, list[str]],
+    tables: dict[str, tuple[FloatArray, FloatArray] | str],
+    units: UnitSystem,
+    component: int | None,
+) -> Card:
+    where = f"PBUSH {pid}"
+    stiff = rows.get("K", [""] * 6)
+    listed = [i for i, word in enumerate(stiff, start=1) if word]
+    at = (component or (listed or [1])[0]) - 1
+    notes = [f"{where}: component {at + 1} alone is read, of {listed}"] * (len(listed) > 1)
+
+    def constant(flag: str) -> float:
+        word = rows.get(flag, [""] * 6)[at] or (rows.get(flag, [""])[0] if flag == "GE" else "")
+        return parse_number(word or "0", where)
+
+    used = {
+        flag: tables.get(tid, f"TABLED1 {tid} is missing")
+        for flag in ("K", "B", "GE")
+        if (tid := tabled.get(flag, [""] * 6)[at])
+    }
+    for table in used.values():
+        if isinstance(table, str):
+            raise ReadError(f"PBUSHT {pid}: {table}")
+    K, B, GE = (constant(flag) for flag in ("K", "B", "GE"))
+    if not used:
+        if GE:
+            raise ReadError(
+                f"{where} has structural damping GE = {GE:g} at all frequencies, which no springs "
+                "and dashpots have; expected tables (PBUSHT), or B"
+            )
+        return Card(pid, "PBUSH", spring=GeneralizedMaxwell(K, b=B), notes=tuple(notes))
+    f = np.unique(np.concatenate([table[0] for table in used.values() if table[0].size]))  # type: ignore[union-attr]
+    f = f[f > 0]
+
+    def column(flag: str, value: float) -> FloatArray:
+        table = used.get(flag)
+        if table is None:
+            return np.full(len(f), value)
+        return np.interp(f, table[0], table[1])  # type: ignore[arg-type]
+
+    hertz = f / units.time
+    storage = column("K", K) / units.stiffness(1.0)
+    loss = storage * column("GE", GE)
+    loss = loss + 2 * np.pi * hertz * column("B", B) / units.damping(1.0)
+    return Card(pid, "PBUSHT", table=FrequencyTable(hertz, storage + 1j * loss), notes=tuple(notes))
+
+
+def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) -> Card:
+    """Return a MATVE: relative moduli of OptiStruct (PRONY), moduli of MSC (ISO, ISO1, LINEAR)."""
+    mid, model = fields[0], fields[1].upper()
+    where = f"{name} {mid}"
+    E, poisson = _read_mat1(elastic.get(mid), where)
+    if model == "PRONY":
+        words = [fields[2:6], *[fields[i : i + 2] for i in range(8, len(fields), 2)]]
+        pairs = [words[0][:2], *words[1:5]], [words[0][2:4], *words[5:9]]
+        shear, bulk = (_list_pairs(group, where) for group in pairs)
+        card = Card(mid, f"{name}, PRONY", shear, bulk, E, poisson)
+        return card.noted(*card.format_poisson_note())
+    if model in {"ISO1", "LINEAR", ""}:
+        words = [fields[i : i + 4] for i in range(8, len(fields), 8)]
+        groups = [word[:2] for word in words], [word[2:4] for word in words]
+    elif model == "ISO":
+        pairs_of_line = [fields[i : i + 2] for i in range(8, len(fields), 2)]
+        groups = [fields[4:6], *pairs_of_line[:4]], [fields[6:8], *pairs_of_line[4:8]]
+    else:
+        raise ReadError(
+            f"{where} of the model {model} is not read; expected PRONY (OptiStruct), ISO or ISO1"
+        )
+    if E is None:
+        raise ReadError(
+            f"{where} holds moduli, and MAT1 {mid} with the instantaneous one is missing"
+        )
+    G_0, K_0 = E / (2 * (1 + poisson)), E / (3 * (1 - 2 * poisson)) if poisson < 0.5 else 0.0
+    shear = tuple((G / G_0, tau) for G, tau in _list_pairs(groups[0], where))
+    bulk = tuple((K / K_0, tau) for K, tau in _list_pairs(groups[1], where)) if K_0 else ()
+    card = Card(mid, f"{name}, {model or 'ISO1'}", shear, bulk, E, poisson)
+    return card.noted(*card.format_poisson_note())
+
+
+def _list_pairs(groups: Sequence[Sequence[str]], where: str) -> tuple[tuple[float, float], ...]:
+    pairs = []
+    for group in groups:
+        value, time = ([*group, "", ""])[:2]
+        if value:
+            pairs.append((parse_number(value, where), parse_number(time or "0", where)))
+    for value, tau in pairs:
+        if not tau > 0:
+            raise ReadError(f"{where}: the time of {value:g} is {tau:g}; expected one > 0")
+    return tuple(pairs)
+
+
+def _read_mat1(fields: Sequence[str] | None, where: str) -> tuple[float | None, float]:
+    """Return Young's modulus and Poisson's ratio of a MAT1: E, G, NU, of which two suffice."""
+    if fields is None:
+        return None, RUBBER
+    E, G, nu = (
+        parse_number(word, f"MAT1 of {where}") if word else None for word in (*fields, "", "")[1:4]
+    )
+    if nu is None:
+        nu = E / (2 * G) - 1 if E is not None and G else RUBBER
+    if E is None and G is not None:
+        E = 2 * (1 + nu) * G
+    return E, nu

@@ -1,0 +1,89 @@
+"""Viscoelastic cards of a file, whatever solver it is for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from dashpot.base.errors import ReadError
+from dashpot.export.unit_systems import UnitSystem
+from dashpot.extensions.solver_inputs.cards.abaqus_cards import read_abaqus_cards
+from dashpot.extensions.solver_inputs.cards.ansys_cards import read_ansys_cards
+from dashpot.extensions.solver_inputs.cards.card import Card
+from dashpot.extensions.solver_inputs.cards.lsdyna_cards import read_lsdyna_cards
+from dashpot.extensions.solver_inputs.cards.nastran_cards import read_nastran_cards
+
+_DIALECTS = {
+    "lsdyna": r"(?m)^\*(MAT_|KEYWORD|PART|ELEMENT_|SECTION_)",
+    "abaqus": r"(?mi)^\s*\*\s*(VISCO\s*ELASTIC|MATERIAL\b|HEADING)",
+    "ansys": r"(?mi)^\s*(TB\s*,|MP(DATA)?\s*,)",
+    "nastran": r"(?mi)^(PBUSHT?|MATF?VE|CBUSH|MAT1)\b",
+    "radioss": r"(?mi)^/(VISC|MAT)/",
+}
+"""What a file of each solver has at the beginning of a line."""
+READ = (
+    "*VISCOELASTIC, TIME=PRONY and *TRS (Abaqus), PBUSH, PBUSHT and MATVE (Nastran, OptiStruct), "
+    "TB,PRONY (Ansys), *MAT_GENERAL_VISCOELASTIC, *MAT_VISCOELASTIC and *MAT_SPRING_MAXWELL "
+    "(LS-DYNA)"
+)
+
+
+def read_cards(text: str, name: str, units: UnitSystem, component: int | None) -> tuple[Card, ...]:
+    """Return every viscoelastic card of a solver input.
+
+    Parameters
+    ----------
+    text : str
+    name : str
+        Of the file, for messages.
+    units : UnitSystem
+    component : int, optional
+        Of bushes.
+
+    Raises
+    ------
+    ReadError
+        If there is none, or one is of a form that is not read.
+    """
+    dialect = next((word for word, mark in _DIALECTS.items() if re.search(mark, text)), "")
+    if dialect == "radioss":
+        raise ReadError(
+            f"{name}: /VISC/PRONY of Radioss is not read; it has no long-term modulus. These are: "
+            f"{READ}"
+        )
+    cards: Sequence[Card]
+    if dialect == "abaqus":
+        cards = read_abaqus_cards(text)
+    elif dialect == "ansys":
+        cards = read_ansys_cards(text)
+    elif dialect == "lsdyna":
+        cards = read_lsdyna_cards(text)
+    elif dialect == "nastran":
+        cards = read_nastran_cards(text, units, component)
+    else:
+        cards = ()
+    if not cards:
+        raise ReadError(f"{name} has no viscoelastic card that is read. These are: {READ}")
+    return tuple(cards)
+
+
+def select_card(cards: Sequence[Card], wanted: str | None, name: str) -> Card:
+    """Return the card of a name, or the only one.
+
+    Raises
+    ------
+    ReadError
+        If there are several and none is named, or no card has the name.
+    """
+    named = [
+        card for card in cards if wanted is None or wanted.lower() in
+        {card.name.lower(), card.name.lower().rpartition(" ")[2]}
+    ]  # fmt: skip
+    if len(named) == 1:
+        return named[0]
+    listed = ", ".join(f"'{card.name}' ({card.keyword})" for card in cards)
+    if not named:
+        raise ReadError(f"{name} has no card '{wanted}'; it has {listed}")
+    raise ReadError(
+        f"{name} has {len(cards)} cards: {listed}. Name one, such as --card {cards[0].name!r}"
+    )

@@ -1,0 +1,48 @@
+"""Text of the model of a solver card."""
+
+from __future__ import annotations
+
+from dashpot.base.number_format import format_band
+from dashpot.extensions.solver_inputs.cards.imported_model import ImportedModel
+from dashpot.text_output.layout import Text, table
+
+
+def render_imported_model(result: ImportedModel) -> Text:
+    """Return the model, and what a test could have told of each arm."""
+    model, test = result.fit.model, result.test
+    size, unit = (1e3, "N/mm") if result.fit.unit == "N/m" else (1e6, "MPa")
+    end = f", b = {model.b / size:.5g} {unit.replace('/', ' s/')}" if model.b else ""
+    lines = [
+        f"{result.fit.source[0].file}: {result.keyword} of {result.card}",
+        f"  k_inf = {model.k_inf / size:.6g} {unit}{end}",
+    ]
+    if result.arms:
+        rows = [("arm", f"k, {unit}", "tau, s", "SD of k", "SD of tau", "")]
+        for j, arm in enumerate(result.arms, start=1):
+            word = "" if arm.is_determined else "not determined"
+            rows.append(
+                (str(j), f"{arm.k / size:.5g}", f"{arm.tau:.5g}", _percent(arm.k_sd),
+                 _percent(arm.tau_sd), word)
+            )  # fmt: skip
+        lines += table(rows)
+        told = "nowhere" if result.testable_band is None else format_band(result.testable_band)
+        lines += [
+            f"  test        ramp {test.ramp_time:.4g} s, hold {test.hold_time:.4g} s, "
+            f"{test.rate:.4g} Hz, noise {_format_noise(result)}",
+            f"  known       stiffness to 10 %, loss factor to 30 % {told}",
+        ]
+    return Text([*lines, *(f"  note        {note}" for note in result.notes)])
+
+
+def _format_noise(result: ImportedModel) -> str:
+    if result.fit.unit == "N/m":
+        return f"{1e3 * result.test.noise:.3g} mN"
+    test = result.test
+    peak = result.fit.model.ramp_hold_force(
+        [test.ramp_time], depth=test.depth, ramp_time=test.ramp_time
+    )[0]
+    return f"{100 * test.noise / float(peak):.3g} % of the largest force"
+
+
+def _percent(part: float) -> str:
+    return f"{100 * part:.3g} %" if part < 1e4 else "unknown"
