@@ -54,6 +54,7 @@ from dashpot.extensions.materials.slam import checks as slam
 from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
 from dashpot.extensions.projects import verification_checks
+from dashpot.extensions.solver_inputs.cards import checks as cards
 from dashpot.extensions.solver_inputs.draws import checks as draws
 from dashpot.extensions.systems.door import checks as seals
 from dashpot.fitting.checks import relaxation, solid
@@ -1848,6 +1849,11 @@ EXPORT = [
     Case("nominal_in_valid_band", lambda x: export.nominal_in_valid_band(x, 12.0), 0, 1),
 ]
 
+CARDS = [
+    Case("test_behind_model", lambda x: cards.test_behind_model("PBUSH" * x), 0, 1),
+    Case("arms_testable", lambda x: cards.arms_testable(x, 3, ""), 0, 1),
+    Case("table_followed", cards.table_followed, 0.0099, 0.0101),
+]
 DRAWS = [
     Case(
         "unresolved_arm_drawn",
@@ -1867,6 +1873,7 @@ RECORDS = [
 ]
 STAGES = {
     "export": EXPORT,
+    "extensions/solver_inputs/cards": CARDS,
     "extensions/solver_inputs/draws": DRAWS,
     "datamodel": RECORDS,
     "reading/readers": READING,
@@ -1899,6 +1906,7 @@ STAGES = {
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
     "export": {"rows_in_valid_band": 0, "nominal_in_valid_band": 0},
+    "extensions/solver_inputs/cards": {"arms_testable": 0},
     "extensions/solver_inputs/draws": {"unresolved_arm_drawn": 0},
     "reading/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "stiffness_of_a_seal": 10.0,

@@ -192,10 +192,11 @@ def _read_shift(
     if zero is not None:
         reference -= zero
     elif reference < _IN_KELVIN:
-        return None, [
-            f"*TRS of {name} has the reference {row[0]:g}, in an unknown unit of temperature: add "
+        note = (
+            f"*TRS of {name} is not read: its reference {row[0]:g} is in an unknown unit; add "
             "*PHYSICAL CONSTANTS, ABSOLUTE ZERO=-273.15"
-        ]
+        )
+        return None, [note]
     else:
         notes = [f"*TRS of {name}: its temperatures are taken as K"]
     law: TemperatureLaw

@@ -146,8 +146,9 @@ def _read_shift(number: str, material: _Material) -> tuple[TemperatureLaw | None
         if option.startswith("TN") and len(values) >= 2 and values[0] > 150:
             note = f"TB,SHIFT of material {number}: its temperatures are taken as K"
             return Arrhenius(values[1] * GAS, values[0]), [note]
-        return None, [
+        note = (
             f"TB,SHIFT,{option or '?'} of material {number} is not read; expected WLF or TN with a "
             "reference in K"
-        ]
+        )
+        return None, [note]
     return None, []

@@ -140,11 +140,12 @@ class Card:
         off = exact - (1 - g)
         if abs(off) < 1e-3:
             return ()
-        return (
+        note = (
             "shear and bulk relax differently: the relaxed Young's modulus is "
             f"{100 * off:+.2g} % of the instantaneous one off, for Poisson's ratio is taken as "
-            f"{self.poisson:g} throughout",
+            f"{self.poisson:g} throughout"
         )
+        return (note,)
 
     def noted(self, *notes: str) -> Card:
         """Return the card with further notes."""

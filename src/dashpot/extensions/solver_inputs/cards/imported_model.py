@@ -30,6 +30,7 @@ from dashpot.extensions.solver_inputs.cards.testable_arms import TestableArm, fi
 from dashpot.planning.planned_ramp_hold import Bench
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.shift_laws import WLF
 
 METHOD = "card"
 """Of a fit whose model is that of a card."""
@@ -144,10 +145,10 @@ def import_card(
         else (f"It could have told the model {format_band(band)}")
     )
     behind = test_behind_model(card.keyword)
-    checks = (behind, table_followed(error))
+    checks: tuple[Check, ...] = (table_followed(error), behind)
     fit = _build_fit(card, model, (behind,), source, specimen or Specimen())
     if arms:
-        checks = (*checks, arms_testable(undetermined, len(arms), told))
+        checks = (arms_testable(undetermined, len(arms), told), *checks)
     return ImportedModel(card.name, card.keyword, fit, bench, arms, band, card.notes, checks)
 
 
@@ -161,7 +162,9 @@ def _build_fit(
     shifts = None
     if card.law is not None:
         none = Shift(card.law.reference, 0.0, 0.0)
-        shifts = TemperatureShifts(card.law, (none,), np.zeros((2, 2)), vertical="1")
+        names = ("c1", "c2") if isinstance(card.law, WLF) else ("energy",)
+        exact = np.zeros((len(names), len(names)))
+        shifts = TemperatureShifts(card.law, (none,), np.zeros((2, 2)), names, exact, vertical="1")
         specimen = replace(specimen, temperature=card.law.reference)
     step = Step(
         "import", (("keyword", card.keyword), ("card", card.name)), f"model of {card.keyword}"

@@ -118,7 +118,7 @@ def _read_network(
     for block in blocks:
         if block.name == "PART":
             for index in range(1, len(block.lines), 2):
-                pid, _, mid = (block.fields(index) + ["", "", ""])[:3]
+                pid, _, mid = [*block.fields(index), "", "", ""][:3]
                 materials[pid] = mid
     pairs: dict[tuple[str, str, str], list[str]] = {}
     for block in blocks:

@@ -79,7 +79,7 @@ def read_nastran_cards(text: str, units: UnitSystem, component: int | None) -> t
     bushes = {fields[0]: _split_rows(fields) for name, fields in entries if name == "PBUSH"}
     by_frequency = {fields[0]: _split_rows(fields) for name, fields in entries if name == "PBUSHT"}
     cards = [
-        _read_bush(pid, rows, by_frequency.get(pid, {}), tables, units, component)
+        _read_bush(pid, rows, by_frequency.get(pid, {}), tables, units=units, component=component)
         for pid, rows in bushes.items()
     ]
     elastic = {fields[0]: fields for name, fields in entries if name == "MAT1"}
@@ -122,6 +122,7 @@ def _read_bush(
     rows: dict[str, list[str]],
     tabled: dict[str, list[str]],
     tables: dict[str, tuple[FloatArray, FloatArray] | str],
+    *,
     units: UnitSystem,
     component: int | None,
 ) -> Card:
@@ -130,6 +131,7 @@ def _read_bush(
     listed = [i for i, word in enumerate(stiff, start=1) if word]
     at = (component or (listed or [1])[0]) - 1
     notes = [f"{where}: component {at + 1} alone is read, of {listed}"] * (len(listed) > 1)
+    notes += [f"PBUSHT {pid}: the force over deflection (KN) is not read"] * ("KN" in tabled)
 
     def constant(flag: str) -> float:
         word = rows.get(flag, [""] * 6)[at] or (rows.get(flag, [""])[0] if flag == "GE" else "")
@@ -176,7 +178,8 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
         words = [fields[2:6], *[fields[i : i + 2] for i in range(8, len(fields), 2)]]
         pairs = [words[0][:2], *words[1:5]], [words[0][2:4], *words[5:9]]
         shear, bulk = (_list_pairs(group, where) for group in pairs)
-        card = Card(mid, f"{name}, PRONY", shear, bulk, E, poisson)
+        taken = f"{where}: its ratios are taken as parts of the instantaneous modulus"
+        card = Card(mid, f"{name}, PRONY", shear, bulk, E, poisson, notes=(taken,))
         return card.noted(*card.format_poisson_note())
     if model in {"ISO1", "LINEAR", ""}:
         words = [fields[i : i + 4] for i in range(8, len(fields), 8)]

@@ -27,7 +27,7 @@ _TWO_SIDED = 1.96
 _SINGULAR = 1e-14
 _PER_DECADE = 20
 _BEYOND = 100.0
-"""The band is sought so far, as a factor, beyond the fastest and the slowest arm."""
+"""The band is sought so far, as a factor, beyond the fastest arm."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,8 @@ def find_testable_arms(
         TestableArm(*map(float, values), bool(known))
         for *values, known in zip(k, tau, k_sd, tau_sd, sure, strict=True)
     )
-    return arms, _find_known_band(model, covariance[: 1 + 2 * n, : 1 + 2 * n])
+    known_part = covariance[: 1 + 2 * n, : 1 + 2 * n]
+    return arms, _find_known_band(model, known_part, test.hold_time)
 
 
 def _compute_covariance(model: GeneralizedMaxwell, test: Bench) -> FloatArray:
@@ -92,11 +93,16 @@ def _compute_covariance(model: GeneralizedMaxwell, test: Bench) -> FloatArray:
 
 
 def _find_known_band(
-    model: GeneralizedMaxwell, covariance: FloatArray
+    model: GeneralizedMaxwell, covariance: FloatArray, hold_time: float
 ) -> tuple[float, float] | None:
-    """Return the widest range of frequencies, Hz, in which stiffness and loss factor are known."""
-    low = 1 / (2 * np.pi * max(model.tau)) / _BEYOND
+    """Return the widest range of frequencies, Hz, in which stiffness and loss factor are known.
+
+    Below the inverse of the hold nothing is known, whatever the arms of the card.
+    """
+    low = 1 / (2 * np.pi * hold_time)
     high = 1 / (2 * np.pi * min(model.tau)) * _BEYOND
+    if high <= low:
+        return None
     count = int(np.ceil(np.log10(high / low) * _PER_DECADE)) + 1
     f = np.geomspace(low, high, count)
     s = 2j * np.pi * f

@@ -26,9 +26,9 @@ def render_imported_model(result: ImportedModel) -> Text:
             )  # fmt: skip
         lines += table(rows)
         told = "nowhere" if result.testable_band is None else format_band(result.testable_band)
+        motion = f"ramp {test.ramp_time:.4g} s, hold {test.hold_time:.4g} s, {test.rate:.4g} Hz"
         lines += [
-            f"  test        ramp {test.ramp_time:.4g} s, hold {test.hold_time:.4g} s, "
-            f"{test.rate:.4g} Hz, noise {_format_noise(result)}",
+            f"  test        {motion}, noise {_format_noise(result)}",
             f"  known       stiffness to 10 %, loss factor to 30 % {told}",
         ]
     return Text([*lines, *(f"  note        {note}" for note in result.notes)])
