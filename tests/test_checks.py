@@ -1906,7 +1906,7 @@ STAGES = {
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
     "export": {"rows_in_valid_band": 0, "nominal_in_valid_band": 0},
-    "extensions/solver_inputs/cards": {"arms_testable": 0},
+    "extensions/solver_inputs/cards": {"arms_testable": 0, "table_followed": 0.01},
     "extensions/solver_inputs/draws": {"unresolved_arm_drawn": 0},
     "reading/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "stiffness_of_a_seal": 10.0,

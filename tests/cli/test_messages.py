@@ -80,6 +80,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "registry/core.py": ("batch",),
     "extensions/materials/registration.py": ("batch",),
     "extensions/solver_inputs/": ("export",),
+    "extensions/solver_inputs/cards/": ("import",),
+    "extensions/solver_inputs/cards/command.py:_format_next": ("predict",),
     "extensions/materials/cld/": ("fit",),
     "extensions/materials/hyperelastic/": ("fit",),
     "extensions/materials/indentation/": ("fit",),

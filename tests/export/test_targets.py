@@ -70,7 +70,7 @@ def row_ends(target: str, text: str) -> tuple[float, float]:
     [("nastran", "table"), ("nastran", "viscous-table"), ("abaqus", "connector"),
      ("ansys", "table"), ("csv", "frequency")],
 )  # fmt: skip
-def test_a_table_spans_the_valid_band_unless_a_band_is_given(target, form):
+def test_a_table_without_a_band_spans_the_valid_band(target, form):
     fit = a_fit(
         PAPER, band=(0.0041239, 0.31831), specimen=Specimen(temperature=296.15, length=0.05)
     )

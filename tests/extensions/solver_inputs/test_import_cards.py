@@ -380,8 +380,7 @@ def test_a_card_of_a_material_goes_to_a_part_and_back_to_a_card(folder):
     ("words", "says"),
     [
         (("seal.k",), "--unit-system"),
-        (("rubber.inp", "--unit-system", "SI", "--noise", "4mN"), "percentage"),
-        (("rubber.inp", "--unit-system", "SI", "--noise", "-1%"), "percentage > 0"),
+        (("rubber.inp", "--unit-system", "SI", "--relative-noise", "-1"), "relative_noise = -1"),
         (("rubber.inp", "--unit-system", "SI", "--card", "STEEL"), "no card 'STEEL'"),
     ],
 )  # fmt: skip

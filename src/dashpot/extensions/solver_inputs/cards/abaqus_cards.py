@@ -117,7 +117,7 @@ def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -
         law=law,
         notes=(*notes, *more),
     )
-    return card.noted(*card.format_poisson_note())
+    return card.add_notes(*card.format_poisson_note())
 
 
 def _read_elasticity(

@@ -87,7 +87,7 @@ def _build_card(number: str, material: _Material) -> Card:
         number, "TB,PRONY", relative, bulk, modulus, poisson, law=law,
         notes=(*notes, *more, *shifts),
     )  # fmt: skip
-    return card.noted(*card.format_poisson_note())
+    return card.add_notes(*card.format_poisson_note())
 
 
 def _pair_terms(number: str, material: _Material, option: str) -> tuple[tuple[float, float], ...]:

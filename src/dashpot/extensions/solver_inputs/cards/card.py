@@ -147,7 +147,7 @@ class Card:
         )
         return (note,)
 
-    def noted(self, *notes: str) -> Card:
+    def add_notes(self, *notes: str) -> Card:
         """Return the card with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 

@@ -23,7 +23,7 @@ def arms_testable(undetermined: int, arms: int, band: str) -> Finding:
         f"Such a test could have determined all {arms} arms",
         undetermined,
         instead=f"Such a test could not have determined {undetermined} of {arms} arms",
-        because=band,
+        reason=band,
         remedy=Remedy("Ask for the test behind the card.", "ramp"),
     )
 
@@ -36,6 +36,6 @@ def table_followed(error: float | None) -> Finding:
     return Finding(
         f"The model follows the table of the card to {100 * error:.2g} %",
         error,
-        because="No springs and dashpots have such a stiffness over frequency",
+        reason="No springs and dashpots have such a stiffness over frequency",
         remedy="Use the table where it is, or measure it again.",
     )

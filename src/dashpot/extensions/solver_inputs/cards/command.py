@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import click
 
-from dashpot.base.errors import DataError, ExportError
-from dashpot.base.units import parse_quantity
+from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
 from dashpot.cli._command_io import CommandResult, format_command, format_json, write
@@ -14,6 +13,8 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.planning.plan_options import PlannedRamp
 
 _TEST = "Test"
+RELATIVE_NOISE = 0.002
+"""Of a material, whose forces have no size, where none is given."""
 
 
 @verb(
@@ -36,9 +37,9 @@ goes to predict, compare, report and export as a fit does.
     ),
     group(
         _TEST,
-        build_options(PlannedRamp, "ramp_time", "hold_time", "depth", into="planned"),
-        opt("--noise", default="0.2%", metavar="FORCE|PERCENT",
-            help="Standard deviation of a sample, or its share of the peak (0.2%)."),
+        build_options(PlannedRamp, "ramp_time", "hold_time", "depth", "noise", into="planned"),
+        opt("--relative-noise", type=float, metavar="SHARE",
+            help="Noise over the peak, of a material (0.002)."),
         mark_advanced(build_options(PlannedRamp, "rate", "baseline", into="planned")),
     ),
     options.piece(more=False),
@@ -52,7 +53,7 @@ def command(
     component: int | None,
     modulus: float | None,
     planned: PlannedRamp,
-    noise: str,
+    relative_noise: float | None,
     output: str | None,
     specimen: Specimen,
 ) -> CommandResult:
@@ -74,34 +75,20 @@ def command(
     raw = open_raw(card)
     text = raw.head(raw.size).decode("utf-8", errors="replace")
     chosen = select_card(read_cards(text, raw.name, system, component), name, raw.name)
-    relative, force = _parse_noise(noise)
+    if relative_noise is None and chosen.is_material:
+        relative_noise = RELATIVE_NOISE
     terms = {field.name: getattr(planned, field.name) for field in fields(PlannedRamp)}
-    if force is not None:
-        if chosen.is_material:
-            raise click.UsageError(
-                f"--noise {noise} is a force, and the card is of a material. Give a percentage of "
-                "the largest force, such as --noise 0.2%"
-            )
-        terms["noise"] = force
     result = import_card(
         chosen, system, Source(raw.name, raw.sha256, reader=chosen.keyword),
-        test=Bench(**terms), relative_noise=relative, modulus=modulus, specimen=specimen,
+        test=Bench(**terms), relative_noise=relative_noise, modulus=modulus, specimen=specimen,
     )  # fmt: skip
     if output:
         write(output, format_json(result.fit) + "\n")
-    shape = () if result.fit.unit == "N/m" else ("--shape", "disc:20mm,20mm")
-    follow = format_command("predict", output, "--mass", "MASS", *shape) if output else ""
+    follow = _format_next(output, result.fit.unit) if output else ""
     return CommandResult.from_result(result, follow=follow)
 
 
-def _parse_noise(text: str) -> tuple[float | None, float | None]:
-    """Return the noise in parts of the largest force, or as a force, N."""
-    if text.strip().endswith("%"):
-        try:
-            share = float(text.strip().removesuffix("%")) / 100
-        except ValueError:
-            share = 0.0
-        if not share > 0:
-            raise DataError(f"--noise {text}: expected a percentage > 0, such as 0.2%")
-        return share, None
-    return None, parse_quantity(text, "force")
+def _format_next(model: str, unit: str) -> str:
+    """Return the command that predicts the response of a mass on the model."""
+    shape = () if unit == "N/m" else ("--shape", "disc:20mm,20mm")
+    return format_command("predict", model, "--mass", "MASS", *shape)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import FitError, ReadError, Status
+from dashpot.base.errors import FitError, ReadError
 from dashpot.base.number_format import format_band
 from dashpot.base.provenance import Source, Step
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import Serialisable
+from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
@@ -27,8 +28,9 @@ from dashpot.extensions.solver_inputs.cards.checks import (
     test_behind_model,
 )
 from dashpot.extensions.solver_inputs.cards.testable_arms import TestableArm, find_testable_arms
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.planning.planned_ramp_hold import Bench
-from dashpot.registry import find_handler
+from dashpot.registry import find_handler, list_names
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
@@ -122,6 +124,7 @@ def import_card(
     ReadError
         If a modulus is missing, or no springs and dashpots follow the card.
     """
+    require_positive(relative_noise=relative_noise, optional=True)
     error = None
     if card.table is None:
         model = card.convert_to_model(units, modulus)
@@ -169,10 +172,9 @@ def _build_fit(
     step = Step(
         "import", (("keyword", card.keyword), ("card", card.name)), f"model of {card.keyword}"
     )
-    return Fit(
-        model,
-        Status.CONVERGED,
-        ParameterEstimate((), np.zeros((0, 0)), inf, Residual(0, 1.0, 0.0)),
+    unknown = ParameterEstimate((), np.zeros((0, 0)), inf, Residual(0, 1.0, 0.0))
+    return build_fit(
+        SolidEstimate(model, unknown),
         Evidence((0.0, 0.0), checks=checks),
         Provenance(METHOD, (source,), (step,), specimen),
         unit="Pa" if card.is_material else "N/m",
@@ -188,7 +190,8 @@ def _fit_table(table: FrequencyTable, name: str) -> tuple[GeneralizedMaxwell, fl
     ReadError
         If too few rows, or none with damping, are there.
     """
-    fit_modulus: Any = find_handler("fit complex modulus", "dma")
+    task = "fit complex modulus"
+    fit_modulus: Any = find_handler(task, list_names(task)[0])
     try:
         model = fit_modulus(table.frequency, table.stiffness).model
     except FitError as error:

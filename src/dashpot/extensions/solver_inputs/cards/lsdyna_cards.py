@@ -97,7 +97,7 @@ def _read_general(block: Block) -> Card:
         poisson,
         notes=tuple(notes),
     )
-    return card.noted(*card.format_poisson_note())
+    return card.add_notes(*card.format_poisson_note())
 
 
 def _read_single(block: Block) -> Card:
@@ -107,7 +107,7 @@ def _read_single(block: Block) -> Card:
         raise ReadError(f"*{block.name} of {name}: expected G0 > 0 and BETA > 0")
     E, poisson = young_of_shear(G_0, bulk)
     card = Card(name, f"*{block.name}", (((G_0 - G_inf) / G_0, 1 / beta),), (), E, poisson)
-    return card.noted(*card.format_poisson_note())
+    return card.add_notes(*card.format_poisson_note())
 
 
 def _read_network(

@@ -180,7 +180,7 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
         shear, bulk = (_list_pairs(group, where) for group in pairs)
         taken = f"{where}: its ratios are taken as parts of the instantaneous modulus"
         card = Card(mid, f"{name}, PRONY", shear, bulk, E, poisson, notes=(taken,))
-        return card.noted(*card.format_poisson_note())
+        return card.add_notes(*card.format_poisson_note())
     if model in {"ISO1", "LINEAR", ""}:
         words = [fields[i : i + 4] for i in range(8, len(fields), 8)]
         groups = [word[:2] for word in words], [word[2:4] for word in words]
@@ -199,7 +199,7 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
     shear = tuple((G / G_0, tau) for G, tau in _list_pairs(groups[0], where))
     bulk = tuple((K / K_0, tau) for K, tau in _list_pairs(groups[1], where)) if K_0 else ()
     card = Card(mid, f"{name}, {model or 'ISO1'}", shear, bulk, E, poisson)
-    return card.noted(*card.format_poisson_note())
+    return card.add_notes(*card.format_poisson_note())
 
 
 def _list_pairs(groups: Sequence[Sequence[str]], where: str) -> tuple[tuple[float, float], ...]:
