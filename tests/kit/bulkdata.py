@@ -18,8 +18,8 @@ def read_cards(text: str) -> list[tuple[str, list[str]]]:
         width = 16 if "*" in line[:8] else 8
         body = line[8:72].ljust(64)
         fields = [body[i : i + width].strip() for i in range(0, 64, width)]
-        name = head.rstrip("*").strip()
-        if name and not name.startswith("+"):
+        name = head.strip().rstrip("*") or head.strip()
+        if name and name[0] not in "+*":
             cards.append((name, fields))
         else:
             cards[-1][1].extend(fields)

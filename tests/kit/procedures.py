@@ -327,6 +327,82 @@ def find_ccx_version() -> str:
     return f"CalculiX {run.stdout.split()[-1]}"
 
 
+# -- NASTRAN-95 ------------------------------------------------------------------------------------
+
+SOL_8 = "SOL 8 direct frequency response in 32 bits"
+SOL_9 = "SOL 9 direct transient response in 32 bits"
+NASTRAN_RUN = """
+import sys
+from nastran95.runner import NastranRunner
+print(NastranRunner().run(sys.stdin.read()).output)
+"""
+NASTRAN_CONTROL = """ID SEAL,ARMS
+APP DISP
+SOL {sol}
+TIME 10
+CEND
+TITLE = MASS ON A SEAL
+ECHO = NONE
+SPC = 1
+{of_loads}
+DLOAD = 1
+SET 1 = 2
+OUTPUT
+DISP({output}) = 1
+BEGIN BULK
+{bulk}
+CMASS2  9001    {mass:<8}2       1
+SPC1    1       123456  1
+SPC1    1       23456   2
+DAREA   1       2       1       1.
+{loads}
+ENDDATA
+"""
+FREQUENCIES = """FREQ1   1       1.      0.5     58
+RLOAD1  1       1                       1
+TABLED1 1                                                               +T
++T      0.      1.      1000.   1.      ENDT"""
+INSTANTS = """TSTEP   1       5000    1.-4    10
+TLOAD1  1       1                       1
+TABLED1 1                                                               +T
++T      0.      0.      .005    2.      .01     0.      10.     0.      +U
++U      ENDT"""
+
+
+def run_nastran(form: str, procedure: str, case: str) -> float:
+    """A mass on the network by NASTRAN-95; DASHPOT_NASTRAN95 names a Python that has it."""
+    python = os.environ.get("DASHPOT_NASTRAN95", sys.executable)
+    if subprocess.run(
+        [python, "-c", "import nastran95"], capture_output=True, check=False
+    ).returncode:
+        raise Missing("NASTRAN-95 is not installed: pip install nastran95, for Python 3.12")
+    deck = TARGETS["nastran"](SEAL, units="SI", form=form)
+    bulk = "\n".join(line for line in deck.splitlines() if line and line[0] != "$")
+    shaken = procedure == SOL_8
+    run = subprocess.run(
+        [python, "-c", NASTRAN_RUN], capture_output=True, text=True, timeout=300, check=True,
+        input=NASTRAN_CONTROL.format(
+            sol=8 if shaken else 9, bulk=bulk, mass=MASS,
+            of_loads="FREQ = 1" if shaken else "TSTEP = 1",
+            output="SORT2,REAL" if shaken else "SORT2",
+            loads=FREQUENCIES if shaken else INSTANTS,
+        ),
+    )  # fmt: skip
+    if shaken:
+        rows = re.findall(r"^0 *(\S+) +G +(\S+).*\n +(\S+)", run.stdout, flags=re.MULTILINE)
+        f, real, imaginary = np.array(rows, dtype=float).T
+        assert len(f) == 59, run.stdout[-2000:]
+        omega = 2 * np.pi * f
+        exact = 1 / (SEAL.complex_stiffness(omega=omega) - MASS * omega**2)
+        return float(np.abs((real + 1j * imaginary) / exact - 1).max())
+    rows = re.findall(r"^ +(\S+) +G +(\S+) ", run.stdout, flags=re.MULTILINE)
+    t, moved = np.array(rows, dtype=float).T
+    assert len(t) == 501, run.stdout[-2000:]
+    grid = 1e-4 * np.arange(5001)
+    exact = struck_exactly(SEAL, grid)
+    return float(np.abs(moved - np.interp(t, grid, exact)).max() / np.abs(exact).max())
+
+
 # -- the table -------------------------------------------------------------------------------------
 
 Measure = Callable[[str, str, str], float]
@@ -353,6 +429,8 @@ TASKS: dict[tuple[str, str, str, str], Measure] = {
     ("calculix", "arms", "*STEADY STATE DYNAMICS", FRF): shake_calculix,
     **{("calculix", "arms", procedure, PRESSED): press_calculix for procedure in PRESS_STEPS},
     ("calculix", "arms", "*MODAL DYNAMIC", STRUCK): strike_calculix,
+    ("nastran", "arms", SOL_8, FRF): run_nastran,
+    ("nastran", "arms", SOL_9, STRUCK): run_nastran,
 }
 
 
@@ -364,7 +442,7 @@ def measure(target: str, form: str, procedure: str, case: str) -> float:
 def measure_all() -> list[Run]:
     solvers = {
         run_opensees: f"OpenSeesPy {version('openseespy')}", run_tcl: "OpenSees of xara 0.0.46",
-        run_fmu: f"FMPy {version('fmpy')}",
+        run_fmu: f"FMPy {version('fmpy')}", run_nastran: "NASTRAN-95 0.3",
     }  # fmt: skip
     runs = []
     for task, run_task in TASKS.items():

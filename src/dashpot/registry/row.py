@@ -253,7 +253,8 @@ class Extension(NamedTuple):
         solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
         document"`` (fields of that class, or of one without a schema by its name, from its
         values), ``"write frf"`` (to bytes, by the ending of a file), ``"lot columns"`` (what
-        the row of a lot lists), ``"solver input"`` (what writes that of a plug-in).
+        the row of a lot lists), ``"solver input"`` (what writes that of a plug-in),
+        ``"procedures"`` (under which of a solver a deck was run).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured

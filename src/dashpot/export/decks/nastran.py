@@ -16,14 +16,15 @@ from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.unit_systems import format_fixed_width
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
 
 FORMS = ("table", "viscous-table", "arms")
 _TABLES = FORMS[:2]
 SUFFIX = "bdf"
 _VERIFIED = (
-    "not solver-verified: no Nastran runs in dashpot's tests; an independent bulk-data reader "
-    "reads such a deck back to the printed digits"
+    "not solver-verified: no Nastran runs this form in dashpot's tests; an independent bulk-data "
+    "reader reads such a deck back to the printed digits"
 )
 
 
@@ -120,7 +121,7 @@ def _table(
     return deck.format_text(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
-        [*_bushings(row, first_id), *properties],
+        _name_continuations([*_bushings(row, first_id), *properties]),
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
@@ -230,15 +231,17 @@ def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
                 cards += _card("CELAS2*", [next(element), k, a, way + 1, inner, ""])
                 cards += _card("CDAMP2*", [next(element), arm_b, inner, "", b, way + 1])
             grid += len(arms.arms)
+    format_procedures = find_handler("procedures", "solver input")
+    verified, *more = format_procedures("nastran", "arms") if format_procedures else [_VERIFIED]
     acts = "the network acts along component 1 of its grids"
     if row.ways > 1:
         acts = "the networks act along components 1 to 3 of their grids, in whose own systems"
     return deck.format_text(
         "$",
         "network of springs and dashpots for Nastran and OptiStruct",
-        cards,
-        verified=_VERIFIED,
-        remarks=[*row.remarks, acts],
+        _name_continuations(cards),
+        verified=verified,
+        remarks=[*more, *row.remarks, acts],
     )
 
 
@@ -258,6 +261,18 @@ def _card(name: str, fields: Sequence[float | str]) -> list[str]:
         for head, row in zip(heads, rows, strict=True)
     ]
     return [f"{line:<72}*" for line in lines[:-1]] + [lines[-1].rstrip()]
+
+
+def _name_continuations(lines: Sequence[str]) -> list[str]:
+    """Return cards whose continuations have names, as Nastran before 2001 asks for them."""
+    made = list(lines)
+    names = (f"*S{number}" for number in itertools.count(1))
+    for i, (line, following) in enumerate(itertools.pairwise(lines)):
+        if line[72:] == "*":
+            name = next(names)
+            made[i] = made[i][:72] + name
+            made[i + 1] = f"{name:<8}{following[8:]}"
+    return made
 
 
 def _small(name: str, *fields: float | str) -> str:

@@ -5,6 +5,9 @@ from dashpot.registry.row import Command, Extension, SolverInput
 EXTENSION = Extension(
     "solver_inputs",
     handlers={
+        "procedures": {
+            "solver input": "dashpot.extensions.solver_inputs.procedures:format_procedures",
+        },
         "text": {
             "dashpot.extensions.solver_inputs.cards.imported_model:ImportedModel": "dashpot.extensions.solver_inputs.cards.text:render_imported_model",
         },

@@ -13,7 +13,7 @@ from dashpot.base.errors import FitError, ReadError
 from dashpot.base.number_format import format_band
 from dashpot.base.provenance import Source, Step
 from dashpot.base.result_mixins import HasVerdict
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
@@ -59,8 +59,17 @@ class ImportedModel(HasVerdict, Serialisable):
     """
 
     schema = "dashpot/imported@1"
-    _keys = ("card", "keyword", "model=fit.model", "unit=fit.unit", "test=_test_terms", "arms",
-             "testable_band_hz=testable_band", "notes", "verdict")  # fmt: skip
+    _keys = (
+        "card",
+        "keyword",
+        "fit.model",
+        "fit.unit",
+        Key("test", "_test_terms"),
+        Key("arms", nonfinite_as_null=True),
+        Key("testable_band_hz", "testable_band"),
+        "notes",
+        "verdict",
+    )
     _is_loadable = False
 
     card: str

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.serialisation import Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.planning.planned_ramp_hold import Bench
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -45,7 +45,7 @@ class TestableArm(Serialisable):
     """
 
     __test__ = False
-    _keys = ("*", "determined=is_determined")
+    _keys = (EVERY_FIELD, Key("determined", "is_determined"))
 
     k: float
     tau: float

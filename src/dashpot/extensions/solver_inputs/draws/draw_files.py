@@ -66,7 +66,6 @@ class Draws(Serialisable):
     """
 
     schema = "dashpot/draws@1"
-    _keys = ("*",)
     _is_loadable = False
 
     target: str
