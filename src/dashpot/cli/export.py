@@ -136,7 +136,8 @@ def command(
         find_handler("export with option", name) for name in list_names("export with option")
     )
     outcomes = (export(target, exported, output, choices) for export in by_option)
-    if outcome := next(filter(None, outcomes), None):
+    outcome: CommandResult | None = next(filter(None, outcomes), None)
+    if outcome:
         return outcome
     deck = workflow.deck_for(target, exported, **choices)
     if output == "-" and not deck.printable:

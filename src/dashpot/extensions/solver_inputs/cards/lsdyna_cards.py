@@ -37,7 +37,8 @@ class Block:
 
 def parse_blocks(text: str) -> Iterator[Block]:
     """Yield the keywords of an LS-DYNA input; ``_TITLE`` and its line are taken off."""
-    name, lines = "", []
+    name = ""
+    lines: list[str] = []
     for line in [*text.splitlines(), "*END"]:
         if line.startswith("$") or not line.strip():
             continue
@@ -133,7 +134,7 @@ def _read_network(
             for mid, item in springs.items()
             if "MAXWELL" in item[0] or item[0] == "MAT_S06"
         )
-    named = {}
+    named: dict[tuple[GeneralizedMaxwell | None, str], Card] = {}
     for (a, b, vector), mids in pairs.items():
         card = _build_network(f"nodes {a} and {b}", [springs[mid] for mid in mids])
         # many stations of one line have the same springs

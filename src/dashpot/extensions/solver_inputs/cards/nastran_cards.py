@@ -208,9 +208,9 @@ def _list_pairs(groups: Sequence[Sequence[str]], where: str) -> tuple[tuple[floa
         value, time = ([*group, "", ""])[:2]
         if value:
             pairs.append((parse_number(value, where), parse_number(time or "0", where)))
-    for value, tau in pairs:
+    for share, tau in pairs:
         if not tau > 0:
-            raise ReadError(f"{where}: the time of {value:g} is {tau:g}; expected one > 0")
+            raise ReadError(f"{where}: the time of {share:g} is {tau:g}; expected one > 0")
     return tuple(pairs)
 
 

@@ -68,8 +68,8 @@ def find_testable_arms(
     k_sd, tau_sd = sd[1 : 1 + n] / k, sd[1 + n : 1 + 2 * n]
     sure = is_well_determined(np.ones(n), k_sd, tau_sd)
     arms = tuple(
-        TestableArm(*map(float, values), bool(known))
-        for *values, known in zip(k, tau, k_sd, tau_sd, sure, strict=True)
+        TestableArm(float(k[j]), float(tau[j]), float(k_sd[j]), float(tau_sd[j]), bool(sure[j]))
+        for j in range(n)
     )
     known_part = covariance[: 1 + 2 * n, : 1 + 2 * n]
     return arms, _find_known_band(model, known_part, test.hold_time)

@@ -37,7 +37,7 @@ def draw_standard_normal(count: int, variables: int, seed: int) -> FloatArray:
 
 def convert_to_uniform(normal: FloatArray) -> FloatArray:
     """Return the probability of no more than each value, between 0 and 1."""
-    return np.vectorize(_NORMAL.cdf, otypes=[float])(normal)
+    return np.asarray(np.vectorize(_NORMAL.cdf, otypes=[float])(normal))
 
 
 def truncated_normal(share: float, mean: float, sd: float) -> float:
