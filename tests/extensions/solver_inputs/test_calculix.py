@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
 import numpy as np
 import pytest
 from kit.solvers import needs_ccx, printed, receptance, run_ccx
@@ -94,13 +99,30 @@ def test_ccx_network_has_its_static_stiffness(paper_seal, tmp_path):
     assert float(line.split()[1]) == pytest.approx(1 / 0.1965, rel=1e-6)
 
 
-def test_the_abaqus_network_is_read_by_ccx(paper_seal, tmp_path):
+def convert_by_abq2ccx(deck: str, folder: Path) -> str:
+    """Return an Abaqus input as the converter abq2ccx writes it for CalculiX.
+
+    DASHPOT_ABQ2CCX names the program, of an environment of its own.
+    """
+    program = os.environ.get("DASHPOT_ABQ2CCX", "abq2ccx")
+    if shutil.which(program) is None:
+        pytest.skip("abq2ccx is not installed: pip install abq2ccx, and set DASHPOT_ABQ2CCX")
+    (folder / "abaqus.inp").write_text(deck)
+    command = [program, "abaqus.inp", "-o", "converted.inp", "--strict"]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    return (folder / "converted.inp").read_text()
+
+
+@pytest.mark.parametrize("convert", [None, convert_by_abq2ccx], ids=["direct", "abq2ccx"])
+def test_the_abaqus_network_is_read_by_ccx(paper_seal, tmp_path, convert):
     """CalculiX reads the Abaqus dialect: the same network, checked for its syntax and statics."""
     network = TARGETS["abaqus"](paper_seal, units="mm-t-s")
     steps = [
         "*NSET, NSET=MOVING", "2", "*BOUNDARY", "1, 1, 3", "2, 2, 3",
         "*STEP", "*STATIC", "*CLOAD", "2, 1, 1.", "*NODE PRINT, NSET=MOVING", "U", "*END STEP", "",
     ]  # fmt: skip
-    dat = run_ccx(network + "\n".join(steps), tmp_path)
+    deck = network + "\n".join(steps)
+    dat = run_ccx(deck if convert is None else convert(deck, tmp_path), tmp_path)
     (line,) = [row for row in dat.splitlines() if row.split()[:1] == ["2"]]
     assert float(line.split()[1]) == pytest.approx(1 / 0.1965, rel=1e-6)
