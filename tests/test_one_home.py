@@ -88,6 +88,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "solids/shift_laws.py": "an example of 0 degC",
             "workflow/example_files.py": "degC into K, where tests are made",
             "extensions/curves/examples.py": "degC into K, where sweeps are made",
+            "extensions/solver_inputs/cards/abaqus_cards.py": "what a card is asked to say",
         },
     ),
     "a set of names of checks": (

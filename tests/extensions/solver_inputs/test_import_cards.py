@@ -13,7 +13,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.datamodel.fit import Fit
 from dashpot.export import TARGETS, UNIT_SYSTEMS
-from dashpot.extensions.solver_inputs.cards.card import Card, parse_number
+from dashpot.extensions.solver_inputs.cards.card import ViscoelasticCard, parse_number
 from dashpot.extensions.solver_inputs.cards.imported_model import import_card
 from dashpot.extensions.solver_inputs.cards.lsdyna_cards import read_lsdyna_cards
 from dashpot.extensions.solver_inputs.cards.nastran_cards import parse_bulk_data
@@ -28,7 +28,7 @@ TEST = Bench(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=200.0, noise=4e-3, 
 TABLE_1 = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.50213, 16.416))
 
 
-def read_one(text: str, units: str = "mm-t-s", name: str | None = None) -> Card:
+def read_one(text: str, units: str = "mm-t-s", name: str | None = None) -> ViscoelasticCard:
     return select_card(read_cards(text, "card", UNIT_SYSTEMS[units], None), name, "card")
 
 

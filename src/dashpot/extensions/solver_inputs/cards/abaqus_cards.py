@@ -7,7 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.solver_inputs.cards.card import Card, parse_number, young_of_shear
+from dashpot.extensions.solver_inputs.cards.card import (
+    ViscoelasticCard,
+    parse_number,
+    young_of_shear,
+)
 from dashpot.solids.shift_laws import WLF, Arrhenius, TemperatureLaw
 
 _IN_KELVIN = 150.0
@@ -54,7 +58,7 @@ def _squeeze(word: str) -> str:
     return "".join(word.upper().split())
 
 
-def read_abaqus_cards(text: str) -> tuple[Card, ...]:
+def read_abaqus_cards(text: str) -> tuple[ViscoelasticCard, ...]:
     """Return the viscoelastic materials of an Abaqus or CalculiX input.
 
     Raises
@@ -80,7 +84,7 @@ def read_abaqus_cards(text: str) -> tuple[Card, ...]:
     )
 
 
-def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -> Card:
+def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -> ViscoelasticCard:
     found = {keyword.name: keyword for keyword in reversed(keywords)}
     visco = found["VISCOELASTIC"]
     time = _squeeze(visco.parameters.get("TIME", ""))
@@ -106,7 +110,7 @@ def _read_material(name: str, keywords: Sequence[Keyword], zero: float | None) -
         bulk += [(k, tau)] * (k != 0)
     modulus, poisson, long_term, notes = _read_elasticity(name, found)
     law, more = _read_shift(name, found.get("TRS"), zero)
-    card = Card(
+    card = ViscoelasticCard(
         name,
         "*VISCOELASTIC, TIME=PRONY",
         tuple(relative),

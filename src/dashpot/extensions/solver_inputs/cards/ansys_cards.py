@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.solver_inputs.cards.card import Card, parse_number, young_of_shear
+from dashpot.extensions.solver_inputs.cards.card import (
+    ViscoelasticCard,
+    parse_number,
+    young_of_shear,
+)
 from dashpot.solids.part_geometry import RUBBER
 from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, TemperatureLaw
 
@@ -20,7 +24,7 @@ class _Material:
     temperatures: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
-def read_ansys_cards(text: str) -> tuple[Card, ...]:
+def read_ansys_cards(text: str) -> tuple[ViscoelasticCard, ...]:
     """Return the viscoelastic materials of Ansys Mechanical APDL commands.
 
     Raises
@@ -71,7 +75,7 @@ def read_ansys_cards(text: str) -> tuple[Card, ...]:
 _ELASTIC = ("EX", "NUXY", "PRXY", "GXY")
 
 
-def _build_card(number: str, material: _Material) -> Card:
+def _build_card(number: str, material: _Material) -> ViscoelasticCard:
     relative = _pair_terms(number, material, "SHEAR")
     bulk = _pair_terms(number, material, "BULK")
     if not relative and not bulk:
@@ -83,7 +87,7 @@ def _build_card(number: str, material: _Material) -> Card:
     ]
     modulus, poisson, more = _read_elasticity(number, material)
     law, shifts = _read_shift(number, material)
-    card = Card(
+    card = ViscoelasticCard(
         number, "TB,PRONY", relative, bulk, modulus, poisson, law=law,
         notes=(*notes, *more, *shifts),
     )  # fmt: skip

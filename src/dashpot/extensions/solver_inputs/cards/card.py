@@ -27,7 +27,7 @@ class FrequencyTable:
 
 
 @dataclass(frozen=True)
-class Card:
+class ViscoelasticCard:
     """Viscoelastic card; moduli, stiffnesses and times in units of its file.
 
     Attributes
@@ -147,7 +147,7 @@ class Card:
         )
         return (note,)
 
-    def add_notes(self, *notes: str) -> Card:
+    def add_notes(self, *notes: str) -> ViscoelasticCard:
         """Return the card with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 

@@ -12,7 +12,6 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import FitError, ReadError
 from dashpot.base.number_format import format_band
 from dashpot.base.provenance import Source, Step
-from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
@@ -21,7 +20,7 @@ from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.unit_systems import UnitSystem
-from dashpot.extensions.solver_inputs.cards.card import Card, FrequencyTable
+from dashpot.extensions.solver_inputs.cards.card import FrequencyTable, ViscoelasticCard
 from dashpot.extensions.solver_inputs.cards.checks import (
     arms_testable,
     table_followed,
@@ -39,7 +38,7 @@ METHOD = "card"
 
 
 @dataclass(frozen=True)
-class ImportedModel(HasVerdict, Serialisable):
+class ImportedModel(Serialisable):
     """Model of a solver card, and which of its arms a ramp and hold could have determined.
 
     Attributes
@@ -99,14 +98,9 @@ class ImportedModel(HasVerdict, Serialisable):
         """What to make of it."""
         return verdict(self.checks, headline=self.headline)
 
-    @property
-    def summary_lines(self) -> tuple[str, ...]:
-        """The verdict and the model."""
-        return str(self.verdict), f"{self.fit.model} ({self.fit.unit}, s), {self.keyword}"
-
 
 def import_card(
-    card: Card,
+    card: ViscoelasticCard,
     units: UnitSystem,
     source: Source,
     *,
@@ -119,7 +113,7 @@ def import_card(
 
     Parameters
     ----------
-    card : Card
+    card : ViscoelasticCard
     units : UnitSystem
     source : Source
     test : Bench
@@ -165,7 +159,7 @@ def import_card(
 
 
 def _build_fit(
-    card: Card,
+    card: ViscoelasticCard,
     model: GeneralizedMaxwell,
     checks: tuple[Check, ...],
     source: Source,

@@ -6,7 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.solver_inputs.cards.card import Card, parse_number, young_of_shear
+from dashpot.extensions.solver_inputs.cards.card import (
+    ViscoelasticCard,
+    parse_number,
+    young_of_shear,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 _WIDTH = 10
@@ -17,7 +21,7 @@ _SPRINGS = ("MAT_SPRING_ELASTIC", "MAT_S01", "MAT_SPRING_MAXWELL", "MAT_S06", "M
 
 
 @dataclass(frozen=True)
-class Block:
+class KeywordBlock:
     """One keyword and its cards, lines of text without comments."""
 
     name: str
@@ -35,7 +39,7 @@ class Block:
         return [parse_number(word or "0", f"*{self.name}") for word in self.fields(index)]
 
 
-def parse_blocks(text: str) -> Iterator[Block]:
+def parse_blocks(text: str) -> Iterator[KeywordBlock]:
     """Yield the keywords of an LS-DYNA input; ``_TITLE`` and its line are taken off."""
     name = ""
     lines: list[str] = []
@@ -45,13 +49,15 @@ def parse_blocks(text: str) -> Iterator[Block]:
         if line.startswith("*"):
             if name:
                 title = name.endswith("_TITLE")
-                yield Block(name.removesuffix("_TITLE"), tuple(lines[1:] if title else lines))
+                yield KeywordBlock(
+                    name.removesuffix("_TITLE"), tuple(lines[1:] if title else lines)
+                )
             name, lines = line[1:].split()[0].upper(), []
         else:
             lines.append(line)
 
 
-def read_lsdyna_cards(text: str) -> tuple[Card, ...]:
+def read_lsdyna_cards(text: str) -> tuple[ViscoelasticCard, ...]:
     """Return the viscoelastic materials and networks of an LS-DYNA input.
 
     Raises
@@ -70,7 +76,7 @@ def read_lsdyna_cards(text: str) -> tuple[Card, ...]:
     return (*cards, *_read_network(blocks, springs))
 
 
-def _read_general(block: Block) -> Card:
+def _read_general(block: KeywordBlock) -> ViscoelasticCard:
     first, second = (block.numbers(0) + [0.0] * 8)[:8], (block.numbers(1) + [0.0] * 8)[:8]
     name = f"material {block.fields(0)[0]}"
     if second[0] or second[4]:
@@ -89,7 +95,7 @@ def _read_general(block: Block) -> Card:
         raise ReadError(f"*{block.name} of {name} has no shear term G > 0")
     E, poisson = young_of_shear(G_0, K_0)
     notes = [f"*{block.name} of {name}: TREF, A and B are not read"] * (any(first[5:8]))
-    card = Card(
+    card = ViscoelasticCard(
         name,
         f"*{block.name}",
         tuple((G / G_0, 1 / beta) for G, beta in terms if beta > 0),
@@ -101,19 +107,21 @@ def _read_general(block: Block) -> Card:
     return card.add_notes(*card.format_poisson_note())
 
 
-def _read_single(block: Block) -> Card:
+def _read_single(block: KeywordBlock) -> ViscoelasticCard:
     name = f"material {block.fields(0)[0]}"
     _, _, bulk, G_0, G_inf, beta = (block.numbers(0) + [0.0] * 6)[:6]
     if not (G_0 > 0 and beta > 0):
         raise ReadError(f"*{block.name} of {name}: expected G0 > 0 and BETA > 0")
     E, poisson = young_of_shear(G_0, bulk)
-    card = Card(name, f"*{block.name}", (((G_0 - G_inf) / G_0, 1 / beta),), (), E, poisson)
+    card = ViscoelasticCard(
+        name, f"*{block.name}", (((G_0 - G_inf) / G_0, 1 / beta),), (), E, poisson
+    )
     return card.add_notes(*card.format_poisson_note())
 
 
 def _read_network(
-    blocks: list[Block], springs: dict[str, tuple[str, list[float]]]
-) -> tuple[Card, ...]:
+    blocks: list[KeywordBlock], springs: dict[str, tuple[str, list[float]]]
+) -> tuple[ViscoelasticCard, ...]:
     """Return the discrete elements of each pair of nodes as one model, side by side."""
     materials: dict[str, str] = {}
     for block in blocks:
@@ -134,7 +142,7 @@ def _read_network(
             for mid, item in springs.items()
             if "MAXWELL" in item[0] or item[0] == "MAT_S06"
         )
-    named: dict[tuple[GeneralizedMaxwell | None, str], Card] = {}
+    named: dict[tuple[GeneralizedMaxwell | None, str], ViscoelasticCard] = {}
     for (a, b, vector), mids in pairs.items():
         card = _build_network(f"nodes {a} and {b}", [springs[mid] for mid in mids])
         # many stations of one line have the same springs
@@ -142,7 +150,7 @@ def _read_network(
     return tuple(named.values())
 
 
-def _build_network(name: str, items: list[tuple[str, list[float]]]) -> Card:
+def _build_network(name: str, items: list[tuple[str, list[float]]]) -> ViscoelasticCard:
     k_inf, b = 0.0, 0.0
     arms = []
     for keyword, values in items:
@@ -159,4 +167,4 @@ def _build_network(name: str, items: list[tuple[str, list[float]]]) -> Card:
             arms.append((k_0 - k_end, 1 / beta))
     arms.sort(key=lambda arm: arm[1])
     spring = GeneralizedMaxwell(k_inf, tuple(k for k, _ in arms), tuple(tau for _, tau in arms), b)
-    return Card(name, "*MAT_SPRING_MAXWELL", spring=spring)
+    return ViscoelasticCard(name, "*MAT_SPRING_MAXWELL", spring=spring)

@@ -9,7 +9,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.export.unit_systems import UnitSystem
-from dashpot.extensions.solver_inputs.cards.card import Card, FrequencyTable, parse_number
+from dashpot.extensions.solver_inputs.cards.card import (
+    FrequencyTable,
+    ViscoelasticCard,
+    parse_number,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part_geometry import RUBBER
 
@@ -58,7 +62,9 @@ def _pad_to_eight(fields: list[str]) -> None:
     fields.extend([""] * (-len(fields) % 8))
 
 
-def read_nastran_cards(text: str, units: UnitSystem, component: int | None) -> tuple[Card, ...]:
+def read_nastran_cards(
+    text: str, units: UnitSystem, component: int | None
+) -> tuple[ViscoelasticCard, ...]:
     """Return the bushes and viscoelastic materials of bulk data.
 
     Parameters
@@ -125,7 +131,7 @@ def _read_bush(
     *,
     units: UnitSystem,
     component: int | None,
-) -> Card:
+) -> ViscoelasticCard:
     where = f"PBUSH {pid}"
     stiff = rows.get("K", [""] * 6)
     listed = [i for i, word in enumerate(stiff, start=1) if word]
@@ -152,7 +158,7 @@ def _read_bush(
                 f"{where} has structural damping GE = {GE:g} at all frequencies, which no springs "
                 "and dashpots have; expected tables (PBUSHT), or B"
             )
-        return Card(pid, "PBUSH", spring=GeneralizedMaxwell(K, b=B), notes=tuple(notes))
+        return ViscoelasticCard(pid, "PBUSH", spring=GeneralizedMaxwell(K, b=B), notes=tuple(notes))
     f = np.unique(np.concatenate([table[0] for table in used.values() if table[0].size]))  # type: ignore[union-attr]
     f = f[f > 0]
 
@@ -166,10 +172,12 @@ def _read_bush(
     storage = column("K", K) / units.stiffness(1.0)
     loss = storage * column("GE", GE)
     loss = loss + 2 * np.pi * hertz * column("B", B) / units.damping(1.0)
-    return Card(pid, "PBUSHT", table=FrequencyTable(hertz, storage + 1j * loss), notes=tuple(notes))
+    return ViscoelasticCard(
+        pid, "PBUSHT", table=FrequencyTable(hertz, storage + 1j * loss), notes=tuple(notes)
+    )
 
 
-def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) -> Card:
+def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) -> ViscoelasticCard:
     """Return a MATVE: relative moduli of OptiStruct (PRONY), moduli of MSC (ISO, ISO1, LINEAR)."""
     mid, model = fields[0], fields[1].upper()
     where = f"{name} {mid}"
@@ -179,7 +187,7 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
         pairs = [words[0][:2], *words[1:5]], [words[0][2:4], *words[5:9]]
         shear, bulk = (_list_pairs(group, where) for group in pairs)
         taken = f"{where}: its ratios are taken as parts of the instantaneous modulus"
-        card = Card(mid, f"{name}, PRONY", shear, bulk, E, poisson, notes=(taken,))
+        card = ViscoelasticCard(mid, f"{name}, PRONY", shear, bulk, E, poisson, notes=(taken,))
         return card.add_notes(*card.format_poisson_note())
     if model in {"ISO1", "LINEAR", ""}:
         words = [fields[i : i + 4] for i in range(8, len(fields), 8)]
@@ -198,7 +206,7 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
     G_0, K_0 = E / (2 * (1 + poisson)), E / (3 * (1 - 2 * poisson)) if poisson < 0.5 else 0.0
     shear = tuple((G / G_0, tau) for G, tau in _list_pairs(groups[0], where))
     bulk = tuple((K / K_0, tau) for K, tau in _list_pairs(groups[1], where)) if K_0 else ()
-    card = Card(mid, f"{name}, {model or 'ISO1'}", shear, bulk, E, poisson)
+    card = ViscoelasticCard(mid, f"{name}, {model or 'ISO1'}", shear, bulk, E, poisson)
     return card.add_notes(*card.format_poisson_note())
 
 

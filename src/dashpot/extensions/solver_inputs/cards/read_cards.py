@@ -9,7 +9,7 @@ from dashpot.base.errors import ReadError
 from dashpot.export.unit_systems import UnitSystem
 from dashpot.extensions.solver_inputs.cards.abaqus_cards import read_abaqus_cards
 from dashpot.extensions.solver_inputs.cards.ansys_cards import read_ansys_cards
-from dashpot.extensions.solver_inputs.cards.card import Card
+from dashpot.extensions.solver_inputs.cards.card import ViscoelasticCard
 from dashpot.extensions.solver_inputs.cards.lsdyna_cards import read_lsdyna_cards
 from dashpot.extensions.solver_inputs.cards.nastran_cards import read_nastran_cards
 
@@ -28,7 +28,9 @@ READ = (
 )
 
 
-def read_cards(text: str, name: str, units: UnitSystem, component: int | None) -> tuple[Card, ...]:
+def read_cards(
+    text: str, name: str, units: UnitSystem, component: int | None
+) -> tuple[ViscoelasticCard, ...]:
     """Return every viscoelastic card of a solver input.
 
     Parameters
@@ -51,7 +53,7 @@ def read_cards(text: str, name: str, units: UnitSystem, component: int | None) -
             f"{name}: /VISC/PRONY of Radioss is not read; it has no long-term modulus. These are: "
             f"{READ}"
         )
-    cards: Sequence[Card]
+    cards: Sequence[ViscoelasticCard]
     if dialect == "abaqus":
         cards = read_abaqus_cards(text)
     elif dialect == "ansys":
@@ -67,7 +69,9 @@ def read_cards(text: str, name: str, units: UnitSystem, component: int | None) -
     return tuple(cards)
 
 
-def select_card(cards: Sequence[Card], wanted: str | None, name: str) -> Card:
+def select_card(
+    cards: Sequence[ViscoelasticCard], wanted: str | None, name: str
+) -> ViscoelasticCard:
     """Return the card of a name, or the only one.
 
     Raises

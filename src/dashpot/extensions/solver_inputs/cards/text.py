@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.number_format import format_band
+from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.solver_inputs.cards.imported_model import ImportedModel
 from dashpot.text_output.layout import Text, table
 
@@ -10,20 +11,20 @@ from dashpot.text_output.layout import Text, table
 def render_imported_model(result: ImportedModel) -> Text:
     """Return the model, and what a test could have told of each arm."""
     model, test = result.fit.model, result.test
-    size, unit = (1e3, "N/mm") if result.fit.unit == "N/m" else (1e6, "MPa")
-    end = f", b = {model.b / size:.5g} {unit.replace('/', ' s/')}" if model.b else ""
+    unit = "N/mm" if result.fit.unit == "N/m" else "MPa"
+    end = f", b = {model.b:.5g} N s/m" if model.b else ""
     lines = [
         f"{result.fit.source[0].file}: {result.keyword} of {result.card}",
-        f"  k_inf = {model.k_inf / size:.6g} {unit}{end}",
+        f"  k_inf = {convert_to_unit(model.k_inf, unit):.6g} {unit}{end}",
     ]
     if result.arms:
         rows = [("arm", f"k, {unit}", "tau, s", "SD of k", "SD of tau", "")]
         for j, arm in enumerate(result.arms, start=1):
             word = "" if arm.is_determined else "not determined"
+            k = f"{convert_to_unit(arm.k, unit):.5g}"
             rows.append(
-                (str(j), f"{arm.k / size:.5g}", f"{arm.tau:.5g}", _percent(arm.k_sd),
-                 _percent(arm.tau_sd), word)
-            )  # fmt: skip
+                (str(j), k, f"{arm.tau:.5g}", _percent(arm.k_sd), _percent(arm.tau_sd), word)
+            )
         lines += table(rows)
         told = "nowhere" if result.testable_band is None else format_band(result.testable_band)
         motion = f"ramp {test.ramp_time:.4g} s, hold {test.hold_time:.4g} s, {test.rate:.4g} Hz"
@@ -36,7 +37,7 @@ def render_imported_model(result: ImportedModel) -> Text:
 
 def _format_noise(result: ImportedModel) -> str:
     if result.fit.unit == "N/m":
-        return f"{1e3 * result.test.noise:.3g} mN"
+        return format_quantity(result.test.noise, "mN", ".3g")
     test = result.test
     peak = result.fit.model.ramp_hold_force(
         [test.ramp_time], depth=test.depth, ramp_time=test.ramp_time

@@ -38,7 +38,7 @@ _FACTOR = 0.3
 
 
 @dataclass(frozen=True)
-class Peak:
+class MassPeak:
     """Resonance of a mass on the seals, Hz, and its damping ratio."""
 
     frequency: float
@@ -179,7 +179,7 @@ class _PeakFinder:
         self.mass, self.seals = mass, seals
         self.compression, self.temperature = compression, temperature
 
-    def __call__(self, fit: Fit) -> Peak:
+    def __call__(self, fit: Fit) -> MassPeak:
         if self.compression is not None:
             fit = fit.at_compression(self.compression)
         if self.temperature is not None and fit.temperatures is not None:
@@ -189,11 +189,11 @@ class _PeakFinder:
             raise ExportError(f"a mass of {self.mass:g} kg does not resonate on this model")
         # arms faster than the mass have poles of their own, which hardly move it
         mode = max(modes, key=lambda mode: abs(mode.residue))
-        return Peak(mode.frequency, mode.damping_ratio)
+        return MassPeak(mode.frequency, mode.damping_ratio)
 
 
 def format_index(
-    units: UnitSystem, rows: Sequence[tuple[str, DrawnSolid | None, Fit, Peak]]
+    units: UnitSystem, rows: Sequence[tuple[str, DrawnSolid | None, Fit, MassPeak]]
 ) -> str:
     """Return the index of draws as CSV; its first row is the fit itself.
 
