@@ -166,9 +166,9 @@ _SPEAK_PYTHON = (
 _MARKUP = (
     "plot/",
     "report/",
-    *(f"extensions/solver_inputs/{name}" for name in ("fmi/", "modelica")),
+    *(f"extensions/solver_inputs/{name}" for name in ("felupe", "fmi/", "modelica")),
 )
-"""What writes SVG, HTML, XML and Modelica."""
+"""What writes SVG, HTML, XML, Modelica and Python."""
 _OPTION = re.compile(
     r"(?:dashpot (?P<command>\w+) (?:[A-Z]+ )?)?(?<![\w-])(?P<word>--[a-z][a-z-]+)"
 )

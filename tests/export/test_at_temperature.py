@@ -13,7 +13,7 @@ import dashpot as dp
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
-from dashpot.export import TARGETS
+from dashpot.export import FORMS, NEEDS, TARGETS
 from dashpot.solids.demo_seals import BROAD, SHIFT
 from dashpot.solids.shift_laws import Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.workflow.json_archive import to_json
@@ -102,7 +102,7 @@ def test_there_is_no_card_without_a_law(target):
 
 @pytest.mark.parametrize("target", sorted(TARGETS))
 def test_every_deck_says_the_law_and_its_constants(target):
-    more = {} if target != "radioss" else {"modulus": 1e6}
+    more = dict.fromkeys(NEEDS[target].get(FORMS[target][0], ()), 1e6)
     deck = TARGETS[target](moving(), units="SI", **more)
     assert "temperature law: WLF, log10 a_T = -C1 (T - T_r)/(C2 + T - T_r)" in deck
     assert "C1 = 6.943703704, C2 = 129.6 K, T_r = 296.15 K" in deck
@@ -129,7 +129,7 @@ def test_prony_card_states_what_the_shift_cannot_carry(target, vertical, message
 @pytest.mark.parametrize("target", sorted(TARGETS))
 @pytest.mark.parametrize("law", [SHIFT, ENERGY, FREE])
 def test_deck_at_a_temperature_equals_deck_of_the_shifted_fit(target, law):
-    more = {} if target != "radioss" else {"modulus": 1e6}
+    more = dict.fromkeys(NEEDS[target].get(FORMS[target][0], ()), 1e6)
     fit = moving(law)
     asked = Specimen(length=0.1, temperature=278.15)
     deck = TARGETS[target](fit, units="SI", specimen=asked, **more)

@@ -113,7 +113,8 @@ def test_only_what_a_solver_here_runs_claims_to_be_solver_verified(fit):
     }
     for target, form, extra in DECKS:
         deck = write(target, fit, form=form, **extra)
-        solver = target in {"csv", *here - {"nastran"}} or (target, form) == ("nastran", "arms")
+        run = {("nastran", "arms"), ("felupe", "prony")}
+        solver = target in {"csv", *here - {"nastran"}} or (target, form) in run
         assert "not solver-verified" in deck or solver, target
     for target in ("calculix", "opensees"):
         assert "not solver-verified" not in write(target, fit)

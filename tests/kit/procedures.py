@@ -403,6 +403,42 @@ def run_nastran(form: str, procedure: str, case: str) -> float:
     return float(np.abs(moved - np.interp(t, grid, exact)).max() / np.abs(exact).max())
 
 
+# -- FElupe ----------------------------------------------------------------------------------------
+
+STRAIN_STEPS = "MaterialStrain, small strain"
+SHEARED = "sheared, by .1 in 1 s and held, steps of 10 ms"
+FELUPE_RUN = """
+import json, sys
+import numpy as np
+deck, strains = json.load(sys.stdin)
+exec(deck)
+material = make_material(0.01)
+state = np.zeros((material.x[-1].size, 1, 1))
+stress = []
+for strain in strains:
+    F = np.eye(3)[:, :, None, None].copy()
+    F[0, 1] = strain
+    first, state = material.gradient([F, state])
+    stress.append(float(first[0, 1, 0, 0]))
+print(json.dumps(stress))
+"""
+
+
+def run_felupe(form: str, procedure: str, case: str) -> float:
+    """Simple shear of the material; DASHPOT_FELUPE names a Python that has FElupe."""
+    python = os.environ.get("DASHPOT_FELUPE", sys.executable)
+    if subprocess.run([python, "-c", "import felupe"], capture_output=True, check=False).returncode:
+        raise Missing("FElupe is not installed: pip install felupe, and set DASHPOT_FELUPE")
+    G_0, t = 1e6, 0.01 * np.arange(1, 501)
+    deck = TARGETS["felupe"](SEAL, units="SI", form=form, modulus=G_0)
+    run = subprocess.run(
+        [python, "-c", FELUPE_RUN], capture_output=True, text=True, timeout=120, check=True,
+        input=json.dumps([str(deck), (0.1 * np.minimum(t, 1.0)).tolist()]),
+    )  # fmt: skip
+    exact = G_0 / SEAL.k_0 * SEAL.ramp_hold_force(t, depth=0.1, ramp_time=1.0)
+    return float(np.abs(np.array(json.loads(run.stdout)) - exact).max() / exact.max())
+
+
 # -- the table -------------------------------------------------------------------------------------
 
 Measure = Callable[[str, str, str], float]
@@ -431,6 +467,7 @@ TASKS: dict[tuple[str, str, str, str], Measure] = {
     ("calculix", "arms", "*MODAL DYNAMIC", STRUCK): strike_calculix,
     ("nastran", "arms", SOL_8, FRF): run_nastran,
     ("nastran", "arms", SOL_9, STRUCK): run_nastran,
+    ("felupe", "prony", STRAIN_STEPS, SHEARED): run_felupe,
 }
 
 
@@ -443,6 +480,7 @@ def measure_all() -> list[Run]:
     solvers = {
         run_opensees: f"OpenSeesPy {version('openseespy')}", run_tcl: "OpenSees of xara 0.0.46",
         run_fmu: f"FMPy {version('fmpy')}", run_nastran: "NASTRAN-95 0.3",
+        run_felupe: "FElupe 11.3.0",
     }  # fmt: skip
     runs = []
     for task, run_task in TASKS.items():

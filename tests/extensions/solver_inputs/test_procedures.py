@@ -6,7 +6,7 @@ import pytest
 from kit import procedures
 from kit.procedures import PAGE, SEAL, TASKS, Missing
 
-from dashpot.export import TARGETS
+from dashpot.export import NEEDS, TARGETS
 from dashpot.extensions.solver_inputs.procedures import format_procedures, read_runs
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -39,8 +39,11 @@ def test_the_page_shows_the_table():
 )
 @pytest.mark.parametrize("b", [0.0, 20.0])
 def test_the_header_says_what_the_table_says(target, form, b):
+    if b and form == "prony":
+        pytest.skip("a Prony series holds no parallel dashpot")
     solid = SEAL + GeneralizedMaxwell(0.0, b=b)
-    header = TARGETS[target](solid, units="SI", form=form)
+    more = dict.fromkeys(NEEDS[target].get(form, ()), 1e6)
+    header = TARGETS[target](solid, units="SI", form=form, **more)
     runs = [run for run in read_runs() if (run.target, run.form) == (target, form)]
     damped = any(run.case.endswith("with b") for run in runs)
     for run in runs:

@@ -30,5 +30,6 @@ EXTENSION = Extension(
         SolverInput("csv", "dashpot.extensions.solver_inputs.csv", order=9),
         SolverInput("fmu", "dashpot.extensions.solver_inputs.fmu", order=10, synonyms=("fmi",)),
         SolverInput("modelica", "dashpot.extensions.solver_inputs.modelica", order=11),
+        SolverInput("felupe", "dashpot.extensions.solver_inputs.felupe", order=12),
     ),
 )  # fmt: skip

@@ -30,6 +30,7 @@ const DECKS = {
   opensees: "OpenSees",
   adams: "Adams",
   radioss: "Radioss",
+  felupe: "FElupe",
   statespace: "State space",
   csv: "Table",
 };
