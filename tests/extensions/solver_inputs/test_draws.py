@@ -145,6 +145,24 @@ def test_unresolved_arms_are_what_the_record_does_not_reject(record, record_fit)
     assert max(damping) > 5 * -find_pole(record_fit.model).real / abs(hidden)
 
 
+@pytest.mark.slow
+def test_draws_enclose_the_peak_of_seals_with_a_hidden_arm():
+    """24 seals with an arm of 3 to 60 ms and 2 to 40 % of k_inf; all were enclosed."""
+    generator, enclosed = np.random.default_rng(5), []
+    for seed in range(24):
+        tau = float(10 ** generator.uniform(-2.5, -1.2))
+        hidden = PAPER + GeneralizedMaxwell(0.0, (196.5 * generator.uniform(0.02, 0.4),), (tau,))
+        (test,) = ramp_holds(dp.simulate("relaxation", seal=hidden, seed=seed, hold="30s"))
+        fit = dp.fit(test)
+        times = choose_unresolved_times(fit, abs(find_pole(fit.model)) / (2 * np.pi))
+        draws = draw_solids(fit, 20, seed=1, records=[test], times=times)
+        poles = np.array([find_pole(draw.solid) for draw in draws])
+        true = find_pole(hidden)
+        for values, value in ((np.abs(poles), abs(true)), (-poles.real, -true.real)):
+            enclosed.append(values.min() <= value <= values.max())
+    assert np.mean(enclosed) > 0.95
+
+
 def test_deviance_limit_is_that_of_chi_square():
     assert [compute_deviance_quantile(dof) for dof in (3, 6, 12)] == pytest.approx(
         chi2.ppf(0.99, [3, 6, 12]), rel=0.005
