@@ -472,7 +472,7 @@ def _frequencies(
     if mark is not None:
         tops.append(3 * mark)
     tops += [float(item.frequency[-1]) for item in (bounds, measured) if item is not None]
-    return np.geomspace(fit.band[0] / 3, max(tops), 300)
+    return np.geomspace(fit.band[0] / 3 or 0.01, max(tops), 300)
 
 
 def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:

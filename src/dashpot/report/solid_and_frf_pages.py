@@ -168,6 +168,8 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
 # Page of a solid.
 
 
+_WITHOUT_BAND = (0.1, 10.0)
+"""Hz, of a model that has no valid band."""
 _LINES, _BEYOND, _BOUNDED = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
@@ -266,7 +268,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     records : sequence
         Behind it: of ramps and holds the worst-case bounds is drawn too.
     """
-    low, high = fit.band
+    low, high = fit.band if fit.band[1] > 0 else _WITHOUT_BAND
     lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)
     held = [record for record in records if isinstance(record, RampHold)]
     bounds = None
@@ -276,9 +278,10 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     drawn = plot.stiffness(fit, parameters=stiffness_bounds, unseen=bounds)
     (storage,), _, (loss,) = drawn.strips
     low_end = (float(lines[0]), float(lines[-1]))
+    valid = (Span(low, high, "fit", "valid band", tint=0.06),) if fit.band[1] > 0 else ()
     stacked = tuple(
         replace(panel, x=replace(panel.x, limits=low_end), height=height,
-                marks=(Span(low, high, "fit", "valid band", tint=0.06), *panel.marks))
+                marks=(*valid, *panel.marks))
         for panel, height in ((storage, 150.0), (loss, 170.0))
     )  # fmt: skip
     return replace(drawn, strips=(stacked,), columns=1, width=LEAD)

@@ -68,12 +68,12 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     `asked` is the number of arms that was wanted.
     """
     residual = fit.estimate.residual
-    lines = [
-        _format_fit_heading(fit, asked),
-        *_solid(fit),
-        f"  residual    {_size(residual)}; {_samples(residual)}",
-        f"  valid band  {hertz(fit.band)}",
-    ]
+    lines = [_format_fit_heading(fit, asked), *_solid(fit)]
+    if residual.n > 0:  # none of a model without a test
+        lines += [
+            f"  residual    {_size(residual)}; {_samples(residual)}",
+            f"  valid band  {hertz(fit.band)}",
+        ]
     for section in (
         _creep,
         _format_elastic_law,

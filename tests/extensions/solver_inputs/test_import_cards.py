@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from kit.shell import did, ran, run_json
 
+import dashpot as dp
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.datamodel.fit import Fit
@@ -374,6 +375,19 @@ def test_a_card_of_a_material_goes_to_a_part_and_back_to_a_card(folder):
     assert again["model"]["arms"] == first["model"]["arms"]
     assert again["model"]["k_inf"] == pytest.approx(first["model"]["k_inf"])
     assert again["temperature"]["law"] == first["temperature"]["law"]
+
+
+def test_an_imported_model_has_a_text_a_page_and_a_figure(folder):
+    did("import", "seal.k", "--unit-system", "mm-t-s", "-o", "seal.json")
+    fit = dp.read("seal.json")
+    text = str(fit)
+    assert "no test" in text
+    assert "3 Maxwell arms, method card" in text
+    assert "residual" not in text
+    dp.save(fit, "seal.html")
+    assert "no test and no errors stand behind it" in Path("seal.html").read_text()
+    fit.plot()
+    assert dp.predict(fit, mass="104g", seals=2).modes[0].frequency == pytest.approx(13.3, abs=0.5)
 
 
 @pytest.mark.parametrize(
