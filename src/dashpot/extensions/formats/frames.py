@@ -76,7 +76,8 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
             raise DataError(f"{len(values)} arrays are no test. Give three: {_LINE}")
         if "units" not in options:
             raise DataError(f"arrays have no units. Say them: {_LINE}")
-        return [RelaxationTest(*values, units=options.pop("units"))]
+        time, displacement, force = values
+        return [RelaxationTest(time, displacement, force, units=options.pop("units"))]
     said = ReadOptionKeywords.__annotations__.keys() & options.keys() & {"units", "columns", "rate"}
     keywords = {name: options.pop(name) for name in said}
     return [

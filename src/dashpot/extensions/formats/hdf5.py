@@ -152,7 +152,8 @@ def _dataset(node: Any, name: str, walk: _Walked) -> list[NamedArray]:
         if np.iscomplexobj(array.values):
             factor, values = factors_among(entries), array.values
         else:
-            values, factor = apply_attributes(array.name, array.values, entries, walk.notes)
+            numbers: FloatArray = array.values.real
+            values, factor = apply_attributes(array.name, numbers, entries, walk.notes)
         arrays.append(replace(array, values=values, factor=factor, start=start))
     return arrays
 
