@@ -91,16 +91,16 @@ def figures(seed: int) -> Held:
 
 
 @cache
-def memory() -> dp.Fit:
+def relaxation() -> dp.Fit:
     """Table 1's, known to rounding."""
     one = sampled(pressed(Seal(TABLE_1), Protocol(rate=200.0)), None)
     return fit(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), arms=2)
 
 
 def relaxed(seed: int, air: bool) -> Held:
-    """Tangents of the law under one cycle whose memory is known."""
+    """Tangents of the law under one cycle whose relaxation is known."""
     seal, speed = seal_of(seed), np.random.default_rng([seed, 2]).choice([1e-4, 5e-4, 2e-3])
-    law = relaxed_law(pressed_once(seal, speed, seed, air), memory()).law
+    law = relaxed_law(pressed_once(seal, speed, seed, air), relaxation()).law
     yield from bends(law, seal)
 
 
@@ -116,7 +116,7 @@ def intervals(found: dp.Fit, prefix: str = "") -> Held:
 
 
 def speeds(seed: int, air: bool) -> Held:
-    """One memory at three speeds, its number of arms chosen."""
+    """One relaxation at three speeds, its number of arms chosen."""
     seal = seal_of(seed)
     found = fit_speeds([pressed_once(seal, speed, seed, air) for speed in (2e-4, 2e-3, 2e-2)])
     yield from intervals(found)
@@ -159,9 +159,9 @@ def indentation(seed: int) -> Held:
 
 
 def aging(seed: int, *, rubber: Rubber = RUBBER, oven: float = 1.0, off: float = 1.0) -> Held:
-    """Pieces in three ovens that are off: life and F/F0 at 70 degC, activation energy."""
+    """Specimens in three ovens that are off: life and F/F0 at 70 degC, activation energy."""
     one = lot(rubber, seed, off=off)
-    record = dp.CSRTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
+    record = dp.CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
     found = dp.fit(record, machine=dp.Machine(oven=oven))
     aged = dp.predict(found, temperature="70degC", until=("50%", "1000h"))
     life, left = (one for one in aged.facts if one.name in {"life", "left"})

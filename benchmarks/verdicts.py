@@ -71,6 +71,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
+from kit.drop_relaxation import relaxed
 from kit.foreign import conditioning, curves, forced_orders, gaps
 from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.delayed_channels import cycle_of, delayed, over_displacement
@@ -81,7 +82,6 @@ from kit.foreign.lying_channels import CHANNELS
 from kit.foreign.rigs import RIGS, Record, read, several
 from kit.foreign.slow_arms import SlowPair, slow_pairs
 from kit.foreign.truths import TRUTHS, Seal, Solid
-from kit.slam_memory import relaxed
 
 HERTZ, SEALS = 12.7, 2
 MISSED, HELD, SURE = 0.06, 0.93, 0.15
@@ -511,19 +511,19 @@ def _late_cld(one: Sheet) -> Answer:
     return found.verdict, abs(found.cycle.hysteresis - lost) / found.cycle.hysteresis_se
 
 
-def _late_slam(one: Sheet) -> Answer:
+def _late_drop(one: Sheet) -> Answer:
     """The loss factor, beside a relaxation test of the slow arms."""
-    piece = one.truth["piece"]
-    test = dp.SlamTest(one["time"], one["force"], one["acceleration"], units="SI")
+    specimen = one.truth["specimen"]
+    test = dp.DropTest(one["time"], one["force"], one["acceleration"], units="SI")
     random = np.random.default_rng([77, *one.name.encode()])
-    found = dp.fit(test, mass=piece.mass, memory=relaxed(piece, random))
+    found = dp.fit(test, mass=specimen.mass, relaxation=relaxed(specimen, random))
     loss = found.found[0]
-    off = piece.loss_factor(found.frequency) - loss.value
+    off = specimen.loss_factor(found.frequency) - loss.value
     return found.verdict, WITHIN * abs(off) / ((loss.high - loss.low) / 2)
 
 
 DELAYED: Mapping[str, Callable[[Sheet], Answer]] = {
-    "creep": _late_creep, "loops": _late_loops, "cld": _late_cld, "slam": _late_slam,
+    "creep": _late_creep, "loops": _late_loops, "cld": _late_cld, "slam": _late_drop,
 }  # fmt: skip
 
 

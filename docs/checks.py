@@ -54,7 +54,7 @@ TITLES = {
     "extensions/materials/hyperelastic": "Hyperelastic laws",
     "extensions/materials/indentation": "Rebound indentation",
     "extensions/materials/rod": "Rods",
-    "extensions/materials/slam": "Impact (drop) tests",
+    "extensions/materials/drop": "Impact (drop) tests",
     "extensions/modes": "Modes of several points and masses",
     "extensions/projects": "Projects",
     "fitting": "Fit of a relaxation test",

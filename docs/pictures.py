@@ -38,14 +38,14 @@ simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
 fit cld_1.csv --length 100mm --compression 6mm --compression-limits 4:8mm --plot cld.svg
 fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --compression-limits 4:8mm \
---plot pieces.svg
+--plot specimens.svg
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
 predict csr.json --temperature 70degC --end 50% --end 1000h --plot aged.svg
 fit cld_1.csv --length 100mm --compression 6mm --relaxation fit.json -o law.json
-predict law.json --drop 0.3m/s --mass 200g --plot slam.svg
-fit slam.csv --mass 200g --drop 0.3m/s --relaxation fit.json --plot slams.svg
+predict law.json --drop 0.3m/s --mass 200g --plot drop_prediction.svg
+fit slam.csv --mass 200g --drop 0.3m/s --relaxation fit.json --plot drop_test.svg
 fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g --arms 1 --plot rod.svg
 fit shaker_20mN.csv shaker_500mN.csv --amplitude 0.02N --amplitude 0.5N --mass 114.8g \
 --plot levels.svg

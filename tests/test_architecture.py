@@ -56,7 +56,7 @@ def test_a_report_of_a_seal_loads_no_other_kind_and_no_door(tmp_path: Path) -> N
     )
     loaded = modules_after(code)
     assert "dashpot.report.first_screen" in loaded
-    others = ("cld", "csr", "indentation", "rod", "slam")
+    others = ("cld", "csr", "drop", "indentation", "rod")
     rooms = tuple(f"dashpot.extensions.materials.{name}." for name in others)
     rooms += ("dashpot.extensions.systems.door.",)
     assert not [name for name in loaded if name.startswith(rooms) and not name.endswith(".rows")]

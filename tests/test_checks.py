@@ -44,13 +44,13 @@ from dashpot.extensions.curves.superposition import checks
 from dashpot.extensions.curves.temperatures import checks as several
 from dashpot.extensions.materials.cld import checks as cld
 from dashpot.extensions.materials.csr import checks as csr
+from dashpot.extensions.materials.drop import checks as drop
 from dashpot.extensions.materials.hyperelastic import checks as hyper
 from dashpot.extensions.materials.indentation import checks as indentation
 from dashpot.extensions.materials.indentation.contact_law import ViscousContact
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod import checks as rod
-from dashpot.extensions.materials.slam import checks as slam
 from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
 from dashpot.extensions.projects import verification_checks
@@ -1291,45 +1291,45 @@ CSR = [
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
-SLAM = [
+DROP = [
     Case(
-        "slam_within_measured_depth",
-        lambda x: slam.slam_within_measured_depth(0.01 * x, 0.01),
+        "impact_within_measured_depth",
+        lambda x: drop.impact_within_measured_depth(0.01 * x, 0.01),
         0.999,
         1.001,
     ),
-    Case("slam_in_valid_band", lambda x: slam.slam_in_valid_band(10 * x, 10.0), 0.999, 1.001),
-    Case("air_escapes", slam.air_escapes, 0.099, 0.101),
-    Case("loss_determined", lambda x: slam.loss_determined(x, 12.0), 0.249, 0.251),
-    Case("slams_residual_small", slam.slams_residual_small, 1.499, 1.501),
+    Case("impact_in_valid_band", lambda x: drop.impact_in_valid_band(10 * x, 10.0), 0.999, 1.001),
+    Case("air_escapes", drop.air_escapes, 0.099, 0.101),
+    Case("loss_determined", lambda x: drop.loss_determined(x, 12.0), 0.249, 0.251),
+    Case("impacts_residual_small", drop.impacts_residual_small, 1.499, 1.501),
     Case(
-        "slam_residual_structureless",
-        lambda x: slam.slam_residual_structureless({"friction": -x}),
+        "impact_residual_structureless",
+        lambda x: drop.impact_residual_structureless({"friction": -x}),
         2.499,
         2.501,
     ),
-    Case("slams_sampled", slam.slams_sampled, 50.1, 49.9),
-    Case("slam_speeds_spread", slam.slam_speeds_spread, 2.001, 1.999),
-    Case("slow_arms_determined", lambda x: slam.slow_arms_determined(provided=bool(x)), 1, 0),
-    Case("slam_speeds_agree", slam.slam_speeds_agree, 2.999, 3.001),
-    Case("slams_separated", slam.slams_separated, 10.01, 9.99),
-    Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 + x), 0.0299, 0.0301),
-    Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 - x), 0.0299, 0.0301),
-    Case("arms_agree_with_relaxation_test", slam.arms_agree_with_relaxation_test, 2.999, 3.001),
-    Case("spectrum_has_gaps", slam.spectrum_has_gaps, 4, 5),
+    Case("impacts_sampled", drop.impacts_sampled, 50.1, 49.9),
+    Case("impact_speeds_spread", drop.impact_speeds_spread, 2.001, 1.999),
+    Case("slow_arms_determined", lambda x: drop.slow_arms_determined(provided=bool(x)), 1, 0),
+    Case("impact_speeds_agree", drop.impact_speeds_agree, 2.999, 3.001),
+    Case("impacts_separated", drop.impacts_separated, 10.01, 9.99),
+    Case("impact_mass_agrees", lambda x: drop.impact_mass_agrees(1 + x), 0.0299, 0.0301),
+    Case("impact_mass_agrees", lambda x: drop.impact_mass_agrees(1 - x), 0.0299, 0.0301),
+    Case("arms_agree_with_relaxation_test", drop.arms_agree_with_relaxation_test, 2.999, 3.001),
+    Case("spectrum_has_gaps", drop.spectrum_has_gaps, 4, 5),
     Case(
         "loss_factors_agree",
-        lambda x: slam.loss_factors_agree(-x, 0.08, 0.1, within=True),
+        lambda x: drop.loss_factors_agree(-x, 0.08, 0.1, within=True),
         2.999,
         3.001,
     ),
     Case(
         "loss_factors_agree",
-        lambda x: slam.loss_factors_agree(x, 0.1, 0.08, within=True),
+        lambda x: drop.loss_factors_agree(x, 0.1, 0.08, within=True),
         2.999,
         3.001,
     ),
-    Case("piece_length_given", lambda x: slam.piece_length_given(provided=bool(x)), 1, 0),
+    Case("specimen_length_given", lambda x: drop.specimen_length_given(provided=bool(x)), 1, 0),
 ]
 
 IMPACT = [
@@ -1650,10 +1650,10 @@ CLD = [
     Case("one_relaxation_explains_speeds", cld.one_relaxation_explains_speeds, 9.9, 10.1),
     Case("relaxation_tests_agree", cld.relaxation_tests_agree, 0.0499, 0.0501),
     Case("relaxed_agrees", lambda x: cld.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
-    Case("pieces_tested_alike", lambda x: cld.pieces_tested_alike(["speed"] * int(x)), 0, 1),
+    Case("specimens_tested_alike", lambda x: cld.specimens_tested_alike(["speed"] * int(x)), 0, 1),
     Case(
-        "pieces_capable",
-        lambda x: cld.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
+        "specimens_capable",
+        lambda x: cld.specimens_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
         1.331,
         1.329,
     ),
@@ -1892,7 +1892,7 @@ STAGES = {
     "extensions/amplitude": LEVEL,
     "extensions/materials/csr": CSR,
     "extensions/materials/rod": ROD,
-    "extensions/materials/slam": SLAM,
+    "extensions/materials/drop": DROP,
     "extensions/batch": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1941,7 +1941,7 @@ LIMITS = {
         "relaxation_tests_agree": 0.05, "one_relaxation_explains_speeds": 10,
         "speeds_spread": 10, "speeds_residual_small": 2, "slowest_stroke_quasi_static": 1,
         "relaxation_times_determined": 0.5,
-        "pieces_tested_alike": 0, "pieces_capable": 1.33,
+        "specimens_tested_alike": 0, "specimens_capable": 1.33,
     },
     "fitting": {
         "same_specimen": 3,
@@ -2041,12 +2041,12 @@ LIMITS = {
         "temperature_near_ovens": 30, "robust_to_lower_activation_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
-    "extensions/materials/slam": {
-        "slam_within_measured_depth": 1, "slam_in_valid_band": 1, "air_escapes": 0.1,
+    "extensions/materials/drop": {
+        "impact_within_measured_depth": 1, "impact_in_valid_band": 1, "air_escapes": 0.1,
         "loss_determined": 0.25,
-        "slams_residual_small": 1.5, "slam_residual_structureless": 2.5, "slams_sampled": 50,
-        "slam_speeds_spread": 2,
-        "slam_speeds_agree": 3, "slams_separated": 10, "slam_mass_agrees": 0.03,
+        "impacts_residual_small": 1.5, "impact_residual_structureless": 2.5, "impacts_sampled": 50,
+        "impact_speeds_spread": 2,
+        "impact_speeds_agree": 3, "impacts_separated": 10, "impact_mass_agrees": 0.03,
         "arms_agree_with_relaxation_test": 3,
         "spectrum_has_gaps": 4, "loss_factors_agree": 3,
     },
@@ -2131,7 +2131,7 @@ GRADES = {
         "extensions/materials/hyperelastic": {"bulk_modulus_determined"},
         "extensions/materials/csr": {"f0_read", "load_cell_zero_stable",
         "aging_exceeds_cell_drift"},
-        "extensions/materials/slam": {"air_escapes", "piece_length_given"},
+        "extensions/materials/drop": {"air_escapes", "specimen_length_given"},
         "reading/readers": {
             "travel_of_a_seal", "force_of_a_seal", "ramp_not_slow", "stiffness_of_a_seal",
         },
@@ -2163,7 +2163,7 @@ GRADES = {
         "extensions/curves/creep": {"compliance_rises"},
         "extensions/materials/hyperelastic": {"stable_in_use"},
         "extensions/materials/csr": {"force_falls"},
-        "extensions/materials/slam": {"loss_determined"},
+        "extensions/materials/drop": {"loss_determined"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_error"},
         "vibration/impact": {

@@ -38,7 +38,7 @@ from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.extensions.modes.page import list_mode_facts
 from dashpot.extensions.systems.door.analyse_file import door_file
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import Piece
+from dashpot.registry import LotSpecimen
 from dashpot.report import tables
 from dashpot.report.first_screen import rows as answer_rows
 from dashpot.report.result_page import kind_page
@@ -316,7 +316,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     ball = indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.to_dict()
     held(ball.found, table(indentation_text.indentation(ball).lines))
-    piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
+    piece = LotSpecimen(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
     modulus = ball["modulus"]
     assert row_of["indent_depth_m"] == ball["depth"].value

@@ -184,7 +184,7 @@ STANDARD = (
             "extensions/projects/document_versions.py",
             "reading/readers/detect_kind.py",
             "reading/columns/kind_detection.py",
-            "extensions/materials/slam/prediction.py",
+            "extensions/materials/drop/prediction.py",
         ),
     ),
     ("fitted solid", "fitted model", ()),

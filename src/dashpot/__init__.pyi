@@ -51,11 +51,11 @@ from .extensions.curves.datamodel.modulus import RelaxationModulus as Relaxation
 from .extensions.materials.cld.datamodel import CLDTest as CLDTest
 from .extensions.materials.cld.fit_files import CLDResult as CLDResult
 from .extensions.materials.csr.datamodel import CSRTest as CSRTest
+from .extensions.materials.drop.datamodel import DropTest as DropTest
 from .extensions.materials.hyperelastic.datamodel import HyperelasticFit as HyperelasticFit
 from .extensions.materials.hyperelastic.datamodel import StressStrainTest as StressStrainTest
 from .extensions.materials.indentation.datamodel import IndentationFit as IndentationFit
 from .extensions.materials.indentation.datamodel import IndentationTest as IndentationTest
-from .extensions.materials.slam.datamodel import SlamTest as SlamTest
 from .extensions.modes.mass_series_files import MassSeriesModes as MassSeriesModes
 from .extensions.systems.door.door_model import Door as Door
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell

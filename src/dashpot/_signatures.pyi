@@ -24,10 +24,10 @@ from .extensions.materials.cld.datamodel import CLDTest
 from .extensions.materials.cld.fit_files import CLDResult
 from .extensions.materials.csr.datamodel import Aging, CSRTest
 from .extensions.materials.csr.lifetime_prediction import Aged
+from .extensions.materials.drop.datamodel import DropFit, DropTest
+from .extensions.materials.drop.prediction import DropPrediction
 from .extensions.materials.hyperelastic.datamodel import HyperelasticFit, StressStrainTest
 from .extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
-from .extensions.materials.slam.datamodel import SlamFit, SlamTest
-from .extensions.materials.slam.prediction import Slam
 from .extensions.modes.mass_series_files import MassSeriesModes
 from .extensions.systems.door.closing_result import ClosingResult
 from .extensions.systems.door.door_model import Door
@@ -142,7 +142,7 @@ def fit(
     compression: Quantity | None = None,
     between: Range | None = None,
     force_limits: Range | None = None,
-    memory: Fit | Sequence[Fit] = (),
+    relaxation: Fit | Sequence[Fit] = (),
     cycle: int | None = None,
 ) -> CLDResult: ...
 @overload
@@ -153,7 +153,7 @@ def fit(
     model: str = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
-    memory: Fit | None = None,
+    relaxation: Fit | None = None,
     stretches: tuple[float, float] | None = None,
     temperature: Quantity | None = None,
     cycle: int | None = None,
@@ -162,14 +162,14 @@ def fit(
 def fit(first: CSRTest, /, *more: CSRTest, machine: Machine | None = None) -> Aging: ...
 @overload
 def fit(
-    first: SlamTest,
+    first: DropTest,
     /,
-    *more: SlamTest,
+    *more: DropTest,
     mass: Quantity,
-    slam: Quantity | Sequence[Quantity] = (),
-    memory: Fit | Sequence[Fit] = (),
+    drop: Quantity | Sequence[Quantity] = (),
+    relaxation: Fit | Sequence[Fit] = (),
     speed_sd: float = 0.05,
-) -> SlamFit: ...
+) -> DropFit: ...
 @overload
 def fit(record: IndentationTest, /, *, model: str = "auto") -> IndentationFit: ...
 @overload
@@ -197,7 +197,9 @@ def predict(
     machine: Machine | None = None,
 ) -> Prediction: ...
 @overload
-def predict(solid: Fit, /, *, slam: Quantity, mass: Quantity, seals: float = 1.0) -> Slam: ...
+def predict(
+    solid: Fit, /, *, drop: Quantity, mass: Quantity, seals: float = 1.0
+) -> DropPrediction: ...
 @overload
 def predict(
     solid: Solid,
@@ -278,7 +280,7 @@ def read(
 @overload
 def read(
     path: Place, *, kind: Literal["slam"], **options: Unpack[ReadOptionKeywords]
-) -> SlamTest: ...
+) -> DropTest: ...
 @overload
 def read(
     path: Place, *, kind: Literal["indentation"], **options: Unpack[ReadOptionKeywords]

@@ -31,7 +31,7 @@ CASES: dict[str, list[str | Callable[..., Any]]] = {
     "fit": [*(row.records for row in FITS.values()), *(kind.fits for kind in KINDS.values())],
     "predict": [
         *(kind.predict for kind in KINDS.values()),
-        "dashpot.extensions.materials.slam.prediction:predict_slam",
+        "dashpot.extensions.materials.drop.prediction:predict_drop",
         "dashpot.extensions.systems.door.api:predict_door",
         _predict_under_mass,
         _predict_solid_frf,
@@ -90,6 +90,14 @@ def test_read_takes_the_keywords_of_the_stub() -> None:
         (lambda test: dp.plan(freqency="1Hz"), "Did you mean frequency="),
         (lambda test: dp.read("seal.csv", colums={}), "Did you mean columns="),
         (lambda test: dp.simulate("relaxation", mass="1g"), "mass= does not suit a test of relax"),
+        (
+            lambda test: dp.fit(test, memory=test),
+            "memory= does not suit .* Did you mean relaxation=",
+        ),
+        (
+            lambda test: dp.predict(dp.GeneralizedMaxwell(1.0), slam="1m/s", mass=1),
+            "Did you mean drop=",
+        ),
         (lambda test: dp.batch("tests", outputs="lot"), "outputs= does not suit a batch of files"),
     ],
 )

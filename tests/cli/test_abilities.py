@@ -11,7 +11,7 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot.datamodel.fit import apply_elastic_law
 from dashpot.extensions.materials.csr.examples import EXAMPLES as OVENS
-from dashpot.extensions.materials.slam.examples import EXAMPLES as SLAMS
+from dashpot.extensions.materials.drop.examples import EXAMPLES as DROP_TESTS
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.workflow.json_archive import to_json
 
@@ -50,7 +50,7 @@ DOORS = {
 }
 DECK = "--allow all --unit-system mm-t-s --length 100mm --temperature 23degC --line"
 RIG = "--mass 114.8g --seals 2"
-SLAM = "predict bent.json --mass 200g --drop"
+DROP = "predict bent.json --mass 200g --drop"
 AGED = "predict csr.json --temperature 70degC --end"
 
 ROWS = (
@@ -102,15 +102,15 @@ ROWS = (
     ("predict bent.json --amplitude 0.1N", "Give the test mass"),
     ("predict bent.json --mass 0g --amplitude 0.1N", "expected a number > 0"),
     ("predict bent.json --mass 10mg --amplitude 0.1N", "so slight a contact was not tested"),
-    # 5, a slam
+    # 5, an impact
     ("predict bent.json --drop 0.6m/s", "an impact needs the mass of what moves"),
     ("predict bent.json --drop 0.6m/s --mass 0g", "mass = 0.0"),
-    (f"{SLAM} -0.6m/s", "expected a number > 0"),
-    (f"{SLAM} 0.6", "expected the speed at the touch with its unit"),
-    (f"{SLAM} nanm/s", "expected the speed at the touch with its unit"),
-    (f"{SLAM} 0.6m/s --base", "--drop is one hit"),
-    (f"{SLAM} 0.6m/s --amplitude 0.1N", "--drop is one hit"),
-    (f"{SLAM} 0.6m/s --radius 5mm", "No such option '--radius'"),
+    (f"{DROP} -0.6m/s", "expected a number > 0"),
+    (f"{DROP} 0.6", "expected the speed at the touch with its unit"),
+    (f"{DROP} nanm/s", "expected the speed at the touch with its unit"),
+    (f"{DROP} 0.6m/s --base", "--drop is one hit"),
+    (f"{DROP} 0.6m/s --amplitude 0.1N", "--drop is one hit"),
+    (f"{DROP} 0.6m/s --radius 5mm", "No such option '--radius'"),
     ("fit slam.csv", "impacts need the mass"),
     ("fit slam.csv --mass 200g --radius 5mm", "--radius is for a contact of an indenter"),
     ("fit slam.csv --mass 200g --drop 0m/s", "expected a number > 0"),
@@ -133,7 +133,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "bent.json").write_text(to_json(apply_elastic_law(fit, LAW)))
     for name, (old, new) in DOORS.items():
         (place / name).write_text(DOOR.replace(old, new, 1))
-    ovens, slams = OVENS["ovens.csv"].write(), SLAMS["slam.csv"].write()
+    ovens, slams = OVENS["ovens.csv"].write(), DROP_TESTS["slam.csv"].write()
     (place / "ovens.csv").write_text(ovens)
     (place / "slam.csv").write_text(slams)
     head, *rows = (one for one in ovens.splitlines() if not one.startswith("#"))

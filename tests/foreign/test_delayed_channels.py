@@ -2,7 +2,7 @@
 
 Half a sample and one sample, either way, at 20 to 200 Hz, by a generator that shares no line with
 dashpot. Which kinds a delay moves is physics: a creep test shows it on its ramp, a cycle pressed
-and released and a loop take it for loss, a slam is fitted to one channel alone.
+and released and a loop take it for loss, an impact is fitted to one channel alone.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from kit.foreign.delayed_channels import (
     RATES,
     cycle_of,
     delayed,
+    drop,
     late_by,
     over_displacement,
-    slam,
 )
 from kit.foreign.kinds import Sheet
 
@@ -255,16 +255,16 @@ def test_without_a_clock_a_delay_is_of_samples_and_cannot_be_stated():
         cld(test, machine=dp.Machine(sync=1e-3))
 
 
-# -- slams -----------------------------------------------------------------------------------------
+# -- impacts ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("late", LATE)
 def test_impact_fit_uses_only_the_force_and_no_delay(late):
-    one = slam(2, 0.0, 20.0)
+    one = drop(2, 0.0, 20.0)
     moved = late_by(np.repeat(one["acceleration"], 1), late, 1)
-    mass = one.truth["piece"].mass
+    mass = one.truth["specimen"].mass
     still, other = (
-        dp.fit(dp.SlamTest(one["time"], one["force"], each, units="SI"), mass=mass)
+        dp.fit(dp.DropTest(one["time"], one["force"], each, units="SI"), mass=mass)
         for each in (one["acceleration"], moved)
     )
     assert [fact.value for fact in other.facts] == [fact.value for fact in still.facts]

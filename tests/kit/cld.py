@@ -1,6 +1,6 @@
 """Compression load deflection of a seal whose truth is known: its motion and force use no dashpot.
 
-The seal answers its elastic law with memory, each arm by the exact recursion; it softens from cycle
+The seal has an elastic law and relaxes, each arm by the exact recursion; it softens from cycle
 to cycle, carries a set, and does not pull. The machine counts, drifts and makes noise.
 """
 
@@ -62,7 +62,7 @@ class Truth:
 def answered(
     wanted: Array, met: Array, arms: tuple[tuple[float, float], ...], step: float
 ) -> Array:
-    """The force of relaxed forces with memory; a seal that would pull is left, and recovers."""
+    """The force of relaxed forces with relaxation; a seal that would pull is left, and recovers."""
     g, tau = (np.array([arm[i] for arm in arms]) for i in (0, 1))
     decay = np.exp(-step / tau)
     mean = g * (1 - decay) * tau / step
@@ -134,7 +134,7 @@ def pressed(
 
 
 def fit_of(law, *, arms=ARMS, scale=1.0, depth=8e-3):
-    """A fit that knows the memory, and the secant stiffness at a depth."""
+    """A fit that knows the relaxation, and the secant stiffness at a depth."""
     k = scale * float(law(np.array([depth]))[0]) / depth
     model = dp.GeneralizedMaxwell(k, tuple(k * g for g, _ in arms), tuple(tau for _, tau in arms))
     found = handmade.study().fit
@@ -154,7 +154,7 @@ def dashpot_and_arms(
     noise: float = 2e-3,
     seed: int = 1,
 ) -> Truth:
-    """A stiffening spring, a dashpot c(x) and arms, k and tau, beside each other: no one memory.
+    """A stiffening spring, a dashpot c(x) and arms, k and tau, in parallel: no single relaxation.
 
     Each arm by steps eight times as fine as the record; the seal does not pull.
     """

@@ -10,7 +10,7 @@ from dashpot.solids.demo_seals import PAPER
 
 RUBBER = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))
 FOAM = Hyperelastic("hyperfoam", (0.2e6,), (8.0,), 0.0)
-MEMORY = PAPER * (1 / PAPER.k_inf)
+RELAXATION = PAPER * (1 / PAPER.k_inf)
 
 
 def loaded(law, mode, span=(1.0, 2.0), *, rows=40, noise=0.0, seed=0, **words):
@@ -22,7 +22,7 @@ def loaded(law, mode, span=(1.0, 2.0), *, rows=40, noise=0.0, seed=0, **words):
 
 
 def at_rate(law, mode, rate, *, high=2.0, rows=2000, noise=0.0, seed=0):
-    """The same at an engineering rate, 1/s: its true stress with the memory, by quadrature.
+    """The same at an engineering rate, 1/s: its true stress with the relaxation, by quadrature.
 
     sigma = s_e + sum g_j int e^{-(t-u)/tau_j} ds_e(u), Simpson within each sample, exact in e^-t.
     """
@@ -32,7 +32,7 @@ def at_rate(law, mode, rate, *, high=2.0, rows=2000, noise=0.0, seed=0):
     total, h = elastic.copy(), t[1]
     middle = 0.5 * (x[1:] + x[:-1])
     at_middle = law.nominal(mode, middle) * middle
-    for g, tau in zip(MEMORY.k, MEMORY.tau, strict=True):
+    for g, tau in zip(RELAXATION.k, RELAXATION.tau, strict=True):
         q = 0.0
         first, second = at_middle - elastic[:-1], elastic[1:] - at_middle
         # two straight halves of each sample

@@ -13,10 +13,10 @@ from dashpot.extensions.curves.creep.read import read_creep
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.extensions.materials.csr.read import read_csr
+from dashpot.extensions.materials.drop.read import read_drop_test
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.materials.indentation.read import read_indentation
-from dashpot.extensions.materials.slam.read import read_slams
 from dashpot.reading.columns.kind_detection import MASTER, ONE_FREQUENCY, RECOGNISED, kind_of
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import as_a_ramp
@@ -45,7 +45,7 @@ READERS = {
     read_indentation: {"indentation"},
     read_tension: {"stress-strain"},
     read_csr: {"csr"},
-    read_slams: {"slam"},
+    read_drop_test: {"slam"},
 }
 
 

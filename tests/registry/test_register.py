@@ -39,7 +39,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.registry import (
     KINDS,
     KindOfTest,
-    Piece,
+    LotSpecimen,
     asks_of,
     figure_of,
     find_handler,
@@ -66,9 +66,9 @@ NO_EXAMPLE = {
     "plug-in",
 }
 OWN_ROWS = {
-    "cld": Piece(ReadOptions()),
-    "indentation": Piece(ReadOptions(), mass=5e-3, radius=5e-3),
-    "csr": Piece(ReadOptions()),
+    "cld": LotSpecimen(ReadOptions()),
+    "indentation": LotSpecimen(ReadOptions(), mass=5e-3, radius=5e-3),
+    "csr": LotSpecimen(ReadOptions()),
 }
 
 
@@ -152,7 +152,7 @@ def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_options_and_columns_named_by_a_kind_exist(kind: KindOfTest) -> None:
-    assert not kind.needs or kind.needs in set(Piece._fields)
+    assert not kind.needs or kind.needs in set(LotSpecimen._fields)
     assert set(kind.columns) <= set(NUMBERS)
     assert bool(kind.columns) == bool(kind.row)
 

@@ -44,7 +44,7 @@ S = handmade.study()
 
 
 def pressed(scale: float = 1.0) -> dp.CLDTest:
-    """One piece, pressed and released."""
+    """One specimen, pressed and released."""
     t = np.linspace(0, 20, 800)
     x = 8 * np.sin(np.pi * t / 20)
     return dp.CLDTest(displacement=x, force=scale * x / 4, time=t, units="mm, N, s")
@@ -53,7 +53,7 @@ def pressed(scale: float = 1.0) -> dp.CLDTest:
 RESULTS = {
     "fit": lambda: S.fit,
     "prediction": lambda: dp.predict(S.fit, mass="114.8g", seals=2),
-    "one piece": lambda: dp.fit(pressed(), compression="6mm"),
+    "one specimen": lambda: dp.fit(pressed(), compression="6mm"),
     "pieces": lambda: dp.fit(pressed(), pressed(1.04), pressed(0.97), compression="6mm"),
     "modes": lambda: dp.fit(dp.simulate("impact", hits=3)),
 }
@@ -110,7 +110,7 @@ def test_page_row_shows_only_available_limits():
 
 def test_pieces_are_named_at_the_end_of_their_lines():
     found = dp.fit(pressed(), pressed(1.04), pressed(0.97), compression="6mm")
-    picture = cld_figure(found.pieces, limits=(1.4, 1.6))
+    picture = cld_figure(found.specimens, limits=(1.4, 1.6))
     tags = [one for one in picture.panels[0].marks if isinstance(one, Tag) and one.end]
     assert len({one.colour for one in tags}) == 3
     (frame,) = arrange_sheet(picture).strips[0].laid.frames
@@ -119,21 +119,21 @@ def test_pieces_are_named_at_the_end_of_their_lines():
     heights = [words[one.text].y for one in sorted(tags, key=lambda one: -one.y)]
     assert all(np.diff(heights) >= 14)
     assert "asked 1.4 to 1.6 N" in words
-    many = cld_figure([replace(found.pieces[0])] * 4)
+    many = cld_figure([replace(found.specimens[0])] * 4)
     assert not [one for one in many.panels[0].marks if isinstance(one, Tag) and one.end]
 
 
 def test_pieces_at_speeds_have_the_speed_at_their_line():
-    found = [pieces_at(speed) for speed in (0.1, 1.0)]
+    found = [specimen_at(speed) for speed in (0.1, 1.0)]
     (panel,) = cld_figure(found).panels
     assert [one.text for one in panel.marks if isinstance(one, Tag)] == ["0.04 mm/s", "0.4 mm/s"]
 
 
-def pieces_at(speed: float) -> CLD:
+def specimen_at(speed: float) -> CLD:
     t = np.linspace(0, 4 / speed, 400)
     x = 8 * (1 - np.abs(1 - 2 * t / t[-1])) * 0.1
     test = dp.CLDTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
-    return dp.fit(test).pieces[0]
+    return dp.fit(test).specimens[0]
 
 
 def test_a_fit_goes_to_a_page(tmp_path, monkeypatch):
@@ -247,8 +247,8 @@ def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
 
 
 def test_numbers_are_grouped_by_record() -> None:
-    names = ("loss factor", "a.csv, slam 1: speed", "a.csv, slam 1: contact", "b.csv: speed")
+    names = ("loss factor", "a.csv, impact 1: speed", "a.csv, impact 1: contact", "b.csv: speed")
     told = group_by_record(ReportedValue(name, 1.0, unit="m") for name in names)
     assert [(one.title, [row.name for row in one.rows]) for one in told] == [
-        ("", ["loss factor"]), ("a.csv, slam 1", ["speed", "contact"]), ("b.csv", ["speed"]),
+        ("", ["loss factor"]), ("a.csv, impact 1", ["speed", "contact"]), ("b.csv", ["speed"]),
     ]  # fmt: skip

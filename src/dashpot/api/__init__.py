@@ -24,6 +24,8 @@ R = TypeVar("R")
 F = TypeVar("F", bound=Callable[..., Any])
 
 _STUB = Path(__file__).parents[1] / "_signatures.pyi"
+FORMER_KEYWORDS = {"memory": ["relaxation"], "slam": ["drop"]}
+"""Present name of an option by that of the edition before, which an error suggests."""
 
 
 @cache
@@ -153,7 +155,7 @@ def refuse_unknown_option(
         return
     from difflib import get_close_matches  # where a word was misspelt
 
-    near = get_close_matches(unknown[0], expected, 1)
+    near = FORMER_KEYWORDS.get(unknown[0]) or get_close_matches(unknown[0], expected, 1)
     hint = f"Did you mean {near[0]}=? " if near else ""
     takes = f"It takes {', '.join(expected)}" if expected else "It takes no options"
     raise error(f"{unknown[0]}= does not suit {subject}. {hint}{takes}")

@@ -54,7 +54,7 @@ def fit(*records: Any, **options: Any) -> Any:
         Of the force of each FRF, N.
     density, shape
         Of a rod under the mass: kg/m^3, and ``"disc:20mm,20mm"``.
-    compression, between, force_limits, memory, poisson, terms, stretches
+    compression, between, force_limits, relaxation, poisson, terms, stretches
         As ``dashpot fit FILE --help`` says of the kind.
 
     Returns

@@ -62,12 +62,12 @@ def predict(solid: Any, /, **options: Any) -> Any:
         As ``dashpot predict --help`` has them; `record` is the test behind the fit.
     close : float or str
         Of a door: the speed at its edge, m/s.
-    slam : float or str
-        Of a mass on a piece: its speed at the touch, m/s, or the height of its fall, ``"18mm"``.
+    drop : float or str
+        Of a mass dropped on a specimen: its impact speed, m/s, or its drop height, ``"18mm"``.
 
     Returns
     -------
-    Prediction, FRF, Slam, DoorResult or ClosingResult
+    Prediction, FRF, DropPrediction, DoorResult or ClosingResult
 
     Raises
     ------
@@ -453,10 +453,10 @@ def export(
 
 
 def _set_contact_length(result: Any, metres: float) -> Any:
-    """Return the fit of a piece whose length in contact is known; a bare solid has no piece."""
+    """Return the fit of a piece whose length in contact is known; a bare model has no specimen."""
+    if not hasattr(result, "specimen"):
+        return result
+    specimen = replace(result.specimen, length=metres)
     if hasattr(result, "provenance"):
-        piece = replace(result.specimen, length=metres)
-        return replace(result, provenance=replace(result.provenance, specimen=piece))
-    if hasattr(result, "specimen"):
-        return replace(result, specimen=replace(result.specimen, length=metres))
-    return result
+        return replace(result, provenance=replace(result.provenance, specimen=specimen))
+    return replace(result, specimen=specimen)

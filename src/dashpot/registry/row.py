@@ -41,8 +41,8 @@ class Example(NamedTuple):
     write: Callable[[], str]
 
 
-class Piece(NamedTuple):
-    """Data of a lot on one file besides its contents, in SI.
+class LotSpecimen(NamedTuple):
+    """Specimen of one file of a lot, as options and lot file describe it, in SI.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Piece(NamedTuple):
     temperature, mass : float or None
         Of the test, and of what moves in it.
     length, radius : float or None
-        Of the piece in contact, and of the tip of an indenter.
+        Of the specimen in contact, and of the tip of an indenter.
     compression : float or None
         The nominal one.
     """
@@ -97,11 +97,11 @@ class KindOfTest(NamedTuple):
     alone : bool
         Whether its fit takes one file.
     row : str
-        Its own row in a lot: from a file and what is known of its piece to result and numbers.
+        Its own row in a lot: from a file and what is known of its specimen to result and numbers.
     columns : tuple of str
         Which no other kind has, of that row.
     needs : str
-        What has to be known of the piece before.
+        What has to be known of the specimen before.
     lot_hint : str
         In a lot, which word it waits for; by default who wants it.
     resonates : bool

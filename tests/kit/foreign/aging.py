@@ -1,4 +1,4 @@
-"""Squeezed pieces of a rubber of known truth in ovens of known error, by formulas alone."""
+"""Squeezed specimens of a rubber of known truth in ovens of known error, by formulas alone."""
 
 from __future__ import annotations
 
@@ -42,16 +42,16 @@ class Rubber:
 
 @dataclass(frozen=True)
 class Lot:
-    """Readings of every piece: hours, N, what the oven says, degC, and the number of the piece."""
+    """Readings of every specimen: hours, N, oven temperature, degC, and its number."""
 
     hours: np.ndarray
     force: np.ndarray
     celsius: np.ndarray
-    piece: np.ndarray
+    specimen_number: np.ndarray
 
     def text(self, head="time [h],force [N],temperature [degC],piece"):
         """As a file."""
-        columns = zip(self.hours, self.force, self.celsius, self.piece, strict=True)
+        columns = zip(self.hours, self.force, self.celsius, self.specimen_number, strict=True)
         rows = (f"{a!r},{b!r},{c!r},{d}" for a, b, c, d in columns)
         return "\n".join([head, *map(_plain, rows), ""])
 
@@ -65,7 +65,7 @@ def lot(
     seed=0,
     *,
     ovens=OVENS,
-    pieces=3,
+    specimens=3,
     hours=HOURS,
     off=1.0,
     noise=0.01,
@@ -77,9 +77,9 @@ def lot(
     The zero of the cell drifts by so much of 40 N in 1000 h.
     """
     random, found = np.random.default_rng([seed, 3384]), []
-    for number in range(pieces * len(ovens)):
-        if number % pieces == 0:
-            said = ovens[number // pieces]
+    for number in range(specimens * len(ovens)):
+        if number % specimens == 0:
+            said = ovens[number // specimens]
             warm = said + off * random.standard_normal()
         first = 40 * (1 + spread * random.standard_normal())
         scatter = 40 * noise * random.standard_normal(len(hours))

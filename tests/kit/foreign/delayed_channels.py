@@ -12,8 +12,8 @@ from math import pi
 import numpy as np
 from scipy.linalg import expm
 
+from .drop_tests import SPEEDS, drawn_specimen, impact_force
 from .kinds import CYCLES, Sheet, _log_uniform, _start, responded
-from .slams import SPEEDS, drawn_piece, slammed
 from .truths import FAMILIES, Seal, Solid, drawn
 
 RATES = (20.0, 50.0, 100.0, 200.0)
@@ -119,15 +119,15 @@ def cycle_of(one: Sheet, number: int) -> tuple[np.ndarray, np.ndarray, int]:
     return x, pure[rows], int(np.argmax(x))
 
 
-def slam(seed: int, late: float, rate: float) -> Sheet:
-    """Three slams of a piece: force and acceleration of the mass, 60 samples to a contact or more.
+def drop(seed: int, late: float, rate: float) -> Sheet:
+    """Three impacts on a specimen: force and acceleration of the mass, 60 samples a contact.
 
     The rate counts in units of 20 Hz where a contact of 3 s would have 60 samples: what matters is
     the delay in samples.
     """
     random = _start("late slam", seed)
-    piece = drawn_piece(seed)
-    runs = [slammed(piece, speed) for speed in SPEEDS]
+    specimen = drawn_specimen(seed)
+    runs = [impact_force(specimen, speed) for speed in SPEEDS]
     step = min(float(clock[-1]) for clock, _ in runs) / (60 * rate / RATES[0])
     time, force = [], []
     begun = 0.0
@@ -140,15 +140,15 @@ def slam(seed: int, late: float, rate: float) -> Sheet:
     clock = np.arange(0, begun, step / _FINE)
     pure = np.interp(clock, np.concatenate(time), np.concatenate(force))
     noise = 0.01 * pure.max()
-    shown, moved = late_by(pure, late), pure[::_FINE] / piece.mass
-    return Sheet("slam", f"slams, {late:+g} of {step:.3g} s", {
+    shown, moved = late_by(pure, late), pure[::_FINE] / specimen.mass
+    return Sheet("slam", f"impacts, {late:+g} of {step:.3g} s", {
         "time [s]": clock[::_FINE],
         "force [N]": shown + noise * random.standard_normal(len(shown)),
-        "acceleration [m/s^2]": moved + noise / piece.mass * random.standard_normal(len(moved)),
-    }, {"piece": piece, "late": late * step}, "late")  # fmt: skip
+        "acceleration [m/s^2]": moved + noise / specimen.mass * random.standard_normal(len(moved)),
+    }, {"specimen": specimen, "late": late * step}, "late")  # fmt: skip
 
 
-DELAYED = {"creep": creep, "loops": loops, "cld": cld, "slam": slam}
+DELAYED = {"creep": creep, "loops": loops, "cld": cld, "slam": drop}
 
 
 def delayed(kind: str, seed: int, late: float | None = None, rate: float | None = None) -> Sheet:

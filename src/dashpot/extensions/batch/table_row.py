@@ -26,7 +26,15 @@ from dashpot.extensions.batch.impact_comparison import (
 )
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 from dashpot.reading.readers.detect_kind import Recognised, recognise
-from dashpot.registry import FIT_FILES, KINDS, KindOfTest, Piece, find_handler, load_object, row_of
+from dashpot.registry import (
+    FIT_FILES,
+    KINDS,
+    KindOfTest,
+    LotSpecimen,
+    find_handler,
+    load_object,
+    row_of,
+)
 from dashpot.solids.elastic import require_plausible_compression
 from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.workflow.bench_tests import fit_files
@@ -105,9 +113,9 @@ def _build_other_row(
     seen: Recognised, kind: KindOfTest, entry: Entry, choices: BatchOptions, mass: float | None
 ) -> dict[str, Any]:
     """Return the row of what is no test of a bench: its own, or what it is and waits for."""
-    piece = _piece(entry, choices, mass)
-    if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
-        return _build_kind_row(kind, entry, piece)
+    specimen = _describe_lot_specimen(entry, choices, mass)
+    if kind.row and (not kind.needs or getattr(specimen, kind.needs) is not None):
+        return _build_kind_row(kind, entry, specimen)
     texts = {
         "kind": kind.name,
         "outcome": "other",
@@ -116,17 +124,17 @@ def _build_other_row(
     return texts | (read_hammer_resonance(entry, choices, mass) if kind.resonates else {})
 
 
-def _piece(entry: Entry, choices: BatchOptions, mass: float | None) -> Piece:
-    return Piece(
+def _describe_lot_specimen(entry: Entry, choices: BatchOptions, mass: float | None) -> LotSpecimen:
+    return LotSpecimen(
         choices.bench, entry.temperature, mass,
         choices.length, choices.radius, next(iter(choices.compression), None),
     )  # fmt: skip
 
 
-def _build_kind_row(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
+def _build_kind_row(kind: KindOfTest, entry: Entry, specimen: LotSpecimen) -> dict[str, Any]:
     """Return the row of a kind that has its own."""
     try:
-        result, numbers = load_object(kind.row)(entry.file, piece)
+        result, numbers = load_object(kind.row)(entry.file, specimen)
     except DashpotError as error:
         return {"kind": kind.name, "outcome": "refused", "reason": str(error)}
     source = result.source

@@ -1,1 +1,1 @@
-"""Material tests: compression, stress relaxation, elasticity, indentation, rods, slams."""
+"""Material tests: compression, stress relaxation, elasticity, indentation, rods, drop tests."""

@@ -9,9 +9,9 @@ import click
 from dashpot.cli._command import CommandOption, build_options, group, opt
 from dashpot.cli._options import VIBRATION
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range
+from dashpot.extensions.materials.drop.options import DropOptions
 from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.extensions.materials.slam.options import SlamOptions
 from dashpot.workflow.job import RodChoices
 
 
@@ -34,7 +34,7 @@ class LowHigh(click.ParamType[Any]):
         return low, high
 
 
-_CLD, _STRAIN, _BALL, _SLAM = "cld", "stress-strain", "indentation", "slam"
+_CLD, _STRAIN, _BALL, _DROP = "cld", "stress-strain", "indentation", "slam"
 
 
 def list_groups() -> list[list[CommandOption]]:
@@ -60,12 +60,11 @@ def list_groups() -> list[list[CommandOption]]:
             ),
             opt(
                 "--relaxation",
-                "memory",
                 former="memory",
                 type=File(),
                 multiple=True,
                 metavar="FIT",
-                kinds=f"{_CLD} {_STRAIN} {_SLAM}",
+                kinds=f"{_CLD} {_STRAIN} {_DROP}",
                 help="Fit of a relaxation test of the same material.",
             ),
         ),
@@ -106,7 +105,7 @@ def list_groups() -> list[list[CommandOption]]:
             "Indenter",
             build_options(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
         ),
-        group("Drop test", build_options(SlamOptions, kinds=_SLAM)),
+        group("Drop test", build_options(DropOptions, kinds=_DROP)),
         group(
             "Rod",
             build_options(RodChoices, into="rod", kinds=VIBRATION),

@@ -81,26 +81,26 @@ EXTENSION = Extension(
                 follow="predict FILE --temperature 70degC --end 50%", order=15,
         ),
             KindOfTest(
-                "slam", "dashpot.extensions.materials.slam.read:read_slams", "dashpot.extensions.materials.slam.fit_files:slam_files", meant="slam",
+                "slam", "dashpot.extensions.materials.drop.read:read_drop_test", "dashpot.extensions.materials.drop.fit_files:fit_drop_files", meant="slam",
                 place="judged",
                 nouns={
-                    "dashpot.extensions.materials.slam.datamodel:SlamTest": "",
-                    "dashpot.extensions.materials.slam.datamodel:SlamFit": "dashpot.extensions.materials.slam.figure:slams",
-                    "dashpot.extensions.materials.slam.prediction:Slam": "dashpot.extensions.materials.slam.figure:slam",
+                    "dashpot.extensions.materials.drop.datamodel:DropTest": "",
+                    "dashpot.extensions.materials.drop.datamodel:DropFit": "dashpot.extensions.materials.drop.figure:draw_drop_fit",
+                    "dashpot.extensions.materials.drop.prediction:DropPrediction": "dashpot.extensions.materials.drop.figure:draw_drop_prediction",
                 },
-                panel="dashpot.extensions.materials.slam.app_form",
-                checks="dashpot.extensions.materials.slam.checks",
-                examples="dashpot.extensions.materials.slam.examples:EXAMPLES",
-                fits="dashpot.extensions.materials.slam.fit:fit_slams", said_by="slam", takes=("mass", "slam", "memory", "specimen"), order=16,
+                panel="dashpot.extensions.materials.drop.app_form",
+                checks="dashpot.extensions.materials.drop.checks",
+                examples="dashpot.extensions.materials.drop.examples:EXAMPLES",
+                fits="dashpot.extensions.materials.drop.fit:fit_drop_tests", said_by="drop", takes=("mass", "drop", "relaxation", "specimen"), order=16,
         ),
     ),
     handlers={
         "option groups": {"fit": "dashpot.extensions.materials.fit_options:list_groups"},
         "options": {
-            "predict": "dashpot.extensions.materials.slam.command_options:list_of_prediction",
+            "predict": "dashpot.extensions.materials.drop.command_options:list_of_prediction",
         },
         "predict with option": {
-            "slam": "dashpot.extensions.materials.slam.prediction:predict_slam",
+            "drop": "dashpot.extensions.materials.drop.prediction:predict_drop",
         },
         "read record": {
             "stress-strain": "dashpot.extensions.materials.hyperelastic.api:read_stress_strain_record",
@@ -114,7 +114,7 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
         "figure": {
-            "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.figure:draw_pieces",
+            "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.figure:draw_specimens",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.figure:draw_rod",
         },
         "plot": {
@@ -145,7 +145,7 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.cld.fit_handler:run",
             "load deflection", "load deflection", order=7,
             options=(
-                "compression", "between", "force_limits", "machine", "memory", "temperatures",
+                "compression", "between", "force_limits", "machine", "relaxation", "temperatures",
                 "specimen",
             ),
         ),
@@ -154,7 +154,7 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.hyperelastic.fit_handler:run",
             "stress over strain", "stress over strain", order=8,
             options=(
-                "model", "memory", "test", "poisson", "stretches", "terms", "measures",
+                "model", "relaxation", "test", "poisson", "stretches", "terms", "measures",
                 "temperatures",
             ),
         ),
@@ -166,9 +166,9 @@ EXTENSION = Extension(
         ),
         FitRow(
             "slam", "",
-            "dashpot.extensions.materials.slam.fit_handler:run",
-            "slams", "slams", order=10,
-            options=("mass", "memory", "slam", "temperatures", "specimen"),
+            "dashpot.extensions.materials.drop.fit_handler:run",
+            "drop tests", "drop tests", order=10,
+            options=("mass", "relaxation", "drop", "temperatures", "specimen"),
         ),
     ),
 )  # fmt: skip

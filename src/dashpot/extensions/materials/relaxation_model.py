@@ -6,17 +6,17 @@ from dashpot.base.errors import FitError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
-def normalise_relaxation(solid: GeneralizedMaxwell) -> GeneralizedMaxwell:
-    """Return the arms of a solid over its stiffness at rest: a solid whose k_inf is 1.
+def normalise_relaxation(model: GeneralizedMaxwell) -> GeneralizedMaxwell:
+    """Return a model divided by its stiffness at rest, so that k_inf is 1.
 
     Raises
     ------
     FitError
         If it has no stiffness at rest.
     """
-    if not solid.k_inf > 0:
+    if not model.k_inf > 0:
         raise FitError(
-            "the relaxation test found no stiffness at rest, so that its memory has no scale; "
-            "hold it longer"
+            "the relaxation test found no stiffness at rest, so its relaxation function has no "
+            "scale; hold it longer"
         )
-    return solid * (1 / solid.k_inf)
+    return model * (1 / model.k_inf)

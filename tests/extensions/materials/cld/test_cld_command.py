@@ -1,4 +1,4 @@
-"""dashpot fit: files of pieces to figures, scatter and Cpk."""
+"""dashpot fit: files of specimens to figures, scatter and Cpk."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ def read_result(folder, *words):
     return json.loads(ran(folder, *words, "--json").stdout)
 
 
-def test_fit_writes_every_figure_of_one_piece(folder):
+def test_fit_writes_every_figure_of_one_specimen(folder):
     found = read_result(folder, "p1.csv", *WORDS)
     assert found["schema"] == "dashpot/cld@2"
     assert found["unit"] == "N per 100 mm"
-    (piece,) = found["specimens"]
-    assert piece["length"] == 0.05
-    assert len(piece["sha256"]) == 64
-    assert [one["number"] for one in piece["cycles"]] == [1, 2, 3, 4]
-    nominal = piece["nominal"]
+    (specimen,) = found["specimens"]
+    assert specimen["length"] == 0.05
+    assert len(specimen["sha256"]) == 64
+    assert [one["number"] for one in specimen["cycles"]] == [1, 2, 3, 4]
+    nominal = specimen["nominal"]
     assert nominal["per_100mm"]["loading"] == pytest.approx(2 * nominal["loading"])
-    assert piece["least"]["compression"] == pytest.approx(4e-3)
+    assert specimen["least"]["compression"] == pytest.approx(4e-3)
     test = read_cld(folder / "p1.csv", specimen=dp.Specimen(length="50mm"))
     assert cld(test, at="6mm").nominal.loading == nominal["loading"]
     assert found["scatter"] == []
@@ -65,7 +65,7 @@ def test_pieces_scatter_as_they_were_made(folder):
     values = [one["nominal"]["per_100mm"]["loading"] for one in found["specimens"]]
     assert found["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
     names = {check["name"]: check["passed"] for check in found["checks"]}
-    assert names["pieces_tested_alike"] is True
+    assert names["specimens_tested_alike"] is True
     said = ran(folder, *files, *WORDS, "--force-limits", "4:6.5N").stdout
     assert "4 specimens" in said
     assert "Cpk" in said
@@ -82,7 +82,7 @@ def test_fit_reports_forces_per_piece_without_a_length(folder):
 def test_fit_reports_pieces_tested_at_other_speeds(folder):
     found = read_result(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
     assert "speed" in next(
-        c["message"] for c in found["checks"] if c["name"] == "pieces_tested_alike"
+        c["message"] for c in found["checks"] if c["name"] == "specimens_tested_alike"
     )
 
 
@@ -96,7 +96,7 @@ def test_a_figure_is_drawn(folder, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["p1.csv", "--force-limits", "1:2N"], "several pieces"),
+        (["p1.csv", "--force-limits", "1:2N"], "several specimens"),
         (["p1.csv", "p1.csv"], "same record as"),
         (["p1.csv", "--compression", "12mm"], "at most 7.99"),
         (["p1.csv", "--file-part", "cycle=9"], "holds 4 cycles"),
@@ -172,5 +172,5 @@ def test_fit_of_several_speeds_is_one_model(folder, tmp_path):
     assert "elastic law" in said
     assert "c, N s/m" not in said
     every = ran(folder, *words, "-v").stdout
-    assert "explain the speeds worse than one memory" in " ".join(every.split())
+    assert "explain the speeds worse than one relaxation" in " ".join(every.split())
     assert "c, N s/m" in every

@@ -1,4 +1,4 @@
-"""The elastic law under load deflection, from records whose law and memory are known."""
+"""The elastic law under load deflection, from records whose law and relaxation are known."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_relaxed_law_separates_softening_from_relaxation():
     assert one.softening > relaxed.softening + 0.015
 
 
-def test_another_memory_leaves_hysteresis_and_another_seal_another_force():
+def test_relaxation_test_of_another_seal_leaves_hysteresis_or_another_force():
     one = evaluate_record(pressed(softening=0.0))
     half = tuple((g / 2, tau) for g, tau in ARMS)
     wrong = relaxed_law(one, fit_of(stiffening, arms=half))
@@ -122,8 +122,8 @@ def at_speeds(speeds, law=bulb, **how):
     ]
 
 
-def test_several_speeds_tell_law_and_memory():
-    """Softening of the first cycle and the free recovery in air are not taken for memory."""
+def test_fit_speeds_recovers_law_and_relaxation():
+    """Softening of the first cycle and the free recovery in air are not taken for relaxation."""
     fit = fit_speeds(at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.1))
     assert fit.model.arms == 2
     for j, (g, tau) in enumerate(ARMS):
@@ -148,7 +148,7 @@ def test_fit_speeds_recovers_one_arm_and_reports_close_speeds():
     assert "speeds_spread" in {check.name for check in near.checks if check.failed}
 
 
-def test_pieces_that_differ_are_no_memory():
+def test_scatter_of_specimens_is_not_fitted_as_relaxation():
     slow, fast = at_speeds((0.5e-3, 8e-3), softening=0.0, arms=((0.3, 2.0),))
     other = replace(fast, force=1.03 * fast.force)
     fit = fit_speeds([slow, other], arms=1)
@@ -180,7 +180,7 @@ def test_relaxed_law_propagates_the_error_of_the_relaxation():
     one, sure = evaluate_record(pressed(softening=0.0), at=6e-3), fit_of(stiffening)
     fit, at = with_relative_error(sure), 6e-3
     relaxed = relaxed_law(one, fit)
-    assert len(relaxed.others) == 8  # six axes of the memory or zeros, and the clock
+    assert len(relaxed.others) == 8  # six axes of the relaxation or zeros, and the clock
     in_step = replace(one, delay_sd=0.0)
     exact = relaxed_law(in_step, with_relative_error(sure, 1e-9))
     assert len(exact.others) == 7
@@ -210,14 +210,14 @@ def between(back, speed, arms=((0.3, 2.0),)):
 def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
     """Where it comes back to no less than `back` of its depth: below that its secant alone."""
     records = [between(back, speed) for speed in (0.5e-3, 8e-3)]
-    memory = fit_of(stiffening, arms=((0.3, 2.0),))
+    relaxation = fit_of(stiffening, arms=((0.3, 2.0),))
     x = np.linspace(max(back, 0.1) * 8e-3, 8e-3, 9)
     slope = (stiffening(x + 1e-6) - stiffening(x - 1e-6)) / 2e-6
     speeds = fit_speeds(records, arms=1)
     assert speeds.model.tau[0] == pytest.approx(2.0, rel=0.05)
     dashpot = fit_rate(records, speeds)
     assert np.isfinite(dashpot.damping_se).all()
-    for law in (relaxed_law(records[0], memory).law, speeds.elastic_law):
+    for law in (relaxed_law(records[0], relaxation).law, speeds.elastic_law):
         assert law.force(x) == pytest.approx(stiffening(x), rel=0.01)
         assert law.tangent(x) == pytest.approx(slope, rel=0.05)
 
@@ -228,7 +228,7 @@ def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
     both = relaxed_law(one, [deep, shallow])
     agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
     assert [check.passed for check in agreed] == [True, True]
-    assert both.memory == relaxed_law(one, shallow).memory
+    assert both.relaxation == relaxed_law(one, shallow).relaxation
     assert "relaxation_tests_agree" not in {check.name for check in both.checks if check.failed}
     slower = fit_of(stiffening, arms=((0.35, 1.5), (0.15, 16.0)))
     apart = relaxed_law(one, [shallow, slower])

@@ -32,7 +32,7 @@ def true_force(truth, at, *, cycle, inward=True):
 
 
 def test_cld_stores_the_work_of_a_spring():
-    """5 N of 100 mm at 6 mm: 15 mJ, none lost; whatever the length of the piece."""
+    """5 N of 100 mm at 6 mm: 15 mJ, none lost; whatever the length of the specimen."""
     spring = pressed(lambda x: 5 / 6e-3 * x, depth=6e-3, noise=0.0, bias=0.0, count=0.0, **ELASTIC)
     for length in (0.1, 0.05):
         test = dp.CLDTest(
@@ -184,7 +184,7 @@ def test_noise_and_counts_make_no_strokes():
         assert np.diff([(one.first, one.last) for one in ways], axis=1).min() > 600
 
 
-def test_memory_is_what_makes_a_release_fall_behind():
+def test_relaxation_makes_the_unloading_lower():
     """An elastic seal has no hysteresis; one with arms has, and shows less when slow."""
     lost = [
         evaluate_record(

@@ -1,4 +1,4 @@
-"""The law of aging: published lives, exact readings, coverage, and what ovens do not show."""
+"""The aging law: published lives, exact readings, coverage, and what ovens do not show."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LAW = AgingLaw(0.03, float(np.log(2500 * HOUR)), 90e3, 1.0, 398.15, np.zeros((4,
 
 
 def recorded(one):
-    return CSRTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
+    return CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
 
 
 def fitted(rubber=TRUE, seed=0, oven=1.0, drift=0.0, **how):
@@ -77,7 +77,9 @@ def test_exact_readings_give_the_truth_back():
 def test_what_a_force_is_measured_in_changes_nothing():
     one = lot(TRUE, 1)
     first = np.repeat(one.force.reshape(9, -1)[:, 0], len(HOURS))
-    parts = CSRTest(one.hours, 100 * one.force / first, one.celsius, one.piece, units="h, N, degC")
+    parts = CSRTest(
+        one.hours, 100 * one.force / first, one.celsius, one.specimen_number, units="h, N, degC"
+    )
     still = Machine(drift=0.0)  # a drift in newtons is another of each ratio
     given, ratio = (fit_aging([each], machine=still).law for each in (recorded(one), parts))
     assert ratio.activation == pytest.approx(given.activation, rel=1e-6)
@@ -87,7 +89,7 @@ def test_what_a_force_is_measured_in_changes_nothing():
 def test_fit_of_several_csr_records_equals_one_record():
     one = lot(TRUE, 1)
     apart = [
-        CSRTest(one.hours[own], one.force[own], one.celsius[own], one.piece[own] % 3,
+        CSRTest(one.hours[own], one.force[own], one.celsius[own], one.specimen_number[own] % 3,
                          units="h, N, degC")
         for own in (one.celsius == oven for oven in (150.0, 100.0, 125.0))
     ]  # fmt: skip
@@ -247,7 +249,7 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     slow = Rubber(hours=5000.0)
     force = np.where(hot, one.force * slow.left(one.hours, 150) / TRUE.left(one.hours, 150),
                      one.force)  # fmt: skip
-    found = CSRTest(one.hours, force, one.celsius, one.piece, units="h, N, degC")
+    found = CSRTest(one.hours, force, one.celsius, one.specimen_number, units="h, N, degC")
     assert "one_activation_energy_explains_ovens" in failed(fit_aging([found]))
 
 
@@ -329,12 +331,17 @@ def test_a_prediction_is_of_a_temperature():
     [
         ({"method": "AB"}, "Fit each method by itself"),
         ({"time": lambda t: t - 0.4}, "first read 6 min after its compression"),
-        ({"piece": lambda p: np.arange(len(p))}, "was read 1 times in one oven"),
+        ({"specimen_number": lambda p: np.arange(len(p))}, "was read 1 times in one oven"),
     ],
 )
 def test_readings_that_are_no_lot_are_refused(change, message):
     one = lot(TRUE)
-    arrays = {"time": one.hours, "force": one.force, "temperature": one.celsius, "piece": one.piece}
+    arrays = {
+        "time": one.hours,
+        "force": one.force,
+        "temperature": one.celsius,
+        "specimen_number": one.specimen_number,
+    }
     for name, how in change.items():
         arrays[name] = how(arrays[name]) if callable(how) else how
     with pytest.raises(DataError, match=message):
@@ -404,8 +411,8 @@ def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
     found = usual()
     read = readings_of([recorded(lot(TRUE, 0))])
     left = np.zeros(len(read.time))
-    ends = np.flatnonzero(np.diff(read.piece))
-    left[ends] = left[ends + 1] = 1.0  # they miss the law together, and are of two pieces
+    ends = np.flatnonzero(np.diff(read.specimen_number))
+    left[ends] = left[ends + 1] = 1.0  # they miss the law together, and are of two specimens
     own = SimpleNamespace(
         optimum=SimpleNamespace(residual=left, theta=np.ones(9)), standard_error=np.ones(9)
     )

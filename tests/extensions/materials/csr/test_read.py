@@ -49,7 +49,7 @@ def test_read_csr_recognises_clock_and_force_headings(tmp_path, head, of):
     assert found.time == pytest.approx(of * np.array([0.5, 24, 500]))
     assert found.force == pytest.approx([40, 38, 31])
     assert found.temperature == pytest.approx([398.15] * 3)
-    assert found.piece.tolist() == [1, 1, 1]
+    assert found.specimen_number.tolist() == [1, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_a_file_comes_back_as_it_was_written(tmp_path):
     found = read_csr(written(tmp_path, LOT.text()))
     assert found.time == pytest.approx(3600 * LOT.hours)
     assert found.force == pytest.approx(LOT.force)
-    assert found.piece.tolist() == LOT.piece.tolist()
+    assert found.specimen_number.tolist() == LOT.specimen_number.tolist()
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t"])
@@ -84,21 +84,23 @@ def test_pieces_and_methods_are_words(tmp_path, mark):
     text = rows(head, SHORT["hours"] * 2, SHORT["force"] * 2, [125] * 6, names, ["A"] * 6,
                 mark=mark)  # fmt: skip
     found = read_csr(written(tmp_path, text))
-    assert found.piece.tolist() == [1, 1, 1, 2, 2, 2]
+    assert found.specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
     assert found.method == "A"
 
 
 def test_a_piece_begins_where_the_clock_does(tmp_path):
     text = rows("time [h],force [N],temperature [degC]", SHORT["hours"] * 2, SHORT["force"] * 2,
                 [125] * 6)  # fmt: skip
-    assert read_csr(written(tmp_path, text)).piece.tolist() == [1, 1, 1, 2, 2, 2]
+    assert read_csr(written(tmp_path, text)).specimen_number.tolist() == [1, 1, 1, 2, 2, 2]
 
 
 def test_a_file_for_each_oven(tmp_path):
     paths = []
     for oven in (100.0, 125.0, 150.0):
         own = oven == LOT.celsius
-        text = rows("time [h],force [N],piece", LOT.hours[own], LOT.force[own], LOT.piece[own])
+        text = rows(
+            "time [h],force [N],piece", LOT.hours[own], LOT.force[own], LOT.specimen_number[own]
+        )
         paths.append(written(tmp_path, text, f"{oven:.0f}.csv"))
     with pytest.raises(ReadError, match="the file says no temperature of its oven"):
         csr_files(paths)
@@ -106,7 +108,7 @@ def test_a_file_for_each_oven(tmp_path):
         csr_files(paths, temperatures=[373.15, 398.15])
     found = csr_files(paths, temperatures=[373.15, 398.15, 423.15])
     assert [one.temperature for one in found.ovens] == pytest.approx([373.15, 398.15, 423.15])
-    assert [one.pieces for one in found.ovens] == [3, 3, 3]
+    assert [one.specimens for one in found.ovens] == [3, 3, 3]
     assert len(found.sources) == 3
 
 
@@ -197,4 +199,4 @@ def test_a_clock_that_stands_begins_another_piece(tmp_path):
     text = "# temperature: 125 degC\n" + rows(
         "time [h],force [N]", ["0.5", "24", "500", "500", "700", "900"], range(40, 34, -1)
     )
-    assert read_csr(written(tmp_path, text)).piece.tolist() == [1, 1, 1, 2, 2, 2]
+    assert read_csr(written(tmp_path, text)).specimen_number.tolist() == [1, 1, 1, 2, 2, 2]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.rubber import FOAM, MEMORY, RUBBER, at_rate, loaded
+from kit.rubber import FOAM, RELAXATION, RUBBER, at_rate, loaded
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import DataError, FitError
@@ -179,19 +179,19 @@ def test_intervals_hold_the_truth_nineteen_times_in_twenty():
     [(0.01, 1.024973, 0.16315, 0.04869), (0.1, 1.116716, 0.19159, 0.04928),
      (1.0, 1.385373, 0.26530, 0.05426)],
 )  # fmt: skip
-def test_biaxial_viscoelastic_data_taken_as_elastic_and_without_their_memory(rate, ratio, C10, C01):
+def test_fit_hyperelastic_recovers_biaxial_law_only_without_relaxation(rate, ratio, C10, C01):
     """Numbers of an independent recursion: ratio and naive fit; after the inverse the truth."""
     test = at_rate(RUBBER, "equibiaxial", rate)
     assert test.stress[-1] * 2.0 / 2.75625e6 == pytest.approx(ratio, rel=2e-5)
     naive = fit_hyperelastic([test], law="mooney-rivlin").law.constants
     np.testing.assert_allclose(naive, [1e6 * C10, 1e6 * C01], rtol=0.03)
-    fit = fit_hyperelastic([test], law="mooney-rivlin", memory=MEMORY)
+    fit = fit_hyperelastic([test], law="mooney-rivlin", relaxation=RELAXATION)
     np.testing.assert_allclose(fit.law.constants, RUBBER.constants, rtol=1e-3)
 
 
 def test_fit_hyperelastic_of_three_rates_removes_relaxation():
     tests = [at_rate(RUBBER, "equibiaxial", rate, noise=2e-3, seed=3) for rate in (0.01, 0.1, 1.0)]
-    fit = fit_hyperelastic(tests, law="mooney-rivlin", memory=MEMORY)
+    fit = fit_hyperelastic(tests, law="mooney-rivlin", relaxation=RELAXATION)
     np.testing.assert_allclose(fit.law.constants, RUBBER.constants, rtol=5e-3)
     assert check(fit, "files_agree").value < 0.01
     taken = fit_hyperelastic(tests, law="mooney-rivlin")
@@ -199,9 +199,9 @@ def test_fit_hyperelastic_of_three_rates_removes_relaxation():
     assert check(taken, "files_agree").remedy.option == "relaxation"
 
 
-def test_a_memory_needs_a_clock():
+def test_fit_hyperelastic_with_relaxation_needs_a_clock():
     with pytest.raises(FitError, match="no clock"):
-        fit_hyperelastic([loaded(RUBBER, "uniaxial")], memory=MEMORY)
+        fit_hyperelastic([loaded(RUBBER, "uniaxial")], relaxation=RELAXATION)
 
 
 # -- what is wrong with confidence ---------------------------------------------------------------
@@ -331,7 +331,7 @@ def scattered(law, mode, span, seed, factor=1.0):
 @pytest.mark.parametrize("law", [RUBBER, OGDEN], ids=lambda law: law.kind)
 @pytest.mark.parametrize(("factor", "use"), [(1.0, "use"), (0.9, "use with care")])
 def test_fit_hyperelastic_reports_modes_that_differ_by_a_factor(law, factor, use):
-    """A piece that Mullins softened by a tenth; .5 % of scatter."""
+    """A specimen that Mullins softened by a tenth; .5 % of scatter."""
     for seed in range(3):
         tests = [scattered(law, mode, (1, 2), seed) for mode in ("equibiaxial", "planar")]
         tests.append(scattered(law, "uniaxial", (1, 2), seed + 9, factor))
@@ -346,7 +346,7 @@ def test_fit_hyperelastic_of_one_rubber_mode_is_use_with_care():
     assert check(one, "modes_enough").failed
     assert one.verdict.use == "use with care"
     assert check(one, "modes_in_scale").passed is None
-    # tension and compression of one piece are as two modes; a foam's Poisson's ratio is given
+    # tension and compression of one specimen are as two modes; a foam's Poisson's ratio is given
     both = fit_hyperelastic([scattered(RUBBER, "uniaxial", (0.7, 2), 0)])
     assert check(both, "modes_enough").passed
     foam = fit_hyperelastic([scattered(FOAM, "uniaxial", (0.4, 1), 0)], poisson=0.0)

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from kit.kinds import saved
-from kit.rubber import FOAM, MEMORY, RUBBER, at_rate
+from kit.rubber import FOAM, RELAXATION, RUBBER, at_rate
 from kit.shell import did
 
 import dashpot as dp
@@ -88,11 +88,11 @@ def test_pressure_over_volume(tmp_path):
         assert found["bulk"] == pytest.approx(2e9, rel=1e-4)
 
 
-def test_rates_without_their_memory(tmp_path):
-    memory = tmp_path / "memory.json"
-    memory.write_text(
+def test_relaxation_test_unites_rates(tmp_path):
+    relaxation = tmp_path / "memory.json"
+    relaxation.write_text(
         json.dumps({"schema": "dashpot/fit@2", "model": {"k_inf": 1e6, "b": 0.0, "arms": [
-            {"k": 1e6 * k, "tau": tau} for k, tau in zip(MEMORY.k, MEMORY.tau, strict=True)
+            {"k": 1e6 * k, "tau": tau} for k, tau in zip(RELAXATION.k, RELAXATION.tau, strict=True)
         ]}, "unit": "Pa"})
     )  # fmt: skip
     files = []
@@ -100,7 +100,9 @@ def test_rates_without_their_memory(tmp_path):
         test = at_rate(RUBBER, "equibiaxial", rate, rows=400)
         head, file = "time [s],stretch,nominal stress [MPa]", tmp_path / f"{rate}.csv"
         files.append(saved(file, head, test.time, test.stretch, test.stress / 1e6))
-    found = law_of(*files, "--test", "biaxial", "--relaxation", memory, "--model", "mooney-rivlin")
+    found = law_of(
+        *files, "--test", "biaxial", "--relaxation", relaxation, "--model", "mooney-rivlin"
+    )
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=5e-3)
 
 

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.rubber import MEMORY, loaded
+from kit.rubber import RELAXATION, loaded
 
 from dashpot.base.errors import ExportError
 from dashpot.export import deck_for
@@ -110,16 +110,16 @@ def test_a_card_says_the_law(target, name):
         assert volume == pytest.approx(2 / 2000)
 
 
-def test_the_memory_goes_with_the_law():
+def test_card_holds_relaxation_of_the_law():
     from dataclasses import replace
 
-    fit = replace(fitted("mooney-rivlin"), memory=MEMORY)
-    k_0 = MEMORY.k_0
+    fit = replace(fitted("mooney-rivlin"), relaxation=RELAXATION)
+    k_0 = RELAXATION.k_0
     abaqus = card("abaqus", "mooney-rivlin", fit)
     assert "MOONEY-RIVLIN, MODULI=LONG TERM" in abaqus
     prony = np.array(numbers(abaqus, "TIME=PRONY")).reshape(-1, 3)
-    np.testing.assert_allclose(prony[:, 0], np.array(MEMORY.k) / k_0, rtol=1e-9)
-    np.testing.assert_allclose(prony[:, 2], MEMORY.tau, rtol=1e-9)
+    np.testing.assert_allclose(prony[:, 0], np.array(RELAXATION.k) / k_0, rtol=1e-9)
+    np.testing.assert_allclose(prony[:, 2], RELAXATION.tau, rtol=1e-9)
     assert not prony[:, 1].any()
     ansys = card("ansys", "mooney-rivlin", fit)
     # the constants of an Ansys law are those at once, its d too
@@ -129,10 +129,10 @@ def test_the_memory_goes_with_the_law():
     assert "TB,PRONY,1,1,2,SHEAR" in ansys
     dyna = [row for row in card("lsdyna", "mooney-rivlin", fit).splitlines() if row[:1] == " "]
     G, beta = np.array([[float(row[:10]), float(row[10:20])] for row in dyna[2:]]).T
-    np.testing.assert_allclose(G, 0.4 * np.array(MEMORY.k), rtol=1e-5)
-    np.testing.assert_allclose(beta, 1 / np.array(MEMORY.tau), rtol=1e-5)
-    assert "no memory beside these" in card("calculix", "mooney-rivlin", fit)
-    foam = replace(fitted("hyperfoam"), memory=MEMORY)
+    np.testing.assert_allclose(G, 0.4 * np.array(RELAXATION.k), rtol=1e-5)
+    np.testing.assert_allclose(beta, 1 / np.array(RELAXATION.tau), rtol=1e-5)
+    assert "no relaxation for these" in card("calculix", "mooney-rivlin", fit)
+    foam = replace(fitted("hyperfoam"), relaxation=RELAXATION)
     prony = np.array(numbers(card("abaqus", "hyperfoam", foam), "TIME=PRONY")).reshape(-1, 3)
     np.testing.assert_array_equal(prony[:, 0], prony[:, 1])
 

@@ -18,7 +18,7 @@ def fit_load_deflection(
     compression: Quantity | None = None,
     between: Range | None = None,
     force_limits: Range | None = None,
-    memory: Fit | Sequence[Fit] = (),
+    relaxation: Fit | Sequence[Fit] = (),
     cycle: int | None = None,
     machine: Machine | None = None,
 ) -> CLDResult:
@@ -30,7 +30,7 @@ def fit_load_deflection(
         at=compression,
         between=between,
         limits=si_range(force_limits, "force"),
-        memory=[memory] if isinstance(memory, Fit) else list(memory),
+        relaxation=[relaxation] if isinstance(relaxation, Fit) else list(relaxation),
         cycle=cycle,
         names=list(identify_record_kinds(records)),
         machine=machine,

@@ -12,12 +12,12 @@ from dashpot.reading.read_options import ReadOptions
 ASKS = (
     FormField("compression", "Compression", "mm", "--compression"),
     FormField("between", "Asked between", "mm", "--compression-limits", form="range"),
-    FormField("length", "Length of a piece", "mm", "--length"),
+    FormField("length", "Length of one specimen", "mm", "--length"),
 )
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> CLDResult:
-    """Return the figures of the pieces."""
+    """Return the figures of the specimens."""
     length = form.number("length", "length")
     return cld_files(
         files,

@@ -194,13 +194,14 @@ BETTER = 10.0
 def relaxation_explains_hysteresis(raw: float | None, remainder: float | None) -> Finding:
     """With the relaxation removed, loading and unloading are one curve."""
     if raw is None or remainder is None:
-        return Finding("Without the unloading the memory cannot be checked")
+        return Finding("Without the unloading the relaxation function cannot be checked")
     return Finding(
-        f"The cycle loses {100 * raw:.3g} % of its energy; without the memory it loses "
-        f"{100 * remainder:+.2g} %",
+        f"The cycle loses {100 * raw:.3g} % of its energy; without relaxation it "
+        f"loses {100 * remainder:+.2g} %",
         remainder,
-        "The seal has friction or softens within the cycle, or the memory is another seal's",
-        "Take the memory from a test of the same piece.",
+        "The seal has friction or softens within the cycle, or the relaxation test is of another "
+        "seal",
+        "Give the fit of a relaxation test of the same specimen.",
     )
 
 
@@ -215,7 +216,7 @@ def stroke_within_relaxation_times(stroke: float | None, band: tuple[float, floa
         f"A stroke takes {stroke:.3g} s; the relaxation test covers {shortest:.2g} to "
         f"{longest:.3g} s",
         factor,
-        "The memory is extrapolated to the speed of the stroke",
+        "The relaxation function is extrapolated to the speed of the stroke",
         "Hold longer, or press slower.",
     )
 
@@ -229,7 +230,7 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
     if difference is None:
         return Finding(f"{held}. The cycle does not go so deep")
     return Finding(
-        f"{held}. The load deflection without its memory differs by {100 * difference:+.2g} %",
+        f"{held}. The load deflection without relaxation differs by {100 * difference:+.2g} %",
         difference,
         "It is another specimen, another conditioning, or another zero of the compression",
         Remedy("Give both lengths, and press both alike.", "length"),
@@ -240,13 +241,13 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
 def relaxation_tests_agree(difference: float | None) -> Finding:
     """The relaxation tests at all compressions have the same relative relaxation."""
     if difference is None:
-        return Finding("No speed is known, so the memories are not compared")
+        return Finding("No speed is known, so the relaxation functions are not compared")
     return Finding(
-        f"Over the time of a stroke the memories of the relaxation tests differ by "
+        f"Over the time of a stroke the relaxation functions of the tests differ by "
         f"{100 * difference:.2g} %",
         difference,
-        "Force and time do not separate, or the tests are of different seals. One memory is valid "
-        "near the compression of its test only",
+        "Force and time do not separate, or the tests are of different seals. One relaxation "
+        "function is valid near the compression of its test only",
         "Use the test held nearest to your compression.",
     )
 
@@ -255,14 +256,20 @@ def relaxation_tests_agree(difference: float | None) -> Finding:
 def one_relaxation_explains_speeds(over: float) -> Finding:
     """Relaxation explains the speeds as well as a dashpot that depends on compression."""
     if over >= -BETTER:
-        message = "The speeds do not separate one memory from a dashpot that depends on compression"
+        message = (
+            "The speeds do not separate one relaxation function from a dashpot that depends on "
+            "compression"
+        )
     else:
-        message = "One memory explains the speeds better than a dashpot that depends on compression"
+        message = (
+            "One relaxation function explains the speeds better than a dashpot that depends on "
+            "compression"
+        )
     return Finding(
         f"{message} (BIC {over:+.3g})",
         over,
-        instead=f"A dashpot that depends on compression explains the speeds better than one memory "
-        f"(BIC {over:+.3g})",
+        instead=f"A dashpot that depends on compression explains the speeds better than one "
+        f"relaxation function (BIC {over:+.3g})",
         remedy="Use c(x) at your compression, not the arms of this fit.",
     )
 
@@ -280,13 +287,13 @@ def speeds_spread(ratio: float) -> Finding:
 
 @criterion("residual / noise", "<=", 2.0, "specimens 2 % apart: 3.4; one specimen: 0.9 to 1.1")
 def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding:
-    """One elastic law and one relaxation fit every speed to the noise or 0.1 %."""
+    """One elastic law and one relaxation function fit every speed to the noise or 0.1 %."""
     return Finding(
         f"The model misses {100 * residual / peak:.2g} % of the greatest force; the noise is "
         f"{100 * noise / peak:.2g} %",
         residual / max(noise, 1e-3 * peak),
-        "The seal has friction, softens within the cycle, or is not one piece. The arms are as "
-        "much off",
+        "The seal has friction, softens within the cycle, or is not one specimen. The arms are "
+        "as much off",
         "Press one conditioned specimen at every speed.",
     )
 
@@ -297,11 +304,11 @@ def speeds_residual_small(residual: float, noise: float, peak: float) -> Finding
 def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding:
     """The slowest stroke takes longer than the longest relaxation time."""
     if longest is None:
-        return Finding("No memory was found")
+        return Finding("No relaxation time was found")
     return Finding(
         f"The slowest stroke takes {stroke:.3g} s, the longest relaxation time is {longest:.3g} s",
         longest / stroke,
-        "The law at rest is extrapolated",
+        "The elastic law is extrapolated",
         "Press slower, or add a relaxation test.",
     )
 
@@ -316,7 +323,7 @@ def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding
 def relaxation_times_determined(error: float | None) -> Finding:
     """The data determine every relaxation time."""
     if error is None:
-        return Finding("No memory was found")
+        return Finding("No relaxation time was found")
     return Finding(
         f"The least certain relaxation time is known to a factor of {1 + error:.3g}",
         error,
@@ -325,7 +332,7 @@ def relaxation_times_determined(error: float | None) -> Finding:
 
 
 @criterion("conditions that differ", "<=", 0, "by definition")
-def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
+def specimens_tested_alike(otherwise: Sequence[str]) -> Finding:
     """The specimens were tested alike: speed, compression, cycle and temperature."""
     return Finding(
         "The specimens were tested alike",
@@ -338,7 +345,7 @@ def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
 
 
 @criterion("Cpk", ">=", 1.33, "usual requirement (AIAG) for a known process")
-def pieces_capable(of: ProcessCapability, unit: str) -> Finding:
+def specimens_capable(of: ProcessCapability, unit: str) -> Finding:
     """The force at the nominal compression keeps a margin to its limits."""
     low, high = of.cpk_interval or (0.0, 0.0)
     return Finding(
@@ -347,5 +354,5 @@ def pieces_capable(of: ProcessCapability, unit: str) -> Finding:
         f"asked. {of.count} specimens, limits {of.lower:g} to {of.upper:g} {unit}",
         of.cpk,
         "" if high >= 1.33 else "The specimens scatter too much, or lie off centre",
-        "Test more pieces." if high >= 1.33 else "Look at scatter and mean of the pieces.",
+        "Test more specimens." if high >= 1.33 else "Look at scatter and mean of the specimens.",
     )

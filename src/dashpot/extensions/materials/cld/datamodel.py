@@ -57,8 +57,8 @@ class CLDTest(EqualByValue, HasSummary):
     --------
     >>> import dashpot as dp, numpy as np
     >>> t = np.linspace(0, 10, 50)
-    >>> piece = dp.CLDTest(displacement=t, force=t**2, units="mm, N")
-    >>> float(piece.displacement[-1])
+    >>> test = dp.CLDTest(displacement=t, force=t**2, units="mm, N")
+    >>> float(test.displacement[-1])
     0.01
     """
 
@@ -441,8 +441,9 @@ class RelaxedLaw(Serialisable):
     ----------
     law : ElasticLaw
         Relaxed force against compression, to the depth of the cycle.
-    memory : GeneralizedMaxwell
-        What was taken off, with a stiffness at rest of 1: its k are parts of the relaxed force.
+    relaxation : GeneralizedMaxwell
+        The relaxation function that was removed, with k_inf = 1: its k are parts of the relaxed
+        force.
     residual : float
         Rms of what relaxed loading and unloading leave of the law, N.
     hysteresis, left : float
@@ -451,8 +452,8 @@ class RelaxedLaw(Serialisable):
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
     others : tuple of ElasticLaw
-        The law where what it rests on is one standard error off: the memory, along each axis of
-        its covariance, first contact, and the zero of the force.
+        The elastic law where one of its inputs is one standard error off: the relaxation function,
+        along each axis of its covariance, first contact, and the zero of the force.
     """
 
     _keys = (
@@ -465,7 +466,7 @@ class RelaxedLaw(Serialisable):
     )
 
     law: ElasticLaw
-    memory: GeneralizedMaxwell
+    relaxation: GeneralizedMaxwell
     residual: float
     hysteresis: float | None
     left: float | None
@@ -479,7 +480,7 @@ class RelaxedLaw(Serialisable):
         return tuple(map(self.force_se, self.law.knots))
 
     def force_se(self, x: float) -> float:
-        """Standard error of the relaxed force at a compression, m: of memory and zeros, N."""
+        """Standard error of the relaxed force at a compression, m, from relaxation and zeros, N."""
         off = [float(other.force(x)) - float(self.law.force(x)) for other in self.others]
         return float(np.linalg.norm(off)) if off else 0.0
 
@@ -514,8 +515,8 @@ class RateLaw(EqualByValue, Serialisable):
     residual : float
         Rms of what it leaves, N.
     bic : float
-        Over that of one elastic law with one memory, by the same records: below 0 this explains
-        them better.
+        Over that of one elastic law with one relaxation function, for the same records: below 0
+        this model explains them better.
     checks : tuple of Check
     """
 
@@ -554,18 +555,18 @@ class RateLaw(EqualByValue, Serialisable):
         return value, error
 
     def model_at(self, compression: float) -> GeneralizedMaxwell:
-        """Return the solid that small vibration about a compression, m, feels."""
+        """Return the linear model of small vibration about a compression, m."""
         tangent = float(self.law.tangent(compression))
         return GeneralizedMaxwell(tangent, self.k, self.tau, self.c(compression)[0])
 
 
 class ProcessCapability(Protocol):
-    """Options of the process capability of pieces between two force limits.
+    """Process capability of specimens between two force limits.
 
     Attributes
     ----------
     count, outside : int
-        Of the pieces, and of those beyond a limit.
+        Number of specimens, and of those beyond a limit.
     lower, upper : float or None
         The limits.
     cpk : float or None

@@ -1,13 +1,13 @@
 r"""Equilibrium force of a load deflection cycle: the elastic law without viscous stress.
 
-A quasi-linear seal (Fung) answers its relaxed force :math:`e(t) = F_e(x(t))` with memory,
+A quasi-linear seal (Fung) relaxes from its equilibrium force :math:`e(t) = F_e(x(t))`,
 
 .. math:: F(t) = e(t) + \sum_j g_j \int_0^t e^{-(t-u)/\tau_j}\,de(u)
 
-so a loading branch at a finite speed is not the law but the law convolved. With g from a relaxation
-test this is inverted exactly, from the recorded force alone: it is creep under a force that is
-straight between samples. Loading and release then fall onto one curve. In air, where the force is
-zero, the inverse is the free recovery of the seal, which no compression of the plate tells.
+so a loading branch at a finite speed is not the elastic law but its convolution. With g from a
+relaxation test this is inverted exactly, from the recorded force alone: it is creep under a force
+that is linear between samples. Loading and release then fall onto one curve. In air, where the
+force is zero, the inverse is the free recovery of the seal, which the plate does not show.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     cld : CLD
         With a clock.
     fit : Fit or sequence of Fit
-        Of a relaxation test of such a seal: the shape of its memory is taken, k_j / k_inf, not its
-        stiffness, with which the law is compared at the depth that it was held at. Of several, the
-        memory of the one held nearest to the nominal compression, as `find_nearest_fit` has it.
+        Of a relaxation test of such a seal. Its relaxation function k_j / k_inf is used, not its
+        stiffness; that is compared with the elastic law at the compression of the test. Of several
+        fits the one nearest to the nominal compression is used (`find_nearest_fit`).
 
     Raises
     ------
@@ -57,9 +57,9 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     """
     fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
     fit = find_nearest_fit(cld, fits)
-    memory = normalise_relaxation(fit.model)
+    relaxation = normalise_relaxation(fit.model)
     time = clock_of(cld)
-    e = memory.displacement(time, cld.force)
+    e = relaxation.displacement(time, cld.force)
     cycle = cld.cycle
     rows = find_loaded_samples(cld)
     law, residual = law_through(cld.compression[rows], e[rows], depth=cycle.depth)
@@ -68,12 +68,12 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     first, last = (_compute_common_force(cld, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
     knots = np.asarray(law.knots)
-    # what it rests on, one standard error off: the memory along each axis, both zeros, the clock
+    # each input one standard error off: the relaxation along each axis, both zeros, the delay
     force, late = cld.force, taken_later(time, cld.force, cld.delay_sd)
     off = [(0.0, normalise_relaxation(other.maxwell), force) for other in off_by_error(fit)]
-    off += [(cld.contact_se, memory, force), (0.0, memory, force + cld.zero_se)]
+    off += [(cld.contact_se, relaxation, force), (0.0, relaxation, force + cld.zero_se)]
     # of a force that is late the contact is, too
-    off += [(-cld.met_later, memory, late)] * (cld.delay_sd > 0)
+    off += [(-cld.met_later, relaxation, late)] * (cld.delay_sd > 0)
     laws = (
         _law(cld.compression[rows] + x, model.displacement(time, pressed)[rows], knots)
         for x, model, pressed in off
@@ -81,7 +81,7 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     others = tuple(law[0] for law in laws if law is not None)
     return RelaxedLaw(
         _add_ratio_errors(law, others),
-        memory,
+        relaxation,
         residual,
         raw,
         fraction,
@@ -91,7 +91,7 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
             checks.stroke_within_relaxation_times(stroke, fit.band),
             *(check for fit in fits for check in _check_relaxed_force(cld, law, fit)),
             *(
-                [checks.relaxation_tests_agree(_compare_memories(fits, stroke))]
+                [checks.relaxation_tests_agree(_compare_relaxations(fits, stroke))]
                 if len(fits) > 1
                 else ()
             ),
@@ -103,22 +103,22 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
 def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
     """Return the fit whose test was held nearest to the nominal compression."""
     if not fits:
-        raise FitError("no fit of a relaxation test was given, and its memory is what is taken off")
+        raise FitError("no fit of a relaxation test was given: its relaxation function is needed")
     return min(fits, key=lambda fit: abs(depth_of(fit) - cld.nominal.compression))
 
 
 def _add_ratio_errors(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
-    """Return the law with what errors of memory and zeros make of its bend, beside the scatter."""
+    """Return the law with the errors of relaxation and zeros added to those of its tangents."""
     values = np.asarray(law.ratio_se)
     moves = [np.subtract(other.ratio, law.ratio) for other in others]
     total = np.sqrt(values**2 + sum((move**2 for move in moves), np.zeros(len(values))))
     return replace(law, ratio_se=tuple(total.tolist()))
 
 
-def _compare_memories(fits: Sequence[Fit], stroke: float | None) -> float | None:
-    """By how much the memories differ over the times of a stroke, of the force over that at rest.
+def _compare_relaxations(fits: Sequence[Fit], stroke: float | None) -> float | None:
+    """Return the largest relative difference of the relaxation functions over the time of a stroke.
 
-    What Lakes asks of a separable material: its normalised relaxation is one at every depth.
+    In a separable material (Lakes) the normalised relaxation is the same at every compression.
     """
     if stroke is None:
         return None
@@ -128,7 +128,7 @@ def _compare_memories(fits: Sequence[Fit], stroke: float | None) -> float | None
 
 
 def longer(cld: CLD, fit: Fit) -> float:
-    """Return how many times as long as that of a fit the piece is; 1 where one is not known."""
+    """Return the length of the specimen over that of the fit's; 1 where one is not known."""
     per = cld.specimen.length, fit.specimen.length
     return per[0] / per[1] if per[0] and per[1] else 1.0
 
@@ -145,7 +145,7 @@ def clock_of(cld: CLD) -> FloatArray:
     """Return the times of a record that has them, s."""
     if cld.time is None:
         raise FitError(
-            "the record has no clock, and without one no memory is taken off; give the rate "
+            "the record has no clock, and without one relaxation cannot be removed; give the rate "
             "(--rate 10Hz), or a file with a column of time"
         )
     return cld.time
@@ -182,7 +182,7 @@ def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
 
 
 def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
-    """Return the law on knots; None where the points do not tell each tangent."""
+    """Return the law on knots; None where the points do not determine each tangent."""
     hats = hat_integrals(x, knots)
     best = solve_ordinary(force, hats, positive=True)
     uncertainty = estimate(best)
@@ -208,7 +208,7 @@ def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
 
 
 def _compute_loss_fraction(cld: CLD, back: Branch, e: FloatArray) -> float:
-    """Part of the energy that relaxed forces lose over the chosen cycle where the seal is felt."""
+    """Return the part of the energy that relaxed forces lose over the chosen cycle in contact."""
     rows = find_loaded_samples(cld)
     released = rows >= back.first
     x = cld.compression
@@ -228,7 +228,7 @@ def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
 
 
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
-    """Return the relaxed force against that of each depth that the relaxation test was held at."""
+    """Return checks of the relaxed force against the relaxation test at each compression."""
     held = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
         (depth_of(fit), fit.model.k_inf)
     ]

@@ -15,7 +15,7 @@ from dashpot.solids.demo_seals import BROAD
 
 
 def _simulate_force(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
-    """Return the force of a path with memory, N: a seal that would pull is left, and recovers."""
+    """Return the force of a relaxing seal along a path, N; out of contact it recovers."""
     k, tau = np.asarray(BROAD.k), np.asarray(BROAD.tau)
     decay = np.exp(-step / tau)
     mean = k * (1 - decay) * tau / step
@@ -33,7 +33,7 @@ def _simulate_force(path: FloatArray, met: BoolArray, step: float) -> FloatArray
 def _make_cld_writer(
     stiffness: float, seed: int, *, speed: float = 50e-3 / 60
 ) -> Callable[[], str]:
-    """A piece of a stiffening seal, pressed 8 mm and released four times, softer each time."""
+    """Return a record of a stiffening seal, pressed by 8 mm four times and softer each time."""
 
     def render_file() -> str:
         depth, gap, cycles = 8e-3, 1e-3, 4

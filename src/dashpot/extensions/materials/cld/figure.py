@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 _FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"
-_PIECES = ("measured", "joint-ink", "fit")
-"""Colours of as many pieces; of more, all are alike."""
+_SPECIMEN_COLOURS = ("measured", "joint-ink", "fit")
+"""Colours of as many specimens; of more, all are alike."""
 _LETTER = 0.016
 """Part of the axis that a letter of a name takes."""
 
@@ -34,10 +34,10 @@ def cld(
     limits: tuple[float | None, float | None] | None = None,
     stamp: str = "",
 ) -> Picture:
-    """Loading and unloading over compression: the cycle that the figures are of over the others.
+    """Return loading and unloading over compression: the evaluated cycle over the others.
 
-    Nominal compression and tolerance are marked. Several pieces are drawn by that cycle alone, each
-    named where its line ends; three at most have a colour of their own.
+    Nominal compression and tolerance are marked. Of several specimens the evaluated cycle alone is
+    drawn, named where its line ends; three at most have a colour of their own.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def cld(
     stamp : str
         What the figure says of its origin; by default files, specimen and date.
     """
-    pieces = (results,) if isinstance(results, CLD) else tuple(results)
-    first, single = pieces[0], len(pieces) == 1
-    lines, names = _curves(pieces)
+    specimens = (results,) if isinstance(results, CLD) else tuple(results)
+    first, single = specimens[0], len(specimens) == 1
+    lines, names = _curves(specimens)
     marks: list[Mark] = [*_tolerance(first), *lines, *names, *_nominal(first, valued=single)]
     x, y = (np.concatenate([getattr(line, way) for line in lines]) for way in ("x", "y"))
     requested = [limit for limit in limits or () if limit is not None and np.isfinite(limit)]
@@ -69,27 +69,27 @@ def cld(
         "and its tolerance."
     )
     return Picture(
-        "cld", caption, ((panel,),), 1, stamp or format_stamp(sources_of(pieces), first.specimen)
+        "cld", caption, ((panel,),), 1, stamp or format_stamp(sources_of(specimens), first.specimen)
     )
 
 
-def draw_pieces(pieces: CLDResult) -> Picture:
-    """Return the figure of pieces that were fitted together."""
-    return cld(pieces.pieces)
+def draw_specimens(result: CLDResult) -> Picture:
+    """Return the figure of the specimens of one result."""
+    return cld(result.specimens)
 
 
-def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
-    """The cycle of every piece, over the others where it is alone, and its name at its end."""
-    single = len(pieces) == 1
-    lines = _draw_other_cycles(pieces[0]) if single else []
+def _curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
+    """Return the evaluated cycle of every specimen, and its name at the end of its line."""
+    single = len(specimens) == 1
+    lines = _draw_other_cycles(specimens[0]) if single else []
     names: list[Tag] = []
-    for piece, colour, name in zip(pieces, *_select_line_styles(pieces), strict=True):
+    for specimen, colour, name in zip(specimens, *_select_line_styles(specimens), strict=True):
         pens = Pen(colour, 2.0 if single else 1.6), Pen(colour, 1.4, (6, 3))
-        lines += _ways(piece, piece.cycle, pens, ("pressed", "released"))
+        lines += _ways(specimen, specimen.cycle, pens, ("pressed", "released"))
         if name:
             deep, high = (
-                convert_to_unit(piece.loading.compression, "mm"),
-                piece.per * piece.loading.force,
+                convert_to_unit(specimen.loading.compression, "mm"),
+                specimen.per * specimen.loading.force,
             )
             deepest = int(np.argmax(deep))
             names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
@@ -98,7 +98,7 @@ def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
 
 
 def _nominal(result: CLD, *, valued: bool) -> Iterator[Mark]:
-    """Each nominal compression, with its force where that is of one piece."""
+    """Return marks of nominal compression and limits, of one specimen with the force."""
     for at in result.limit_marks:
         pressed, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
         yield Rule(pressed, REF)
@@ -106,23 +106,23 @@ def _nominal(result: CLD, *, valued: bool) -> Iterator[Mark]:
             yield Tag(pressed, force, f"{force:.3g}", "fit", "filled", bold=True)
 
 
-def _select_line_styles(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Colour and name of each line: of up to three pieces, or of speeds; of more pieces none."""
-    speeds = [piece.cycle.speed for piece in pieces]
+def _select_line_styles(specimens: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return colour and name of each line: of up to three specimens, or of each speed."""
+    speeds = [specimen.cycle.speed for specimen in specimens]
     values = [speed for speed in speeds if speed is not None]
-    if len(pieces) == 1:
+    if len(specimens) == 1:
         return ("fit",), ("",)
-    if len(values) == len(pieces) and max(values) > SAME_SPEED * min(values):
+    if len(values) == len(specimens) and max(values) > SAME_SPEED * min(values):
         rank = np.argsort(np.argsort(values))
-        colours = sequential(len(pieces))
+        colours = sequential(len(specimens))
         named = tuple(format_quantity(value, "mm/s", ".3g") for value in values)
         return tuple(colours[i] for i in rank.tolist()), named
-    if len(pieces) > len(_PIECES):
-        return ("ref",) * len(pieces), ("",) * len(pieces)
-    files = ("" if piece.source is None else piece.source.file for piece in pieces)
-    named = tuple(name.rpartition(".")[0] or name or f"piece {i}"
+    if len(specimens) > len(_SPECIMEN_COLOURS):
+        return ("ref",) * len(specimens), ("",) * len(specimens)
+    files = ("" if specimen.source is None else specimen.source.file for specimen in specimens)
+    named = tuple(name.rpartition(".")[0] or name or f"specimen {i}"
                   for i, name in enumerate(files, start=1))  # fmt: skip
-    return _PIECES[: len(pieces)], named
+    return _SPECIMEN_COLOURS[: len(specimens)], named
 
 
 def _tolerance(result: CLD) -> list[Mark]:

@@ -1,4 +1,4 @@
-"""Fit of compression load deflection files: the values of each piece and their scatter."""
+"""Fit of compression load deflection files: the values of each specimen and their scatter."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.fit import Fit, apply_elastic_law
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.materials.cld.checks import pieces_capable, pieces_tested_alike
+from dashpot.extensions.materials.cld.checks import specimens_capable, specimens_tested_alike
 from dashpot.extensions.materials.cld.datamodel import (
     CLD,
     SAME_SPEED,
@@ -48,15 +48,15 @@ _AS_WARM = 3.0
 
 
 @dataclass(frozen=True)
-class PieceStatistics:
-    """Mean and standard deviation of one value over the pieces.
+class SpecimenStatistics:
+    """Mean and standard deviation of one value over the specimens.
 
     Attributes
     ----------
     name : str
     unit : str
     count : int
-        Of the pieces that have it.
+        Of the specimens that have it.
     mean, deviation : float
         In SI units; a force of 100 mm where the lengths are known.
     """
@@ -85,16 +85,16 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
 
     Attributes
     ----------
-    pieces : tuple of CLD
+    specimens : tuple of CLD
         One a file.
     scatter : tuple of PieceStatistics
-        Of two or more pieces.
+        Of two or more specimens.
     capability : ProcessCapability or None
         Of the force at the nominal compression between its limits.
     checks : tuple of Check
-        Those of every piece, each at its worst, and of the pieces together.
+        Those of every specimen, each at its worst, and of the specimens together.
     relaxed : RelaxedLaw or None
-        The elastic law of the first piece, where a relaxation test determined its arms.
+        The elastic law of the first specimen, where a relaxation test determined its arms.
     fit : Fit or None
         That of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
@@ -105,15 +105,15 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     >>> import dashpot as dp, numpy as np
     >>> x = 8 * np.sin(np.linspace(0, np.pi, 400))
     >>> t = np.linspace(0, 20, 400)
-    >>> piece = dp.CLDTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
-    >>> round(dp.fit(piece, compression="6mm").pieces[0].nominal.loading, 2)
+    >>> test = dp.CLDTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
+    >>> round(dp.fit(test, compression="6mm").specimens[0].nominal.loading, 2)
     1.5
     """
 
     schema = "dashpot/cld@2"
     _keys = (
         "unit",
-        Key("specimens", "pieces"),
+        "specimens",
         "scatter",
         "capability",
         Key("relaxed", optional=True),
@@ -123,8 +123,8 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         Key("fit", optional=True),
     )
 
-    pieces: tuple[CLD, ...]
-    scatter: tuple[PieceStatistics, ...]
+    specimens: tuple[CLD, ...]
+    scatter: tuple[SpecimenStatistics, ...]
     capability: ProcessCapability | None
     checks: tuple[Check, ...]
     relaxed: RelaxedLaw | None = None
@@ -139,35 +139,37 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     @property
     def unit(self) -> str:
         """Of a force."""
-        return self.pieces[0].unit
+        return self.specimens[0].unit
 
     @property
     def table_columns(self) -> Series:
-        """Of each piece what it shows at the nominal compression, as `CLD.per` gives it."""
+        """Figures of each specimen at the nominal compression, scaled by `CLD.per`."""
 
         def scale_nominal(name: str) -> list[float]:
-            return [piece.per * getattr(piece.nominal, name) for piece in self.pieces]
+            return [specimen.per * getattr(specimen.nominal, name) for specimen in self.specimens]
 
-        names = ["" if piece.source is None else piece.source.file for piece in self.pieces]
+        names = [
+            "" if specimen.source is None else specimen.source.file for specimen in self.specimens
+        ]
         unit, slope = self.unit, self.unit.replace("N", "N/m", 1)
         return {
-            "piece": (names, ""),
-            **collect_columns((piece.nominal for piece in self.pieces), compression="m"),
+            "specimen": (names, ""),
+            **collect_columns((specimen.nominal for specimen in self.specimens), compression="m"),
             "loading": (scale_nominal("loading"), unit),
             "loading_se": (scale_nominal("loading_se"), unit),
             "slope": (scale_nominal("slope"), slope),
             "slope_se": (scale_nominal("slope_se"), slope),
-            **collect_columns((piece.cycle for piece in self.pieces), hysteresis=""),
-            **collect_columns(self.pieces, set="m"),
+            **collect_columns((specimen.cycle for specimen in self.specimens), hysteresis=""),
+            **collect_columns(self.specimens, set="m"),
         }
 
     @property
     def headline(self) -> str:
-        """The force at the nominal compression, and that of the least and of the stiffest piece."""
-        if len(self.pieces) == 1 or self.rate is not None:
-            return self.pieces[0].headline
-        forces = [piece.per * piece.nominal.loading for piece in self.pieces]
-        at = format_quantity(self.pieces[0].nominal.compression, "mm", ".3g")
+        """Mean force at the nominal compression, and the least and the largest of the specimens."""
+        if len(self.specimens) == 1 or self.rate is not None:
+            return self.specimens[0].headline
+        forces = [specimen.per * specimen.nominal.loading for specimen in self.specimens]
+        at = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
         return (
             f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} specimens: "
             f"{min(forces):.3g} to {max(forces):.3g})"
@@ -180,30 +182,30 @@ def cld_files(
     at: Quantity | None = None,
     between: Range | None = None,
     limits: tuple[float, float] | None = None,
-    memory: Sequence[Fit] = (),
+    relaxation: Sequence[Fit] = (),
     specimen: Specimen | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> CLDResult:
-    """Find the figures of compression load deflection of pieces, and how they scatter.
+    """Evaluate files of compression load deflection: figures of each specimen and their scatter.
 
     Records at speeds that differ by half or more are taken for one seal, whose elastic law and
-    memory are fitted, unless there are limits, or a memory.
+    relaxation function are fitted, unless there are limits, or fits of relaxation tests.
 
     Parameters
     ----------
     files : sequence of path
-        A piece each.
+        One for each specimen.
     at, between
         As in :func:`~dashpot.extensions.materials.cld.preprocess.cld`; without `at` the least depth
         of all.
     limits : (float, float), optional
         Of the force at the nominal compression, N, of 100 mm where the length is known.
-    memory : sequence of Fit
-        Of relaxation tests: the memory of the one held nearest to the nominal compression is taken
-        off the first piece, which leaves the elastic law; all are held against it.
+    relaxation : sequence of Fit
+        Of relaxation tests. The relaxation function of the one nearest to the nominal compression
+        is removed from the first specimen, which leaves the elastic law; all are compared with it.
     specimen : Specimen, optional
-        What is the same of every piece, such as its length.
+        Data that all specimens share, such as their length.
     machine : Machine, optional
         What is known of the machine: its `sync`.
     options : ReadOptions, optional
@@ -212,12 +214,12 @@ def cld_files(
     Raises
     ------
     ReadError, DataError
-        If a file cannot be read or shows no loading, or limits are given for one piece.
+        If a file cannot be read or shows no loading, or limits are given for one specimen.
     """
     options = options or ReadOptions()
     tests = [read_cld(path, options=options, specimen=specimen) for path in files]
     return cld_of(
-        tests, at=at, between=between, limits=limits, memory=memory, cycle=options.cycle,
+        tests, at=at, between=between, limits=limits, relaxation=relaxation, cycle=options.cycle,
         names=[Path(path).name for path in files], machine=machine,
     )  # fmt: skip
 
@@ -228,28 +230,33 @@ def cld_of(
     at: Quantity | None = None,
     between: Range | None = None,
     limits: tuple[float, float] | None = None,
-    memory: Sequence[Fit] = (),
+    relaxation: Sequence[Fit] = (),
     cycle: int | None = None,
     names: Sequence[str] = (),
     machine: Machine | None = None,
 ) -> CLDResult:
-    """Find the figures of pieces, as :func:`cld_files` does of those in files.
+    """Evaluate records of compression load deflection, as :func:`cld_files` does those in files.
 
     `names` are put before what is wrong with one of them, `cycle` is the one of the figures.
     """
     if limits is not None and len(tests) < 2:
-        raise ReadError("--force-limits are of several pieces: name a file for each, or leave out")
-    pieces = _figures(
+        raise ReadError(
+            "--force-limits need several specimens: name a file for each, or leave it out"
+        )
+    specimens = _figures(
         tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
     )
     scatter = CLDResult(
-        pieces, (), None, (*_select_worst_checks(pieces), *caution_checks(sources_of(pieces)))
+        specimens,
+        (),
+        None,
+        (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
     )
-    if not memory and limits is None and _several_speeds(pieces):
+    if not relaxation and limits is None and _several_speeds(specimens):
         return _add_speed_fit(scatter)
-    if len(pieces) > 1:
-        scatter = _add_piece_scatter(scatter, limits)
-    return _with_memory(scatter, memory) if memory else scatter
+    if len(specimens) > 1:
+        scatter = _add_specimen_scatter(scatter, limits)
+    return _with_relaxation(scatter, relaxation) if relaxation else scatter
 
 
 def _figures(
@@ -261,63 +268,61 @@ def _figures(
     between: Range | None,
     machine: Machine | None,
 ) -> tuple[CLD, ...]:
-    """Return each piece, all at one nominal compression."""
+    """Return the figures of each specimen, all at one nominal compression."""
     _refuse_twice(tests)
 
     def figures(test: CLDTest, nominal: Quantity | None) -> CLD:
         return cld(test, at=nominal, between=between, cycle=cycle, machine=machine)
 
-    pieces = []
+    specimens = []
     for name, test in zip(names, tests, strict=True):
         with add_name_to_errors(name) if name else nullcontext():
-            pieces.append(figures(test, at))
-    if at is not None or len(pieces) == 1:
-        return tuple(pieces)
-    least = min(piece.cycle.depth for piece in pieces)
+            specimens.append(figures(test, at))
+    if at is not None or len(specimens) == 1:
+        return tuple(specimens)
+    least = min(specimen.cycle.depth for specimen in specimens)
     return tuple(figures(test, least) for test in tests)
 
 
-def _select_worst_checks(pieces: Sequence[CLD]) -> tuple[Check, ...]:
-    """Return the checks of every piece, each at its worst."""
+def _select_worst_checks(specimens: Sequence[CLD]) -> tuple[Check, ...]:
+    """Return the checks of every specimen, each at its worst."""
     return tuple(
         select_gravest_check(group)
-        for group in zip(*(piece.checks for piece in pieces), strict=True)
+        for group in zip(*(specimen.checks for specimen in specimens), strict=True)
     )
 
 
-def _add_speed_fit(pieces: CLDResult) -> CLDResult:
-    """With the elastic law and the memory of one seal at several speeds."""
-    fit = fit_speeds(pieces.pieces)
-    rate = fit_rate(pieces.pieces, fit)
+def _add_speed_fit(result: CLDResult) -> CLDResult:
+    """Return the result with the model fitted to one seal at several speeds."""
+    fit = fit_speeds(result.specimens)
+    rate = fit_rate(result.specimens, fit)
     final_check = next(
         check for check in rate.checks if check.name == "one_relaxation_explains_speeds"
     )
     fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, final_check)))
-    return replace(pieces, checks=(*pieces.checks, *fit.checks), fit=fit, rate=rate)
+    return replace(result, checks=(*result.checks, *fit.checks), fit=fit, rate=rate)
 
 
-def _add_piece_scatter(new_pieces: CLDResult, limits: tuple[float, float] | None) -> CLDResult:
-    """With how several pieces scatter, and whether their forces keep within limits."""
-    pieces, within = new_pieces.pieces, None
-    checks = [pieces_tested_alike(_otherwise(pieces))]
+def _add_specimen_scatter(result: CLDResult, limits: tuple[float, float] | None) -> CLDResult:
+    """Return the result with the scatter of its specimens, and their capability within limits."""
+    specimens, within = result.specimens, None
+    checks = [specimens_tested_alike(_otherwise(specimens))]
     if limits is not None:
-        forces = np.array([piece.per * piece.nominal.loading for piece in pieces])
+        forces = np.array([specimen.per * specimen.nominal.loading for specimen in specimens])
         within = find_handler("process capability", forces)(forces, *limits)
-        checks.append(pieces_capable(within, new_pieces.unit))
-    scatter = tuple(_scatter(pieces))
-    return replace(
-        new_pieces, scatter=scatter, capability=within, checks=(*new_pieces.checks, *checks)
-    )
+        checks.append(specimens_capable(within, result.unit))
+    scatter = tuple(_scatter(specimens))
+    return replace(result, scatter=scatter, capability=within, checks=(*result.checks, *checks))
 
 
-def _with_memory(pieces: CLDResult, memory: Sequence[Fit]) -> CLDResult:
-    """With the elastic law under the first piece."""
-    relaxed = relaxed_law(pieces.pieces[0], memory)
-    near = find_nearest_fit(pieces.pieces[0], memory)
-    # the reported law is the saved law, of a piece as long as that of the relaxation test
-    stiffness = relaxed.law.stiffness / longer(pieces.pieces[0], near)
+def _with_relaxation(result: CLDResult, relaxation: Sequence[Fit]) -> CLDResult:
+    """Return the result with the elastic law of the first specimen, without relaxation."""
+    relaxed = relaxed_law(result.specimens[0], relaxation)
+    near = find_nearest_fit(result.specimens[0], relaxation)
+    # the saved law is of a specimen as long as that of the relaxation test
+    stiffness = relaxed.law.stiffness / longer(result.specimens[0], near)
     fed = apply_elastic_law(near, relaxed.law, checks=relaxed.checks, stiffness=stiffness)
-    return replace(pieces, checks=(*pieces.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
+    return replace(result, checks=(*result.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 
 def _refuse_twice(tests: Sequence[CLDTest]) -> None:
@@ -330,13 +335,13 @@ def _refuse_twice(tests: Sequence[CLDTest]) -> None:
         seen[source.sha256] = source.file
 
 
-def _several_speeds(pieces: Sequence[CLD]) -> bool:
-    speeds = [piece.cycle.speed for piece in pieces if piece.cycle.speed is not None]
-    return len(speeds) == len(pieces) and max(speeds) >= SAME_SPEED * min(speeds)
+def _several_speeds(specimens: Sequence[CLD]) -> bool:
+    speeds = [specimen.cycle.speed for specimen in specimens if specimen.cycle.speed is not None]
+    return len(speeds) == len(specimens) and max(speeds) >= SAME_SPEED * min(speeds)
 
 
-def _scatter(pieces: Sequence[CLD]) -> list[PieceStatistics]:
-    unit = pieces[0].unit
+def _scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
+    unit = specimens[0].unit
     each_mm = "N/m" + unit.removeprefix("N")
     figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
         ("force at least", unit, lambda result: _force(result, result.least)),
@@ -350,10 +355,10 @@ def _scatter(pieces: Sequence[CLD]) -> list[PieceStatistics]:
     )
     statistics = []
     for name, of, figure in figures:
-        values = [value for value in map(figure, pieces) if value is not None]
+        values = [value for value in map(figure, specimens) if value is not None]
         if len(values) > 1:
             statistics.append(
-                PieceStatistics(
+                SpecimenStatistics(
                     name, of, len(values), float(np.mean(values)), float(np.std(values, ddof=1))
                 )
             )
@@ -364,17 +369,20 @@ def _force(result: CLD, at: AtCompression | None) -> float | None:
     return None if at is None else result.per * at.loading
 
 
-def _otherwise(pieces: Sequence[CLD]) -> list[str]:
-    """Return what differs between the tests of pieces that should scatter by themselves alone."""
+def _otherwise(specimens: Sequence[CLD]) -> list[str]:
+    """Return the conditions in which the tests of the specimens differ."""
     speeds, depths, numbers, temperatures = (
-        sorted(value for value in map(figure, pieces) if value is not None) or [0.0]
+        sorted(value for value in map(figure, specimens) if value is not None) or [0.0]
         for figure in _CONDITIONS
     )
     differs = {
         "speed": speeds[-1] > (1 + _ALIKE) * speeds[0],
         "depth": depths[-1] > (1 + _ALIKE) * depths[0],
         "number of the cycle": numbers[-1] > (1 + _ALIKE) * numbers[0],
-        "length, known of some alone": len({piece.specimen.length is None for piece in pieces}) > 1,
+        "length, known of some alone": len(
+            {specimen.specimen.length is None for specimen in specimens}
+        )
+        > 1,
         "temperature": temperatures[-1] - temperatures[0] > _AS_WARM,
     }
     return [name for name, flag in differs.items() if flag]

@@ -9,19 +9,19 @@ from dashpot.extensions.materials.cld.fit_files import cld_files
 
 
 def run(request: FitRequest) -> CommandResult:
-    """Find force, slope, hysteresis, energy and set of pieces, or the memory of several speeds."""
+    """Evaluate load deflection of specimens, or fit a model to several speeds."""
     request.check_output_suffix(".json", what="load deflection")
-    pieces = cld_files(
+    result = cld_files(
         request.files,
         at=request["compression"],
         between=request["between"],
         limits=request["force_limits"],
-        memory=[workflow.read_fit(path) for path in request["memory"]],
+        relaxation=[workflow.read_fit(path) for path in request["relaxation"]],
         specimen=request.specimen,
         options=request.reading,
         **request.some("machine"),
     )
     follow = ""
-    if request.result_path and pieces.fit is not None:
+    if request.result_path and result.fit is not None:
         follow = format_command("predict", request.result_path, "--mass", "MASS", "--seals", 2)
-    return request.write_output(pieces, follow=follow)
+    return request.write_output(result, follow=follow)

@@ -9,20 +9,20 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.cld.datamodel import CLD
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.read import read_cld
-from dashpot.registry import Piece
+from dashpot.registry import LotSpecimen
 
 
-def build_lot_row(file: str | Path, piece: Piece) -> tuple[CLD, dict[str, Any]]:
-    """Return the figures of a load deflection record, and them as the columns of a row.
+def build_lot_row(file: str | Path, lot_specimen: LotSpecimen) -> tuple[CLD, dict[str, Any]]:
+    """Return the figures of a load deflection record, and its columns of a lot row.
 
     Raises
     ------
     ReadError, DataError
         If it cannot be read, or was not pressed to the nominal compression.
     """
-    specimen = Specimen(temperature=piece.temperature, length=piece.length)
-    test = read_cld(file, options=piece.options, specimen=specimen)
-    result = cld(test, at=piece.compression, cycle=piece.options.cycle)
+    specimen = Specimen(temperature=lot_specimen.temperature, length=lot_specimen.length)
+    test = read_cld(file, options=lot_specimen.options, specimen=specimen)
+    result = cld(test, at=lot_specimen.compression, cycle=lot_specimen.options.cycle)
     nominal, cycle = result.nominal, result.cycle
     several = len(result.cycles) > 1
     return result, {

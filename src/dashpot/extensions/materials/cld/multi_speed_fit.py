@@ -4,8 +4,8 @@ The quasi-linear seal of :mod:`~dashpot.extensions.materials.cld.equilibrium_cur
 chosen cycle of each record, its law on hats with tangents >= 0. Within the cycle the plate drives
 the seal, :math:`e = F_e(x)`; before it, and in air, the relaxed force that drives is the exact
 inverse of the force recorded so far, so that neither the softening of earlier cycles nor a seal
-that the plate has left is taken for memory. The law is linear at each trial of g and tau (variable
-projection).
+that the plate has left is taken for relaxation. The law is linear at each trial of g and tau
+(variable projection).
 """
 
 from __future__ import annotations
@@ -66,13 +66,13 @@ class DownsampledRecord(NamedTuple):
     hats: FloatArray
 
 
-def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -> Fit:
-    """Fit elastic law and memory to load deflection tests of one seal at two or more speeds.
+def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -> Fit:
+    """Fit elastic law and relaxation function to load deflection of one seal at several speeds.
 
     Parameters
     ----------
-    pieces : sequence of CLD
-        With clocks; of one piece, or of pieces that are one.
+    specimens : sequence of CLD
+        Records with clocks, of one specimen or of equal ones.
     arms : int or "auto"
         ``"auto"`` takes as many, up to three, as lower BIC by ten each.
 
@@ -86,28 +86,34 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     FitError
         If there is no clock, or one speed alone.
     """
-    speeds = [piece.cycle.speed for piece in pieces if clock_of(piece).size and piece.cycle.speed]
+    speeds = [
+        specimen.cycle.speed
+        for specimen in specimens
+        if clock_of(specimen).size and specimen.cycle.speed
+    ]
     if len(speeds) < 2 or max(speeds) < SAME_SPEED * min(speeds):
         raise FitError(
-            "one speed alone cannot separate memory from an elastic law; expected tests at two or "
-            "more, a decade apart or farther"
+            "one speed alone does not separate relaxation from the elastic law; expected "
+            "tests at two or more, a decade apart or farther"
         )
-    knots, records = thinned_alike(pieces)
-    strokes = [piece.cycle.depth / speed for piece, speed in zip(pieces, speeds, strict=True)]
+    knots, records = thinned_alike(specimens)
+    strokes = [
+        specimen.cycle.depth / speed for specimen, speed in zip(specimens, speeds, strict=True)
+    ]
     window = min(strokes) / 20, 3 * max(strokes)
     counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
     tried = _fit_arm_counts(records, window, counts)
-    delays = _delays(pieces, records, knots, tried[-1])
+    delays = _delays(specimens, records, knots, tried[-1])
     if any(abs(delay.mean) > _TELLS * delay.sd for delay in delays):
         records = [
-            _taken_later(record, piece, knots, delay.mean)
-            for record, piece, delay in zip(records, pieces, delays, strict=True)
+            _taken_later(record, specimen, knots, delay.mean)
+            for record, specimen, delay in zip(records, specimens, delays, strict=True)
         ]
         tried = _fit_arm_counts(records, window, counts)
     # what is left of too few arms is no noise: all are weighed by that of the most
     effective = estimate(tried[-1], parts=_parts(records)).effective
     scores = [score(optimum, effective) for optimum in tried]
-    best = _select_supported_memory(records, knots, tried, scores)
+    best = _select_arm_count(records, knots, tried, scores)
     orders = tuple(
         OrderScore(
             len(optimum.theta) // 2, optimum.sse, bic, number <= best, _model(knots, optimum)
@@ -115,7 +121,7 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
         for number, (bic, optimum) in enumerate(zip(scores, tried, strict=True))
     )
     return _build_fit(
-        pieces, records, tried[best], knots=knots, strokes=strokes, orders=orders, delays=delays
+        specimens, records, tried[best], knots=knots, strokes=strokes, orders=orders, delays=delays
     )
 
 
@@ -136,9 +142,9 @@ def _change(
 
 
 def _delays(
-    pieces: Sequence[CLD], records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
+    specimens: Sequence[CLD], records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
 ) -> list[Prior]:
-    r"""By how much each force must come later for one memory, s, as the records tell it.
+    r"""Return the delay of each force, s, at which one relaxation function fits the records best.
 
     Of a delay with prior standard deviation s, whose change of the rows beyond all parameters is d,
     the mean is :math:`s\,d \cdot r/(d \cdot d + \gamma)` and the variance
@@ -147,19 +153,21 @@ def _delays(
     power = best.sse / len(best.residual) * estimate(best, parts=_parts(records)).kappa
     J = best.jacobian[:, best.free]
     priors = []
-    for i, piece in enumerate(pieces):
-        change = _change(records, i, _taken_later(records[i], piece, knots, piece.delay_sd), best)
+    for i, specimen in enumerate(specimens):
+        change = _change(
+            records, i, _taken_later(records[i], specimen, knots, specimen.delay_sd), best
+        )
         difference = change - J @ np.linalg.lstsq(J, change, rcond=1e-12)[0]
         gain = float(difference @ difference) + power
         mean, part = float(difference @ best.all_residuals) / gain, float(np.sqrt(power / gain))
-        priors.append(Prior(piece.delay_sd * mean, piece.delay_sd * part))
+        priors.append(Prior(specimen.delay_sd * mean, specimen.delay_sd * part))
     return priors
 
 
 def _fit_arm_counts(
     records: Sequence[DownsampledRecord], window: tuple[float, float], counts: Sequence[int]
 ) -> list[Optimum]:
-    """Return the best memory of each number of arms, up to the first that is not worth trying."""
+    """Return the best fit of each number of arms, up to the first that does not pay."""
     tried: list[Optimum] = []
     for count in counts:
         tried.append(_best(records, count, window, tried[-1].theta if tried else None))
@@ -168,24 +176,26 @@ def _fit_arm_counts(
     return tried
 
 
-def _select_supported_memory(
+def _select_arm_count(
     records: Sequence[DownsampledRecord],
     knots: FloatArray,
     tried: Sequence[Optimum],
     scores: Sequence[float],
 ) -> int:
-    """The last memory that lowers BIC decisively and whose arms are all known; else the first."""
+    """Return the index of the last fit that lowers BIC decisively with every arm determined."""
     for i in range(len(tried) - 1, 0, -1):
         if scores[i - 1] - scores[i] >= DECISIVE and _has_determined_arms(records, knots, tried[i]):
             return i
     return 0
 
 
-def thinned_alike(pieces: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
+def thinned_alike(specimens: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
     """Return the knots of a law to the least depth of tests, m, and their records to it."""
-    pressed = np.concatenate([piece.compression[find_loaded_samples(piece)] for piece in pieces])
-    knots = knots_over(pressed, min(piece.cycle.depth for piece in pieces), KNOTS)
-    return knots, [downsample_record(piece, knots) for piece in pieces]
+    pressed = np.concatenate(
+        [specimen.compression[find_loaded_samples(specimen)] for specimen in specimens]
+    )
+    knots = knots_over(pressed, min(specimen.cycle.depth for specimen in specimens), KNOTS)
+    return knots, [downsample_record(specimen, knots) for specimen in specimens]
 
 
 def _has_determined_arms(
@@ -217,7 +227,7 @@ def downsample_record(cld: CLD, knots: FloatArray, *, off: float = 0.0) -> Downs
     return DownsampledRecord(time, x, velocity, force, pressed, first, hats[first:])
 
 
-def _memory(theta: FloatArray) -> GeneralizedMaxwell:
+def _build_relaxation(theta: FloatArray) -> GeneralizedMaxwell:
     g, tau = np.exp(theta).reshape(2, -1)
     return GeneralizedMaxwell(1.0, tuple(g.tolist()), tuple(tau.tolist()))
 
@@ -228,16 +238,16 @@ def _parts(records: Sequence[DownsampledRecord]) -> list[int]:
 
 
 def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
-    """Return the records for a memory, g, then tau, by their logarithms; tangents are linear."""
-    memory = _memory(theta)
+    """Return the least-squares rows at ln g and ln tau of the arms; tangents are linear."""
+    relaxation = _build_relaxation(theta)
     columns, targets = [], []
     for record in records:
         # where the plate does not drive it, the seal is where the recorded force has brought it
-        indices = np.where(record.felt, 0.0, memory.displacement(record.time, record.force))
+        indices = np.where(record.felt, 0.0, relaxation.displacement(record.time, record.force))
         answer, hats = indices.copy(), record.hats.copy()
         steps = np.diff(record.hats, axis=0)
         step = np.diff(record.time[record.first :])[:, None, None]
-        g, tau = np.asarray(memory.k), np.asarray(memory.tau)
+        g, tau = np.asarray(relaxation.k), np.asarray(relaxation.tau)
         if len(tau):
             answer += arm_columns(record.time, indices, tau, derivative=False)[0] @ g
             # every hat under every arm side by side
@@ -258,7 +268,7 @@ def _best(
     window: tuple[float, float],
     before: FloatArray | None,
 ) -> Optimum:
-    """Return the best memory of so many arms, from that of one fewer and one at three places."""
+    """Return the best fit of so many arms, from that of one fewer and one arm at three places."""
     low, high = np.log(window).tolist()
     problem = Problem(
         partial(_rows, records),
@@ -283,7 +293,7 @@ def _best(
 
 
 def _seal(knots: FloatArray, values: FloatArray) -> FloatArray:
-    """K_inf, k, N/m, and ln tau of a memory and tangents."""
+    """Return k_inf and k, N/m, and ln tau by relaxation parameters and tangents."""
     theta, slope = np.split(values, [-len(knots)])
     k_inf = mean_slope(slope, knots)
     g, ln_tau = np.split(theta, 2)
@@ -291,11 +301,11 @@ def _seal(knots: FloatArray, values: FloatArray) -> FloatArray:
 
 
 def _model(knots: FloatArray, best: Optimum) -> GeneralizedMaxwell:
-    return _memory(best.theta) * mean_slope(best.beta, knots)
+    return _build_relaxation(best.theta) * mean_slope(best.beta, knots)
 
 
 def _build_fit(
-    pieces: Sequence[CLD],
+    specimens: Sequence[CLD],
     records: Sequence[DownsampledRecord],
     best: Optimum,
     *,
@@ -308,30 +318,31 @@ def _build_fit(
     uncertainty = estimate(best, parts=_parts(records))
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
-    for i, piece in enumerate(pieces):
-        by = downsample_record(piece, knots, off=piece.contact_se)
-        weighed = records[i]._replace(force=records[i].force + piece.zero_se)
-        late = _taken_later(records[i], piece, knots, delays[i].sd)
+    for i, specimen in enumerate(specimens):
+        by = downsample_record(specimen, knots, off=specimen.contact_se)
+        weighed = records[i]._replace(force=records[i].force + specimen.zero_se)
+        late = _taken_later(records[i], specimen, knots, delays[i].sd)
         for off in (by, weighed, late):
             uncertainty = uncertainty.add_parameter_error(
                 uncertainty.estimate_parameter_shift(_change(records, i, off, best))
             )
     covariance = uncertainty.derive_quantity(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))
-    peak = max(cld.cycle.peak for cld in pieces)
+    peak = max(cld.cycle.peak for cld in specimens)
     law = law_of(uncertainty, knots, slice(-len(knots), None))
     error = np.sqrt(np.diag(covariance))[1 + model.arms :]
-    speeds = [cld.cycle.speed or np.nan for cld in pieces]
+    speeds = [cld.cycle.speed or np.nan for cld in specimens]
     requested_checks = (
         checks.speeds_spread(max(speeds) / min(speeds)),
-        checks.speeds_residual_small(rms, max(cld.noise for cld in pieces), peak),
+        checks.speeds_residual_small(rms, max(cld.noise for cld in specimens), peak),
         checks.slowest_stroke_quasi_static(max(model.tau, default=None), max(strokes)),
         checks.relaxation_times_determined(float(error.max()) if model.arms else None),
     )
     step = Step(
         "fit",
         (("arms", str(model.arms)), ("knots", str(len(knots)))),
-        f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
+        f"fitted an elastic law and {model.arms} arms to load deflection at "
+        f"{len(specimens)} speeds",
     )
     parameter_estimate = ParameterEstimate(
         parameter_names(model.arms),
@@ -343,6 +354,6 @@ def _build_fit(
     return build_fit(
         SolidEstimate(model, parameter_estimate),
         Evidence(band, orders, checks=requested_checks),
-        Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
+        Provenance("cld", sources_of(specimens), (step,), specimens[0].specimen),
         elastic_law=law,
     )

@@ -23,15 +23,15 @@ from dashpot.report.result_page import (
 from dashpot.report.tables import TextTable
 
 
-def page(pieces: CLDResult) -> KindPage:
-    """Return what the page of one piece or of several holds."""
-    first, several = pieces.pieces[0], len(pieces.pieces)
-    sources = sources_of(pieces.pieces)
-    able = pieces.capability
+def page(result: CLDResult) -> KindPage:
+    """Return the page of one specimen or of several."""
+    first, several = result.specimens[0], len(result.specimens)
+    sources = sources_of(result.specimens)
+    able = result.capability
     text = "no limits given" if able is None else able.summary
     topics = [
-        Topic("Pieces", {"pieces_tested_alike"}, f"{several} tested alike"),
-        Topic("Capability", {"pieces_capable"}, text, text),
+        Topic("Specimens", {"specimens_tested_alike"}, f"{several} tested alike"),
+        Topic("Capability", {"specimens_capable"}, text, text),
     ]
     asked_for = [("Nominal", format_quantity(first.nominal.compression, "mm"))]
     if first.least is not None and first.most is not None:
@@ -43,37 +43,37 @@ def page(pieces: CLDResult) -> KindPage:
     asked_for.append(("Length", "not given" if length is None else format_quantity(length, "mm")))
     limits = None if able is None else (able.lower, able.upper)
     return KindPage(
-        about=f"compression load deflection, {format_count(several, 'piece')}",
-        strip=(*format_specimen_header(first.specimen), *asked_for, ("Pieces", str(several))),
-        lights=lights(pieces.checks, Topic("Records"), *topics[several < 2 :]),
+        about=f"compression load deflection, {format_count(several, 'specimen')}",
+        strip=(*format_specimen_header(first.specimen), *asked_for, ("Specimens", str(several))),
+        lights=lights(result.checks, Topic("Records"), *topics[several < 2 :]),
         answers="Pressed and released",
-        picture=plot.cld(pieces.pieces, limits=limits),
-        told=f"Of {'100 mm' if length is not None else 'the piece'}"
-        + (f", mean of {format_count(several, 'piece')}" if several > 1 else ""),
-        groups=(Group("", tuple(_make_piece_rows(pieces))),),
-        note=f"From and to: 95 % interval of the mean of {format_count(several, 'piece')}."
+        picture=plot.cld(result.specimens, limits=limits),
+        told=f"Of {'100 mm' if length is not None else 'the specimen'}"
+        + (f", mean of {format_count(several, 'specimen')}" if several > 1 else ""),
+        groups=(Group("", tuple(_make_specimen_rows(result))),),
+        note=f"From and to: 95 % interval of the mean of {format_count(several, 'specimen')}."
         if several > 1 else KindPage.note,
         sources=sources,
         folds=(
             CollapsibleSection(
                 "Each specimen and cycle",
                 "force, slope, hysteresis, set; one row a cycle",
-                _cycles(pieces),
+                _cycles(result),
             ),
         ),
     )  # fmt: skip
 
 
-def _make_piece_rows(pieces: CLDResult) -> Iterator[Row]:
-    """Mean of each figure with its interval; of one piece its own."""
-    if pieces.scatter:
-        for statistics in pieces.scatter:
+def _make_specimen_rows(result: CLDResult) -> Iterator[Row]:
+    """Mean of each figure with its interval; of one specimen its own."""
+    if result.scatter:
+        for statistics in result.scatter:
             fact = statistics.fact
             # what is of 100 mm stands in the heading
             unit = fact.word.partition(" per ")[0]
             yield row(fact, statistics.name.capitalize())._replace(unit=unit)
         return
-    cld = pieces.pieces[0]
+    cld = result.specimens[0]
     for at in cld.limit_marks:
         where = format_quantity(at.compression, "mm", ".4g").replace(" ", NBSP)
         force = ReportedValue.from_error(
@@ -88,11 +88,11 @@ def _make_piece_rows(pieces: CLDResult) -> Iterator[Row]:
         yield row(ReportedValue("", cld.set, unit="m"), "Set")
 
 
-def _cycles(pieces: CLDResult) -> TextTable:
+def _cycles(result: CLDResult) -> TextTable:
     rows = []
-    for piece in pieces.pieces:
-        name = "" if piece.source is None else piece.source.file
-        for cycle in piece.cycles:
+    for specimen in result.specimens:
+        name = "" if specimen.source is None else specimen.source.file
+        for cycle in specimen.cycles:
             lost, met = cycle.hysteresis, cycle.contact
             rows.append(
                 (
@@ -105,5 +105,5 @@ def _cycles(pieces: CLDResult) -> TextTable:
                     "" if met is None else round_to_error(convert_to_unit(met, "mm"), digits=3),
                 )
             )
-    head = ("piece", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "met, mm")
+    head = ("specimen", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "met, mm")
     return TextTable(head, tuple(rows))

@@ -2,10 +2,10 @@ r"""Rate dependence of load deflection: spring and dashpot by compression, and M
 
 .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
 
-The arms are those of a linear solid, which one memory under a bent law
-(:mod:`~dashpot.extensions.materials.cld.multi_speed_fit`) are not; which of the two the speeds
-prefer BIC says. At given relaxation times all is linear: tangents of :math:`F_e` on hats, c on
-hats, k, each >= 0. Source: E. Dikmen and I. Basdogan, ESDA2006-95402.
+The arms are those of a linear model, unlike those of one relaxation function under a nonlinear
+law (:mod:`~dashpot.extensions.materials.cld.multi_speed_fit`). BIC decides. At given relaxation
+times all is linear: tangents of :math:`F_e` on hats, c on hats, k, each >= 0. Source:
+E. Dikmen and I. Basdogan, ESDA2006-95402.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, re
 DAMPING_KNOTS = 7
 MOST_ARMS = 2
 _CONTACT = 0.01
-"""Standard deviation of first contact, as a part of the depth: a dashpot's force jumps there."""
+"""Standard deviation of first contact over the depth: a dashpot's force jumps there."""
 
 
 class _Data(NamedTuple):
@@ -48,25 +48,29 @@ class _Data(NamedTuple):
     noise: float
 
 
-def fit_rate(pieces: Sequence[CLD], fit: Fit) -> RateLaw:
+def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
     """Fit a rate-dependent spring and dashpot to load deflection tests of one seal at some speeds.
 
     Parameters
     ----------
-    pieces : sequence of CLD
+    specimens : sequence of CLD
         With clocks, at two speeds or more.
     fit : Fit
-        One law with one memory, as
+        One law with one relaxation function, as
         :func:`~dashpot.extensions.materials.cld.multi_speed_fit.fit_speeds` fits it to the same
         tests.
     """
-    fine, records = thinned_alike(pieces)
+    fine, records = thinned_alike(specimens)
     depth = float(fine[-1])
-    strokes = [piece.cycle.depth / piece.cycle.speed for piece in pieces if piece.cycle.speed]
+    strokes = [
+        specimen.cycle.depth / specimen.cycle.speed
+        for specimen in specimens
+        if specimen.cycle.speed
+    ]
     window = np.log([min(strokes) / 20, 3 * max(strokes)])
     of = _Data(
         records, knots_over(fine[1:], depth, DAMPING_KNOTS), fine, depth,
-        max(piece.noise for piece in pieces),
+        max(specimen.noise for specimen in specimens),
     )  # fmt: skip
     tried = [_best(of, np.zeros(len(records)), None)]
     for _ in range(MOST_ARMS):
@@ -76,7 +80,7 @@ def fit_rate(pieces: Sequence[CLD], fit: Fit) -> RateLaw:
     best = 0
     while best + 1 < len(tried) and scores[best] - scores[best + 1] >= DECISIVE:
         best += 1
-    return _build_rate_law(pieces, fit, of, tried[best])
+    return _build_rate_law(specimens, fit, of, tried[best])
 
 
 def _parts(of: _Data) -> list[int]:
@@ -90,9 +94,9 @@ def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
 
 
 def _rows(of: _Data, theta: FloatArray) -> Rows:
-    """The records at relaxation times, ln s, and at places of first contact, in their deviations.
+    """Return the rows at relaxation times, ln s, and places of first contact, in their deviations.
 
-    What is known of these comes last.
+    The priors of these come last.
     """
     ln_tau, off = np.split(theta, [-len(of.records)])
     parts, targets = [], []
@@ -109,7 +113,7 @@ def _rows(of: _Data, theta: FloatArray) -> Rows:
 
 
 def _moving(record: DownsampledRecord) -> BoolArray:
-    """Return the samples of the chosen cycle that are felt, but for those beside a turn."""
+    """Return the samples of the chosen cycle in contact, but for those beside a turning point."""
     way = np.sign(record.velocity)
     steady = (way == np.roll(way, 1)) & (way == np.roll(way, -1))
     values = np.asarray(record.felt & steady)
@@ -118,7 +122,7 @@ def _moving(record: DownsampledRecord) -> BoolArray:
 
 
 def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
-    """The best from what was found, with one arm more at the best of some places in a window."""
+    """Return the best fit from an earlier one, with one more arm at the best place in a window."""
     starts = [before]
     if window is not None:
         starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
@@ -128,7 +132,7 @@ def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
     return require_optimum(problem, [start], most=40, finished=1e-6, flat=1e-8)
 
 
-def _build_rate_law(pieces: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -> RateLaw:
+def _build_rate_law(specimens: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -> RateLaw:
     first = len(of.fine)
     count, arms = first + len(of.knots), len(best.theta) - len(of.records)
     resting = np.zeros(count + arms, dtype=bool)
@@ -161,6 +165,8 @@ def _build_rate_law(pieces: Sequence[CLD], fit: Fit, of: _Data, best: Optimum) -
         value - other,
         (
             checks.one_relaxation_explains_speeds(other - value),
-            checks.speeds_residual_small(rms, of.noise, max(piece.cycle.peak for piece in pieces)),
+            checks.speeds_residual_small(
+                rms, of.noise, max(specimen.cycle.peak for specimen in specimens)
+            ),
         ),
     )

@@ -20,48 +20,47 @@ from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import cell, format_rounded, with_error
 
 if TYPE_CHECKING:
-    from dashpot.extensions.materials.cld.fit_files import PieceStatistics
+    from dashpot.extensions.materials.cld.fit_files import SpecimenStatistics
 
 
-def cld(pieces: CLDResult) -> Text:
-    """Return the figures of each piece, then of all; the cycles for who asks."""
+def cld(result: CLDResult) -> Text:
+    """Return the figures of each specimen and their scatter; every cycle in the details."""
     lines, details = [], []
-    for piece in pieces.pieces:
-        name = "" if piece.source is None else piece.source.file
-        lines += [f"{name}: cycle {piece.cycle.number} of {len(piece.cycles)}", *_piece(piece)]
-        details += [f"{name}, every cycle", *_cycles(piece)]
-    if pieces.scatter:
-        scatter = [f"{len(pieces.pieces)} specimens", *_scatter(pieces.scatter)]
-        # one piece a row says more than a block each
-        lines = [*(_overview(pieces) if len(pieces.pieces) > _BLOCKS else lines), *scatter]
-    lines += _capability(pieces.capability)
-    if pieces.fit is not None and pieces.relaxed is None:
-        fitted = results.fit(pieces.fit)
-        lines = [*_overview(pieces), *fitted.lines]
+    for specimen in result.specimens:
+        name = "" if specimen.source is None else specimen.source.file
+        lines += [
+            f"{name}: cycle {specimen.cycle.number} of {len(specimen.cycles)}",
+            *_format_specimen(specimen),
+        ]
+        details += [f"{name}, every cycle", *_cycles(specimen)]
+    if result.scatter:
+        scatter = [f"{len(result.specimens)} specimens", *_scatter(result.scatter)]
+        # a row for each specimen is shorter than a block
+        lines = [*(_overview(result) if len(result.specimens) > _BLOCKS else lines), *scatter]
+    lines += _capability(result.capability)
+    if result.fit is not None and result.relaxed is None:
+        fitted = results.fit(result.fit)
+        lines = [*_overview(result), *fitted.lines]
         details += fitted.details
-    if pieces.rate is not None:
-        lines += [_choice(pieces.rate)]
+    if result.rate is not None:
+        lines += [_choice(result.rate)]
         # of a law that explains the speeds worse the numbers are for who asks
-        (details if pieces.rate.bic > 0 else lines).extend(_rate(pieces.rate))
-    if pieces.relaxed is not None:
-        lines += _format_relaxed_law(pieces.relaxed, pieces.pieces[0])
+        (details if result.rate.bic > 0 else lines).extend(_rate(result.rate))
+    if result.relaxed is not None:
+        lines += _format_relaxed_law(result.relaxed, result.specimens[0])
     return Text(lines, details)
 
 
-def _scatter(statistics: Sequence[PieceStatistics]) -> list[str]:
+def _scatter(statistics: Sequence[SpecimenStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
-    for piece_statistics in statistics:
-        unit = get_display_unit(piece_statistics.unit) or "%"
-        cv = (
-            format_rounded(100 * piece_statistics.deviation / piece_statistics.mean)
-            if piece_statistics.mean
-            else ""
-        )
+    for figure in statistics:
+        unit = get_display_unit(figure.unit) or "%"
+        cv = format_rounded(100 * figure.deviation / figure.mean) if figure.mean else ""
         sentences = (
             format_rounded(convert_to_unit(value, unit))
-            for value in (piece_statistics.mean, piece_statistics.deviation)
+            for value in (figure.mean, figure.deviation)
         )
-        rows.append([piece_statistics.name, *sentences, cv, unit])
+        rows.append([figure.name, *sentences, cv, unit])
     return table(rows)
 
 
@@ -122,26 +121,29 @@ def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
 
 
 _BLOCKS = 2
-"""Pieces that are shown one by one."""
+"""Largest number of specimens that are shown one by one."""
 
 
-def _overview(pieces: CLDResult) -> list[str]:
-    rows = [["", "mm/s", f"{pieces.unit} at nominal", "hysteresis, %", "set, mm"]]
-    for piece in pieces.pieces:
-        lost = piece.cycle.hysteresis
+def _overview(result: CLDResult) -> list[str]:
+    rows = [["", "mm/s", f"{result.unit} at nominal", "hysteresis, %", "set, mm"]]
+    for specimen in result.specimens:
+        lost = specimen.cycle.hysteresis
         rows.append(
             [
-                "" if piece.source is None else piece.source.file,
-                cell(piece.cycle.speed, "mm/s"),
-                with_error(piece.per * piece.nominal.loading, piece.per * piece.nominal.loading_se),
+                "" if specimen.source is None else specimen.source.file,
+                cell(specimen.cycle.speed, "mm/s"),
+                with_error(
+                    specimen.per * specimen.nominal.loading,
+                    specimen.per * specimen.nominal.loading_se,
+                ),
                 cell(lost, "%", digits=3),
-                cell(piece.set, "mm", digits=3),
+                cell(specimen.set, "mm", digits=3),
             ]
         )
     return table(rows)
 
 
-def _piece(result: CLD) -> list[str]:
+def _format_specimen(result: CLD) -> list[str]:
     per, of = result.per, result.unit.removeprefix("N")
     rows = [["compression, mm", f"loading, {result.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Criteria on a law of aging."""
+"""Criteria on an aging law."""
 
 from __future__ import annotations
 
@@ -25,13 +25,15 @@ def run_checks(
     loss = float(estimate.optimum.theta[0] / estimate.standard_error[0])
     risen = max(-loss, *(-oven.significance for oven in aging.ovens))
     residual = estimate.optimum.residual
-    inside = np.diff(read.piece) == 0
+    inside = np.diff(read.specimen_number) == 0
     together = float(
         (residual[1:] * residual[:-1])[inside].sum() / (residual @ residual)
     ) * np.sqrt(len(residual))
     return (
         force_falls(risen),
-        f0_read(max(float(read.time[read.piece == i].min()) for i in range(read.pieces))),
+        f0_read(
+            max(float(read.time[read.specimen_number == i].min()) for i in range(read.specimens))
+        ),
         readings_residuals_random(together),
         readings_residual_small(aging.scatter),
         chemical_aging_resolved(hottest.significance, hottest.temperature),
@@ -198,7 +200,7 @@ def stiffness_follows_force(lost: float) -> Finding:
         f"Chemical aging took {100 * lost:.3g} % of the force",
         lost,
         "Chains that form meanwhile carry none of it, and the stiffness fell by less",
-        "Test an aged piece.",
+        "Test an aged specimen.",
     )
 
 

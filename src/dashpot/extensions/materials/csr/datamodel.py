@@ -1,4 +1,4 @@
-"""Counterforce of pieces compressed for weeks, and the fitted law of aging."""
+"""Counterforce of specimens compressed for weeks, and the fitted aging law."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ from dashpot.extensions.materials.csr.law import AgingLaw
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CSRTest(EqualByValue, HasSummary):
-    """Counterforce of pieces at constant compression over hours to months.
+    """Counterforce of specimens at constant compression over hours to months.
 
     Attributes
     ----------
     time, force : array, shape (n,)
-        Since the compression, s; of a piece in any one unit, N or parts of F0.
+        Since the compression, s; of a specimen in any one unit, N or parts of F0.
     temperature : array, shape (n,)
         Of the oven, K.
-    piece : array, shape (n,)
-        The number of the piece; by default all are of one.
+    specimen_number : array, shape (n,)
+        Number of the specimen; by default all readings are of one.
     method : str
         ``"A"``, read in the oven, ``"B"``, read cold, or ``""`` (ISO 3384-1).
     source : Source or None
@@ -64,7 +64,7 @@ class CSRTest(EqualByValue, HasSummary):
     time: FloatArray
     force: FloatArray
     temperature: FloatArray
-    piece: IndexArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    specimen_number: IndexArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     method: str = ""
     source: Source | None = None
     units: str = make_units_field()
@@ -73,13 +73,15 @@ class CSRTest(EqualByValue, HasSummary):
         convert_arrays_to_si(self, time="time", force="force", temperature="temperature")
         for name in ("time", "force", "temperature"):
             object.__setattr__(self, name, validate_measured(name, getattr(self, name)))
-        piece = self.piece if len(self.piece) else np.ones(len(self.time))
-        object.__setattr__(self, "piece", np.asarray(piece, dtype=np.intp))
+        specimen_number = (
+            self.specimen_number if len(self.specimen_number) else np.ones(len(self.time))
+        )
+        object.__setattr__(self, "specimen_number", np.asarray(specimen_number, dtype=np.intp))
         same_length(
             time=self.time,
             force=self.force,
             temperature=self.temperature,
-            piece=self.piece.astype(float),
+            specimen_number=self.specimen_number.astype(float),
         )
         for name, values in (("force", self.force), ("time", self.time)):
             if not (values > 0).all():
@@ -92,33 +94,37 @@ class CSRTest(EqualByValue, HasSummary):
     @property
     def table_columns(self) -> Series:
         """The readings: force, in the unit of the file, over time."""
-        return collect_arrays(self, time="s", force="", temperature="K", piece="")
+        return collect_arrays(self, time="s", force="", temperature="K", specimen_number="")
 
     @property
     def summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how long it lasts."""
-        pieces = format_count(len(np.unique(self.piece)), "piece")
+        specimens = format_count(len(np.unique(self.specimen_number)), "specimen")
         longest = format_quantity(float(self.time.max()), "h", ".4g")
-        return describe_record_source(self.source, len(self.time)), f"{pieces}, read for {longest}"
+        return describe_record_source(
+            self.source, len(self.time)
+        ), f"{specimens}, read for {longest}"
 
 
 @dataclass(frozen=True, eq=False)
-class Oven(EqualByValue):
-    """Results of the pieces of one oven alone.
+class Oven(EqualByValue, Serialisable):
+    """Results of the specimens of one oven.
 
     Attributes
     ----------
     temperature : float
         K.
-    pieces : int
+    specimens : int
     rate, rate_error : float
         Of the chemical factor, and its standard error, 1/s.
     time, retained : array, shape (n,)
         Of every reading, s and F/F0.
     """
 
+    _keys = ("temperature", Key("pieces", "specimens"), EVERY_FIELD)
+
     temperature: float
-    pieces: int
+    specimens: int
     rate: float
     rate_error: float
     time: FloatArray
@@ -132,7 +138,7 @@ class Oven(EqualByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
-    """Law of aging, with its uncertainty.
+    """Fitted aging law, with its uncertainty.
 
     Attributes
     ----------

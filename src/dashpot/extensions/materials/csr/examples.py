@@ -1,4 +1,4 @@
-"""Simulated example files: pieces of a door seal in three ovens."""
+"""Simulated example files: specimens of a door seal in three ovens."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HOURS = (0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000)
 
 
 def _ovens() -> str:
-    """Three pieces at 100, 125 and 150 degC: 3 % a decade, 90 kJ/mol; 1 % of F0 noisy."""
+    """Three specimens at 100, 125 and 150 degC: 3 % a decade, 90 kJ/mol; 1 % of F0 noisy."""
     random = np.random.default_rng(1)
     lines = [f"# {byline('simulated compression stress relaxation')}", "# simulated, method A"]
     lines.append("time [h],force [N],temperature [degC],piece")
@@ -35,7 +35,7 @@ def _ovens() -> str:
 EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "ovens.csv": Example(
-            "csr", "pieces of a seal squeezed in three ovens for 1000 h, for dashpot fit", _ovens
+            "csr", "specimens of a seal squeezed in three ovens for 1000 h, for dashpot fit", _ovens
         ),
     }
 )

@@ -1,4 +1,4 @@
-"""Figure of a law of aging: F/F0 over time in every oven."""
+"""Figure of an aging law: F/F0 over time in every oven."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 
 
 def csr(aging: Aging, *, stamp: str = "") -> Picture:
-    """Return what every piece kept of its force over time, and the law, an oven a panel.
+    """Return the retained force of every specimen over time and the aging law, a panel an oven.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
         dots = Dots(convert_to_unit(item.time, "h"), 100 * item.retained, "measured", "measured")
         marks = (Line(hours, 100 * values, FIT, "law"), dots)
         panels.append(Panel(across, up, marks, title=format_quantity(item.temperature, "°C")))
-    caption = "Retained force of the specimens in each oven: measured, and by the law of aging."
+    caption = "Retained force of the specimens in each oven: measured, and by the aging law."
     origin = format_stamp(aging.sources) if aging.sources else ""
     return Picture("csr", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 

@@ -1,9 +1,9 @@
-"""Fit of the law of aging to the counterforce of pieces in several ovens.
+"""Fit of the aging law to the counterforce of specimens in several ovens.
 
-Forces are fitted, with the F0 of every piece free: one noisy reading of F0 moves all ratios of a
-piece together. Every oven is off by an error of its own, a prior of :math:`N(0, s_T)`. The zero of
-the cell drifts by as many newtons for all pieces: what is left of a hot one shows whether it was
-that, or chemistry, that took the force of a cool one.
+Forces are fitted, with the F0 of every specimen free: one noisy reading of F0 moves all ratios
+of a specimen together. The temperature of every oven has an error of its own, with the prior
+:math:`N(0, s_T)`. The zero of the load cell drifts by the same force for all specimens: the force
+left on a hot specimen separates drift from the chemical relaxation of a cool one.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_opt
 from dashpot.solids.shift_laws import GAS
 
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0
-"""Standard deviation of an oven's temperature, K: where none is said, and the largest believed."""
+"""Standard deviation of an oven's temperature, K: the usual one, and the largest accepted."""
 USUAL_DRIFT = 0.03
-"""Of the zero of a load cell, in parts of F0 in 1000 h: standard deviation where none is said."""
+"""Of the zero of a load cell, in parts of F0 in 1000 h: standard deviation where none is stated."""
 _USUAL, _FAR = 0.01, 6.0
-"""Scatter of a reading, parts of F0, before it is known; standard deviations that a doubt may
-reach."""
+"""Usual scatter of a reading, in parts of F0; largest error of a temperature, in standard
+deviations."""
 _ENERGY = 1e4
 """J/mol in a unit of the activation energy."""
 _PHYSICAL, _ACTIVATION, _EXPONENT = (
@@ -43,7 +43,7 @@ _HELD = {"exponential": (3,), "stretched": ()}
 
 
 def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> Aging:
-    """Fit the law of aging to the pieces of one compound, shape and method.
+    """Fit the aging law to the specimens of one compound, shape and method.
 
     Parameters
     ----------
@@ -100,8 +100,8 @@ def _problem(
     ovens, if `rates` has any, and a drift, in parts of F0 in 1000 h; below what weighs them.
     """
     values = [doubt for doubt in doubts if doubt > 0]
-    of_piece = np.eye(read.pieces)[read.piece]
-    below = np.zeros((len(values), read.pieces))
+    of_specimen = np.eye(read.specimens)[read.specimen_number]
+    below = np.zeros((len(values), read.specimens))
     drifted = read.time / checks.LONG * read.weak * doubts[-1]
 
     def model(theta: FloatArray) -> Rows:
@@ -110,7 +110,7 @@ def _problem(
         off = theta[len(theta) - len(values) :]
         force = read.force - drifted * off[-1] if doubts[-1] else read.force
         y = np.concatenate((force, -scatter * off))
-        return Rows(y, np.vstack((shape[:, None] * of_piece, below)))
+        return Rows(y, np.vstack((shape[:, None] * of_specimen, below)))
 
     every = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in values)]
     return Problem(model, every, priors=len(values))

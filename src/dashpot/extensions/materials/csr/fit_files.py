@@ -1,4 +1,4 @@
-"""Fit of the law of aging to compression stress relaxation files."""
+"""Fit of the aging law to compression stress relaxation files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def csr_files(
     machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> Aging:
-    """Fit the law of aging to files.
+    """Fit the aging law to files.
 
     Parameters
     ----------

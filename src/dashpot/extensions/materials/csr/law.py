@@ -40,7 +40,7 @@ def retained_fraction(
 
 @dataclass(frozen=True, eq=False)
 class AgingLaw(EqualByValue):
-    """Constants of the law of aging, with their covariance.
+    """Constants of the aging law, with their covariance.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Lifetime at a temperature, and force left after a time, by a law of aging."""
+"""Lifetime at a temperature, and force left after a time, by an aging law."""
 
 from __future__ import annotations
 

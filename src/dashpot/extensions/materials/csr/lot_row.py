@@ -9,19 +9,19 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.fit import fit_aging
 from dashpot.extensions.materials.csr.read import read_csr
-from dashpot.registry import Piece
+from dashpot.registry import LotSpecimen
 
 
-def build_lot_row(file: str | Path, piece: Piece) -> tuple[Aging, dict[str, Any]]:
-    """Return the law of aging of the pieces in one file, and that as the columns of a row.
+def build_lot_row(file: str | Path, lot_specimen: LotSpecimen) -> tuple[Aging, dict[str, Any]]:
+    """Return the aging law of the specimens in one file, and its columns of a lot row.
 
     Raises
     ------
     ReadError, DataError, FitError
         If it cannot be read, or no law follows it.
     """
-    specimen = Specimen(temperature=piece.temperature)
-    aging = fit_aging([read_csr(file, options=piece.options, specimen=specimen)])
+    specimen = Specimen(temperature=lot_specimen.temperature)
+    aging = fit_aging([read_csr(file, options=lot_specimen.options, specimen=specimen)])
     loss, time, *_ = aging.found
     return aging, {
         "samples": sum(len(oven.time) for oven in aging.ovens),

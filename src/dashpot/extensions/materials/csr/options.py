@@ -1,4 +1,4 @@
-"""Options of a law of aging; imports no NumPy, so that help is fast."""
+"""Options of an aging law; imports no NumPy, so that help is fast."""
 
 from __future__ import annotations
 

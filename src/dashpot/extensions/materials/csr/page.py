@@ -1,4 +1,4 @@
-"""Page of a law of aging."""
+"""Page of an aging law."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dashpot.report.result_page import KindPage, Topic, group, lights
 
 
 def page(aging: Aging) -> KindPage:
-    """Return what the page of a law of aging holds."""
+    """Return what the page of an aging law holds."""
     warm = [oven.temperature for oven in aging.ovens]
     ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
     return KindPage(
@@ -26,7 +26,7 @@ def page(aging: Aging) -> KindPage:
         ),
         answers="What is left of the force",
         picture=aging.plot(),
-        told="The law of aging",
+        told="The aging law",
         groups=(group("", aging.facts),),
         sources=aging.sources,
         folds=(make_law_ranking(aging.orders),),

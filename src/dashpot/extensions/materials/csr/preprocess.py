@@ -1,4 +1,4 @@
-"""Preparation of counterforce records: the readings of pieces in ovens, in one lot."""
+"""Preparation of counterforce records: the readings of specimens in ovens, in one lot."""
 
 from __future__ import annotations
 
@@ -16,37 +16,37 @@ from dashpot.numerics.inference.covariance_estimate import Estimate
 EARLIEST = 600.0
 """A first reading sooner after the compression, s, is none of F0: half its decay is to come."""
 ONE_OVEN = 2.0
-"""K within which pieces are of one oven."""
+"""K within which specimens are of one oven."""
 _FEWEST = 3
-"""Readings of a piece."""
+"""Readings of a specimen."""
 
 
 class Readings(NamedTuple):
-    """Readings of every piece, one after another.
+    """Readings of every specimen, one after another.
 
     Attributes
     ----------
     time, force : array, shape (n,)
-        s, and over the first force of the piece.
-    piece, oven : array, shape (n,)
+        s, and over the first force of the specimen.
+    specimen_number, oven : array, shape (n,)
         The number of each.
     temperature : array, shape (ovens,)
         K, rising.
     weak : array, shape (n,)
-        Mean of the first forces over that of the piece: what a newton is to each.
+        Mean of the first forces over that of the specimen: what a newton is to each.
     """
 
     time: FloatArray
     force: FloatArray
-    piece: IndexArray
+    specimen_number: IndexArray
     oven: IndexArray
     temperature: FloatArray
     weak: FloatArray
 
     @property
-    def pieces(self) -> int:
+    def specimens(self) -> int:
         """How many there are."""
-        return int(self.piece[-1]) + 1
+        return int(self.specimen_number[-1]) + 1
 
     @property
     def longest(self) -> FloatArray:
@@ -54,13 +54,13 @@ class Readings(NamedTuple):
         return np.array([self.time[self.oven == k].max() for k in range(len(self.temperature))])
 
     def ovens(self, estimate: Estimate) -> tuple[Oven, ...]:
-        """Every oven with its rate, and its readings over the F0 that was fitted of each piece."""
-        scale, ovens = estimate.optimum.beta[self.piece], []
+        """Every oven with its rate, and its readings over the fitted F0 of each specimen."""
+        scale, ovens = estimate.optimum.beta[self.specimen_number], []
         for k, kelvin in enumerate(self.temperature.tolist()):
             value, longest = self.oven == k, float(self.longest[k])
             ovens.append(
                 Oven(
-                    kelvin, len(np.unique(self.piece[value])),
+                    kelvin, len(np.unique(self.specimen_number[value])),
                     float(estimate.optimum.theta[1 + k]) / longest,
                     float(estimate.standard_error[1 + k]) / longest,
                     self.time[value], self.force[value] / scale[value],
@@ -70,12 +70,12 @@ class Readings(NamedTuple):
 
 
 def readings_of(tests: Sequence[CSRTest]) -> Readings:
-    """Return the readings of all pieces of some records, by oven.
+    """Return the readings of all specimens of some records, by oven.
 
     Raises
     ------
     DataError
-        If methods A and B are mixed, or a piece was read too soon, too seldom, or in two ovens.
+        If methods A and B are mixed, or a specimen was read too soon, too seldom, or in two ovens.
     """
     methods = set("".join(test.method for test in tests))
     if len(methods) > 1:
@@ -88,18 +88,23 @@ def readings_of(tests: Sequence[CSRTest]) -> Readings:
     oven = np.empty(len(kelvin), dtype=np.intp)
     oven[order] = np.cumsum(np.diff(kelvin[order], prepend=kelvin[order][0]) > ONE_OVEN)
     lot = np.repeat(np.arange(len(tests)), [len(test.time) for test in tests])
-    cells = np.stack((oven, lot, np.concatenate([test.piece for test in tests])))
-    _, piece = np.unique(cells, axis=1, return_inverse=True)
+    cells = np.stack((oven, lot, np.concatenate([test.specimen_number for test in tests])))
+    _, specimen_number = np.unique(cells, axis=1, return_inverse=True)
     time = np.concatenate([test.time for test in tests])
     force = np.concatenate([test.force for test in tests])
-    rows = np.lexsort((time, piece.ravel()))
-    time, force, piece, oven = time[rows], force[rows], piece.ravel()[rows], oven[rows]
-    first = np.flatnonzero(np.diff(piece, prepend=-1))
+    rows = np.lexsort((time, specimen_number.ravel()))
+    time, force, specimen_number, oven = (
+        time[rows],
+        force[rows],
+        specimen_number.ravel()[rows],
+        oven[rows],
+    )
+    first = np.flatnonzero(np.diff(specimen_number, prepend=-1))
     _refuse(tests, time, cells[:, rows], first)
     return Readings(
-        time, force / force[first][piece], piece, oven,
+        time, force / force[first][specimen_number], specimen_number, oven,
         np.array([kelvin[rows][oven == k].mean() for k in range(int(oven[-1]) + 1)]),
-        force[first].mean() / force[first][piece],
+        force[first].mean() / force[first][specimen_number],
     )  # fmt: skip
 
 
@@ -109,15 +114,15 @@ def _refuse(
     cells: IndexArray,
     first: IndexArray,
 ) -> None:
-    """Refuse pieces that were read too seldom, or too soon after their compression."""
+    """Refuse specimens that were read too seldom, or too soon after their compression."""
     for begins, count in zip(first, np.diff((*first, len(time))), strict=True):
         _, lot, number = cells[:, begins].tolist()
         source = tests[lot].source
-        name = f"{source.file}, piece {number}" if source else f"piece {number}"
+        name = f"{source.file}, specimen {number}" if source else f"specimen {number}"
         if count < _FEWEST:
             raise DataError(
                 f"{name} was read {count} times in one oven; at least {_FEWEST} readings show how "
-                "it ages. Give each piece its own number, or leave this one out"
+                "it ages. Give each specimen its own number, or leave this one out"
             )
         if time[begins] < EARLIEST:
             raise DataError(

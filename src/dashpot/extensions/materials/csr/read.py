@@ -1,4 +1,4 @@
-"""Reader of counterforce tests: hours, force or F/F0, oven, piece and method."""
+"""Reader of counterforce tests: hours, force or F/F0, oven, specimen and method."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.table import LoadedColumns
 from dashpot.reading.text.cells import split
 
-# Text columns: piece and method.
+# Text columns: specimen and method.
 
 
 def read_text_column(
@@ -53,23 +53,32 @@ def read_text_column(
     return np.array([split(lines[loaded.line(row) - 1], mark)[index] for row in range(count)])
 
 
-_PIECE = {"piece", "specimen", "sample", "ring", "button", "probe", "prüfling", "probekörper"}
+_SPECIMEN_COLUMNS = {
+    "piece",
+    "specimen",
+    "sample",
+    "ring",
+    "button",
+    "probe",
+    "prüfling",
+    "probekörper",
+}
 _METHOD = {"method", "methode", "verfahren"}
 _SAID = re.compile(r"\bmethod\s*[:=,;]?\s*([ab])\b")
 _WHOLE = 1.5
-"""Per cent of F0 with which no piece begins: such are parts of 1."""
+"""Per cent of F0 with which no specimen begins: such are parts of 1."""
 
 
 def read_csr(
     path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
 ) -> CSRTest:
-    """Return the counterforce of the pieces in a file, in SI units; ``-`` is stdin.
+    """Return the counterforce of the specimens in a file, in SI units; ``-`` is stdin.
 
     Parameters
     ----------
     path : path
-        Hours or days and force, or F/F0, with columns of temperature, piece and method, or one
-        oven a file. Without a column of pieces a new one begins where the clock does.
+        Hours or days and force, or F/F0, with columns of temperature, specimen and method, or one
+        oven a file. Without a column of specimens a new one begins where the clock does.
     options : ReadOptions
         Answers to what the file leaves open.
     specimen : Specimen or None
@@ -92,8 +101,8 @@ def read_csr(
         chosen = channels.with_units(file, [*wanted, *([warm] if warm else [])])
         loaded = channels.load_test(file, chosen, 1)
         whole = np.isfinite(loaded.values).all(axis=1)
-        pieces, methods = (
-            read_text_column(file, names, loaded)[whole] for names in (_PIECE, _METHOD)
+        specimens, methods = (
+            read_text_column(file, names, loaded)[whole] for names in (_SPECIMEN_COLUMNS, _METHOD)
         )
         rows, notes = channels.select_complete_rows(loaded)
         _refuse_parts(file, chosen[1].index, float(rows[:, 1].max()))
@@ -101,8 +110,8 @@ def read_csr(
         kelvin, sentences = _oven(
             file, values.get("temperature"), specimen or Specimen(), len(rows)
         )
-        number = np.unique(pieces, return_inverse=True)[1]
-        if not pieces.any():
+        number = np.unique(specimens, return_inverse=True)[1]
+        if not specimens.any():
             number = np.cumsum(np.diff(values["time"], prepend=0.0) <= 0)
         read = {name.upper() for name in _SAID.findall(" ".join(file.table.header).casefold())}
         read |= {word.strip()[-1:].upper() for word in methods.tolist()}

@@ -28,7 +28,7 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     """Return the options with clock and force named, of such a table; None of another.
 
     A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
-    that nothing depends on, for the F0 of every piece is free.
+    that nothing depends on, for the F0 of every specimen is free.
     """
     if any(_has_role(table, role, options) for role in _OTHERS):
         return None

@@ -82,7 +82,7 @@ def run_checks(
         constants_determined(fit.law.constant_names[wide], float(half[wide]) / largest),
         rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
         files_agree(_compare_repeat_files(fit.curves)),
-        loading_reversible(max(lost, default=None), removed=fit.memory is not None),
+        loading_reversible(max(lost, default=None), removed=fit.relaxation is not None),
         specimen_conditioned(max(softer, default=None, key=abs)),
         zero_stress_at_zero_strain(*_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_reading(through, fit.law.poisson, flexible)),
@@ -434,7 +434,7 @@ def files_agree(difference: float | None) -> Finding:
         f"Files of one mode differ by up to {100 * difference:.2g} %",
         difference,
         "They differ in rate, specimen or conditioning",
-        Remedy("Take off the memory of a relaxation test, if rates differ.", "relaxation"),
+        Remedy("Give a relaxation test, if rates differ.", "relaxation"),
     )
 
 
@@ -444,11 +444,11 @@ def loading_reversible(lost: float | None, *, removed: bool) -> Finding:
     if lost is None:
         return Finding("No unloading shows how much of the stress is elastic")
     why = (
-        "The memory is not this material's, or there is friction or softening"
+        "The relaxation test is of another material, or there is friction or softening"
         if removed
-        else "The loading contains memory or softening"
+        else "The loading contains relaxation or softening"
     )
-    advice = Remedy("Take off the memory of a relaxation test, or test slowly.", "relaxation")
+    advice = Remedy("Give a relaxation test, or test slowly.", "relaxation")
     return Finding(f"A cycle loses {100 * lost:.2g} % of its energy", lost, why, advice)
 
 

@@ -20,7 +20,7 @@ from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, describe_record_source, sources_of
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
-from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -129,8 +129,8 @@ class ElasticCurve(EqualByValue):
     ----------
     mode : str
     stretch, stress : array, shape (n,)
-        Of the chosen loading, means over neighbours where there are many; without the memory where
-        one is known.
+        Of the chosen loading, means over neighbours where there are many; without relaxation where
+        a relaxation test was given.
     rows : int
         Behind them.
     lost : float or None
@@ -189,8 +189,8 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         Stretches of use in every mode: those measured, or as large in the other modes.
     stable : tuple of (str, (float or None, float or None))
         The first stretches below and above 1 at which the law is not stable (Drucker).
-    memory : GeneralizedMaxwell or None
-        Taken off the tests; its k_inf is 1.
+    relaxation : GeneralizedMaxwell or None
+        Removed from the tests; its k_inf is 1.
     checks : tuple of Check
     temperature : float or None
         Of the tests, K.
@@ -206,7 +206,19 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     """
 
     schema = "dashpot/hyperelastic@2"
-    _keys = ("verdict", EVERY_FIELD, Key("values", "found"))
+    _keys = (
+        "verdict",
+        "law",
+        "orders",
+        "curves",
+        "residuals",
+        "reach",
+        "stable",
+        Key("memory", "relaxation"),
+        "checks",
+        "temperature",
+        Key("values", "found"),
+    )
 
     law: Hyperelastic
     found: tuple[ReportedValue, ...]
@@ -215,7 +227,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     residuals: tuple[float, ...]
     reach: tuple[tuple[Mode, Span], ...]
     stable: tuple[tuple[Mode, Limits], ...]
-    memory: GeneralizedMaxwell | None = None
+    relaxation: GeneralizedMaxwell | None = None
     checks: tuple[Check, ...] = ()
     temperature: float | None = None
 
@@ -237,9 +249,9 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def _speed(self) -> str:
-        """At which rate the law holds: only where a memory was taken off it is that at rest."""
-        if self.memory is not None:
-            return ", at rest, without the memory"
+        """Strain rate of the law; at rest where relaxation was removed."""
+        if self.relaxation is not None:
+            return ", at rest, without relaxation"
         rates = [curve.rate for curve in self.curves if curve.mode != "volumetric"]
         values = [rate for rate in rates if rate is not None]
         if not values:
@@ -248,7 +260,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         ends = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
         return (
             f", at the rate of the tests, {ends} 1/s: a slower or faster load has another law, and "
-            "the law at rest needs the memory of a relaxation test"
+            "the law at rest needs a relaxation test"
         )
 
     @property

@@ -54,7 +54,7 @@ def fit_hyperelastic(
     law: ElasticKindAsked = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
-    memory: GeneralizedMaxwell | None = None,
+    relaxation: GeneralizedMaxwell | None = None,
     cycle: int | None = None,
     stretches: Span | None = None,
     temperature: float | None = None,
@@ -73,7 +73,7 @@ def fit_hyperelastic(
     poisson : float, optional
         Of a foam; where it is not given, that of the strain sideways of one mode, or else sought
         by two.
-    memory : GeneralizedMaxwell, optional
+    relaxation : GeneralizedMaxwell, optional
         Whose k_inf is 1; taken off every test.
     cycle : int, optional
         The loading to use, counted from 1; by default the last.
@@ -87,7 +87,7 @@ def fit_hyperelastic(
     FitError
         If there is no test that changes the shape, or what was asked for does not fit together.
     """
-    curves = [elastic_curve(test, memory=memory, cycle=cycle) for test in tests]
+    curves = [elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
     reported, foam = _sideways(tests, law, poisson)
     swells = reported is not None and reported < SWELLS
     if foam and swells and poisson is None and len({curve.mode for curve in curves}) == 1:
@@ -119,7 +119,7 @@ def fit_hyperelastic(
         tuple(_compute_relative_residual(chosen, curve) for curve in curves),
         tuple(reach.items()),
         tuple(zip(SHEARING, map(chosen.law.stable_range, SHEARING), strict=True)),
-        memory,
+        relaxation,
         (),
         temperature,
     )

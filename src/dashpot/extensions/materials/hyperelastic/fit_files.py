@@ -26,7 +26,7 @@ def hyperelastic_files(
     law: ElasticKindAsked = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
-    memory: Fit | None = None,
+    relaxation: Fit | None = None,
     stretches: Span | None = None,
     measures: Measures | None = None,
     specimen: Specimen | None = None,
@@ -38,8 +38,8 @@ def hyperelastic_files(
     ----------
     files : mapping of str to sequence of path
         By a key of :data:`MODES`.
-    memory : Fit, optional
-        Of a relaxation test of the material: its memory is taken off.
+    relaxation : Fit, optional
+        Of a relaxation test of the material: its relaxation is removed.
     law, terms, poisson, stretches
         As :func:`~dashpot.extensions.materials.hyperelastic.fit.fit_hyperelastic` takes them.
     measures : Measures, optional
@@ -66,7 +66,7 @@ def hyperelastic_files(
             law=law,
             terms=terms,
             poisson=poisson,
-            memory=None if memory is None else normalise_relaxation(memory.model),
+            relaxation=None if relaxation is None else normalise_relaxation(relaxation.model),
             cycle=None if options is None else options.cycle,
             stretches=stretches,
             temperature=temperature,

@@ -14,12 +14,12 @@ from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsk
 def run(request: FitRequest) -> CommandResult:
     """Fit a hyperelastic law to stress over strain in one mode of test or several."""
     request.check_output_suffix(".json", what="a hyperelastic law")
-    memory = request["memory"]
-    if len(memory) > 1:
+    relaxation = request["relaxation"]
+    if len(relaxation) > 1:
         raise click.UsageError("--relaxation takes one fit. Give it once.")
     hyperelastic_fit = hyperelastic_files(
         _group_files_by_mode(request),
-        memory=workflow.read_fit(memory[0]) if memory else None,
+        relaxation=workflow.read_fit(relaxation[0]) if relaxation else None,
         law=request.model(ElasticKindAsked),
         terms=request["terms"] or "auto",
         specimen=request.specimen,

@@ -61,16 +61,16 @@ class _Card(NamedTuple):
     @property
     def prony(self) -> list[tuple[float, float]]:
         """Each g_j over the instantaneous modulus, and tau_j."""
-        memory = self.fit.memory
-        if memory is None:
+        relaxation = self.fit.relaxation
+        if relaxation is None:
             return []
-        terms = zip(memory.k, memory.tau, strict=True)
-        return [(k / memory.k_0, tau / self.units.time) for k, tau in terms]
+        terms = zip(relaxation.k, relaxation.tau, strict=True)
+        return [(k / relaxation.k_0, tau / self.units.time) for k, tau in terms]
 
     @property
     def ratio(self) -> float:
         """Instantaneous over relaxed modulus."""
-        return 1.0 if self.fit.memory is None else self.fit.memory.k_0
+        return 1.0 if self.fit.relaxation is None else self.fit.relaxation.k_0
 
 
 def _missing(
@@ -96,7 +96,7 @@ def hyperelastic_card(
     temperature: float | None = None,
     allow: Collection[str] = (),
 ) -> DeckText:
-    r"""Return the material card of a hyperelastic law, with its memory where the solver takes one.
+    r"""Return the material card of a hyperelastic law, with relaxation where the solver has it.
 
     Parameters
     ----------
@@ -215,9 +215,12 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
     ]
     if any(source.simulated for source in fit.sources):
         lines.append("SIMULATED: a test behind this card was made by a program")
-    if fit.memory is None:
-        return [*lines, "memory: none was taken off; the curves as tested are taken as elastic"]
-    return [*lines, "memory: taken off the true stress of the tests; the law is that at rest"]
+    if fit.relaxation is None:
+        return [*lines, "relaxation: none was removed; the curves as tested are taken as elastic"]
+    return [
+        *lines,
+        "relaxation: removed from the true stress; the law is that at rest",
+    ]
 
 
 def _unstable(fit: HyperelasticFit) -> str:
@@ -270,14 +273,14 @@ def _abaqus(card: _Card) -> Body:
         "D1 = 2 / K; a rubber wants hybrid elements (C3D8H)",
         "the bulk ratios are those of shear for a foam, and 0 for a rubber"
         if prony
-        else "no memory",
+        else "no relaxation",
     ]
 
 
 def _calculix(card: _Card) -> Body:
     message = ["D1 = 2 / K"]
     if card.prony:
-        message.append("CalculiX has no memory beside these: the law is that at rest")
+        message.append("CalculiX has no relaxation for these laws: the law is that at rest")
     return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], message
 
 
@@ -334,7 +337,7 @@ def _lsdyna(card: _Card) -> Body:
     G = units.stress(law.shear_modulus)
     shear = [(card.ratio * g * G, 1 / tau) for g, tau in card.prony]
     if len(shear) > _MOST_TERMS:
-        raise ExportError(f"*MAT_077 holds {_MOST_TERMS} terms of memory, found {len(shear)}")
+        raise ExportError(f"*MAT_077 takes {_MOST_TERMS} terms of relaxation, found {len(shear)}")
     if law.kind == "hyperfoam":
         return _hill_foam(card, density)
     K = card.bulk
@@ -351,7 +354,7 @@ def _lsdyna(card: _Card) -> Body:
         message.append(_OTHER_MU)
     if shear:
         message.append(
-            "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
+            "G_j is that of small strain: LS-DYNA adds the relaxation linearly to the law at rest"
         )
     return ["*KEYWORD", *body, *(format_fields(*pair) for pair in shear), "*END"], message
 
@@ -363,7 +366,7 @@ def _hill_foam(card: _Card, density: float) -> Body:
     message = [
         "C = 2 mu / alpha, b = alpha, n = nu / (1 - 2 nu); K serves contact",
         *([f"n = {_NO_SWELLING:g} stands for 0, by which it would divide"] * (beta == 0)),
-        *(["no memory: *MAT_177 takes none"] * bool(card.prony)),
+        *(["no relaxation: *MAT_177 takes none"] * bool(card.prony)),
     ]
     return [
         "*KEYWORD",

@@ -32,15 +32,18 @@ class _LoadingRows(NamedTuple):
 
 
 def elastic_curve(
-    test: StressStrainTest, *, memory: GeneralizedMaxwell | None = None, cycle: int | None = None
+    test: StressStrainTest,
+    *,
+    relaxation: GeneralizedMaxwell | None = None,
+    cycle: int | None = None,
 ) -> ElasticCurve:
     r"""Return the curve of a test that a law is fitted to: its last whole loading.
 
     Parameters
     ----------
     test : StressStrainTest
-    memory : GeneralizedMaxwell, optional
-        Whose k_inf is 1. The true stress is taken to be that of an elastic curve with memory,
+    relaxation : GeneralizedMaxwell, optional
+        With k_inf = 1. The true stress is taken to be that of an elastic curve with relaxation,
         :math:`\sigma = \int g(t-s)\,d\sigma_e(s)`, which is inverted exactly.
     cycle : int, optional
         The loading to use, counted from 1.
@@ -48,9 +51,9 @@ def elastic_curve(
     Raises
     ------
     FitError
-        If a memory is to be taken off a test without a clock, or there is no such loading.
+        If relaxation is to be removed from a test without a clock, or there is no such loading.
     """
-    stress = test.stress if memory is None else _remove_memory(memory, test)
+    stress = test.stress if relaxation is None else _remove_relaxation(relaxation, test)
     chosen = _chosen(test.stretch, stress, cycle)
     rows = chosen.rows
     x, y = _means(test.stretch[rows], stress[rows])
@@ -60,16 +63,16 @@ def elastic_curve(
     )  # fmt: skip
 
 
-def _remove_memory(memory: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
-    """The nominal stress at rest: the memory is of the stress on the area as it is, over length."""
+def _remove_relaxation(relaxation: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
+    """Return the nominal stress at rest; relaxation is that of the true stress."""
     if test.time is None:
         raise FitError(
-            f"the {test.mode} test has no clock, and without one no memory is taken off; give the "
+            f"the {test.mode} test has no clock, so relaxation cannot be removed; give the "
             "rate (--rate 10Hz), or a file with a column of time"
         )
     if test.mode == "volumetric":
         return test.stress
-    return memory.displacement(test.time, test.stress * test.stretch) / test.stretch
+    return relaxation.displacement(test.time, test.stress * test.stretch) / test.stretch
 
 
 def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:

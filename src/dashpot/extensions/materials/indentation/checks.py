@@ -66,7 +66,7 @@ def run_checks(
         gravity_stated(GRAVITY * T / hit.approach, stated),
         force_agrees(_force_ratio(fit, test)),
         indentation_shallow(hit.depth, test.indenter.radius),
-        sensor_fast_enough(_memory(fit, test.step)),
+        sensor_fast_enough(_noise_correlation_fraction(fit, test.step)),
     )
 
 
@@ -95,7 +95,7 @@ def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
     return impulse / (test.indenter.mass * change)
 
 
-def _memory(fit: IndentationFit, step: float) -> float | None:
+def _noise_correlation_fraction(fit: IndentationFit, step: float) -> float | None:
     """Time over which the noise in flight remembers itself, over the contact's."""
     residual = (fit.measured - fit.modelled)[fit.time < 0]
     if len(residual) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
@@ -345,13 +345,13 @@ def indentation_shallow(depth: float, radius: float | None) -> Finding:
     0.03,
     "our choice: a filter distorts such a pulse",
 )
-def sensor_fast_enough(memory: float | None) -> Finding:
+def sensor_fast_enough(fraction: float | None) -> Finding:
     """Sensor and filter are fast relative to the contact."""
-    if memory is None:
+    if fraction is None:
         return Finding("Too little flight is recorded to see a filter in its noise", None)
     return Finding(
-        f"The noise is correlated over {100 * memory:.2g} % of the contact",
-        memory,
+        f"The noise is correlated over {100 * fraction:.2g} % of the contact",
+        fraction,
         "A filter, a slow sensor or hum widens the pulse and adds damping",
         "Record without a filter.",
     )

@@ -9,10 +9,12 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit import fit_indentation
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.indentation.read import read_indentation
-from dashpot.registry import Piece
+from dashpot.registry import LotSpecimen
 
 
-def build_lot_row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[str, Any]]:
+def build_lot_row(
+    file: str | Path, lot_specimen: LotSpecimen
+) -> tuple[IndentationFit, dict[str, Any]]:
     """Return what a hit says of the surface, and that as the columns of a row.
 
     Raises
@@ -20,8 +22,8 @@ def build_lot_row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[
     ReadError, DataError, FitError
         If it cannot be read, or no law follows it.
     """
-    ball = Indenter(mass=piece.mass, radius=piece.radius)
-    test = read_indentation(file, indenter=ball, options=piece.options)
+    ball = Indenter(mass=lot_specimen.mass, radius=lot_specimen.radius)
+    test = read_indentation(file, indenter=ball, options=lot_specimen.options)
     fit = fit_indentation(test)
     entries: dict[str, Any] = {
         "samples": len(test.time),

@@ -1,10 +1,11 @@
-r"""Slams on a piece that is known, sound or outside every model of a fit.
+r"""Impacts on a specimen that is known, sound or outside every model of a fit.
 
 .. math:: m\ddot x = -F(x, \text{history}), \qquad x(0) = 0, \quad \dot x(0) = v
 
 by Verlet, with the arms exact for a relaxed force that is straight over a step, and whatever a
-piece, its mass or a sensor does besides. `slam_set("friction 5 %", seed)` are three slams of a
-piece that is drawn, with the truth of its memory and of a slam at another speed. SI units.
+specimen, its mass or a sensor does besides. `drop_set("friction 5 %", seed)` are three impacts of a
+specimen that is drawn, with the truth of its relaxation
+and of an impact at another speed. SI units.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from .truths import Solid
 RATE = 1e4
 """Samples a second."""
 SPEEDS, OTHER = (0.3, 0.6, 1.0), 0.8
-"""Of the slams, and of the one to be predicted, m/s."""
+"""Of the impacts, and of the one to be predicted, m/s."""
 _STEP = 2e-5
 _LEAD, _TAIL = 0.02, 0.02
 _NOISE = 0.01
 
 
 @dataclass(frozen=True)
-class Piece:
+class Specimen:
     """Relaxed law c1 x + c2 x^2 + c3 x^3, N and m, and arms over it; what else there is, by name.
 
     Attributes
@@ -37,7 +38,7 @@ class Piece:
     steep : float
         Part of the cubic's force at `depth` that a sixth power adds there.
     tilt : float
-        How far the far edge of the piece is from the mass when the near one is met, m.
+        How far the far edge of the specimen is from the mass when the near one is met, m.
     """
 
     mass: float
@@ -65,14 +66,14 @@ class Piece:
         return whole
 
     def loss_factor(self, frequency: float) -> float:
-        """Of the memory, at Hz."""
+        """Of the relaxation, at Hz."""
         K = self.solid.stiffness(2 * np.pi * frequency)
         return float(K.imag / K.real)
 
 
-def slammed(piece: Piece, speed: float):
-    """Clock and force of one slam from its touch to its release, at `_STEP`."""
-    rigid, dashpot, k, tau = piece.solid.within(_STEP / 20, 1e3)
+def impact_force(specimen: Specimen, speed: float):
+    """Clock and force of one impact from its touch to its release, at `_STEP`."""
+    rigid, dashpot, k, tau = specimen.solid.within(_STEP / 20, 1e3)
     # of a dashpot over one step
     decay = np.exp(-_STEP / tau)
     gain = k * (1 - decay) * tau / _STEP
@@ -80,18 +81,18 @@ def slammed(piece: Piece, speed: float):
     before, force = 0.0, 0.0
     found = [0.0]
     while True:
-        a = -force / piece.mass
+        a = -force / specimen.mass
         moved = v * _STEP + 0.5 * a * _STEP**2
         x += moved
-        relaxed = piece.relaxed(x) if x > 0 else 0.0
+        relaxed = specimen.relaxed(x) if x > 0 else 0.0
         q = q * decay + gain * (relaxed - before)
         new = rigid * relaxed + q.sum() + dashpot * (relaxed - before) / _STEP
-        if piece.friction:
-            most = piece.friction * min(max(x / piece.depth, 0.0), 1.0)
-            stuck = min(max(stuck + piece.friction / piece.reach * moved, -most), most)
+        if specimen.friction:
+            most = specimen.friction * min(max(x / specimen.depth, 0.0), 1.0)
+            stuck = min(max(stuck + specimen.friction / specimen.reach * moved, -most), most)
             new += stuck
         before = relaxed
-        v += 0.5 * (a - new / piece.mass) * _STEP
+        v += 0.5 * (a - new / specimen.mass) * _STEP
         force, t = new, t + _STEP
         if (force <= 0 and v < 0) or t > 1:
             return _STEP * np.arange(len(found)), np.array(found)
@@ -99,20 +100,20 @@ def slammed(piece: Piece, speed: float):
 
 
 @dataclass(frozen=True, eq=False)
-class SlamSet:
-    """Three slams as they are read, and what is true of the piece."""
+class DropSet:
+    """Three impacts as they are read, and what is true of the specimen."""
 
     name: str
-    piece: Piece
+    specimen: Specimen
     time: tuple
     force: tuple
-    said: tuple[float, ...]
+    stated_speeds: tuple[float, ...]
     peak: float
-    """Largest force of a slam at `OTHER`, N."""
+    """Largest force of an impact at `OTHER`, N."""
 
 
-def _seen(piece: Piece, speed: float, random, filtered: Callable | None):
-    clock, pure = slammed(piece, speed)
+def _seen(specimen: Specimen, speed: float, random, filtered: Callable | None):
+    clock, pure = impact_force(specimen, speed)
     time = np.arange(-_LEAD, clock[-1] + _TAIL, 1 / RATE)
     force = np.interp(time, clock, pure, left=0.0, right=0.0)
     if filtered is not None:
@@ -150,8 +151,8 @@ WAYS: dict[str, tuple[dict[str, float], Callable | None]] = {
 """What there is besides, and of the sensor; of friction in parts of the force at the depth."""
 
 
-def drawn_piece(seed: int, *, fractional: bool = False) -> Piece:
-    """A piece as a door's seal, 100 mm of it, with two slow arms and one of milliseconds."""
+def drawn_specimen(seed: int, *, fractional: bool = False) -> Specimen:
+    """A specimen as a door's seal, 100 mm of it, with two slow arms and one of milliseconds."""
     random = np.random.default_rng([seed, 6])
     mass = float(random.uniform(0.1, 0.4))
     c1 = float(random.uniform(150.0, 450.0))
@@ -163,21 +164,21 @@ def drawn_piece(seed: int, *, fractional: bool = False) -> Piece:
     hidden, quick = random.uniform(0.1, 0.35), float(np.exp(random.uniform(*np.log((5e-3, 0.03)))))
     if fractional:
         solid = Solid.fractional("", 1.0, 1.0, float(random.uniform(0.02, 0.1)), 0.5)
-        return Piece(mass, c, solid, float(depth))
+        return Specimen(mass, c, solid, float(depth))
     solid = Solid.arms("", 1.0, (*slow, hidden), (*times, quick))
-    return Piece(mass, c, solid, float(depth))
+    return Specimen(mass, c, solid, float(depth))
 
 
-def slam_set(way: str, seed: int) -> SlamSet:
-    """Slams of a piece with a way of `WAYS`, or "fractional"."""
-    piece = drawn_piece(seed, fractional=way == "fractional")
+def drop_set(way: str, seed: int) -> DropSet:
+    """Impacts of a specimen with a way of `WAYS`, or "fractional"."""
+    specimen = drawn_specimen(seed, fractional=way == "fractional")
     added, filtered = WAYS.get(way, ({}, None))
     random = np.random.default_rng([seed, *way.encode()])
     if "friction" in added:
-        at = float(slammed(piece, 0.6)[1].max())
+        at = float(impact_force(specimen, 0.6)[1].max())
         added = {"friction": added["friction"] * at}
-    piece = Piece(**{**vars(piece), **added})
-    rows = [_seen(piece, speed, random, filtered) for speed in SPEEDS]
-    said = tuple(speed * (1 + 0.05 * random.standard_normal()) for speed in SPEEDS)
-    peak = float(slammed(piece, OTHER)[1].max())
-    return SlamSet(way, piece, *zip(*rows, strict=True), said, peak)
+    specimen = Specimen(**{**vars(specimen), **added})
+    rows = [_seen(specimen, speed, random, filtered) for speed in SPEEDS]
+    stated_speeds = tuple(speed * (1 + 0.05 * random.standard_normal()) for speed in SPEEDS)
+    peak = float(impact_force(specimen, OTHER)[1].max())
+    return DropSet(way, specimen, *zip(*rows, strict=True), stated_speeds, peak)

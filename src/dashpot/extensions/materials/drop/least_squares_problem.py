@@ -1,4 +1,4 @@
-"""Least-squares problem of all slams of a piece: law, arms, speeds and touches."""
+"""Least-squares problem of the impacts of a specimen: law, arms, speeds, times of contact."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import parameter_names
+from dashpot.extensions.materials.drop.elastic_law import POWERS, ElasticLawPrior
+from dashpot.extensions.materials.drop.motion import Masses, integrate_impact
+from dashpot.extensions.materials.drop.preprocess import RecordedImpact
 from dashpot.extensions.materials.relaxation_model import normalise_relaxation
-from dashpot.extensions.materials.slam.elastic_law import POWERS, SlamLaw
-from dashpot.extensions.materials.slam.motion import Masses, integrate_impact
-from dashpot.extensions.materials.slam.preprocess import RecordedSlam
 from dashpot.fitting.prediction_bounds import get_solid_parameters
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
@@ -24,7 +24,7 @@ STEPS = 240
 _STEP = 1e-3
 """Of a difference, in scales of a parameter."""
 _HELD = 1e-4
-"""Standard deviation, as a part, of what the test of the memory held."""
+"""Least relative standard deviation of an arm of the relaxation test."""
 _TRIES, _FLAT, _FINISHED = 40, 1e-6, 1e-4
 _REBOUND = 0.95
 _PLACES = ((0.1, 0.25), (0.5, 0.25), (0.5, 0.06))
@@ -36,8 +36,8 @@ _SHORTEST, _LONGEST = 0.01, 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Memory:
-    """Arms as known before the slams.
+class RelaxationPrior:
+    """Arms of a relaxation test, with their uncertainty.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Memory:
         Over the relaxed force, and s.
     precision : array, shape (m, 2 arms)
         Rows whose products with the errors of g and ln tau are normal of standard deviation 1;
-        none where the arms are held.
+        none where the arms are fixed.
     fit : Fit or None
         Behind them.
     """
@@ -56,8 +56,8 @@ class Memory:
     fit: Fit | None = None
 
     @classmethod
-    def from_fit(cls, fit: Fit | None) -> Memory:
-        """Those of a fit: of a relaxation test, or with the law of a load deflection test."""
+    def from_fit(cls, fit: Fit | None) -> RelaxationPrior:
+        """Return the arms of a fit, with the precision of its covariance."""
         if fit is None:
             return cls()
         solid = normalise_relaxation(fit.model)
@@ -77,61 +77,64 @@ class Memory:
 
     @property
     def free(self) -> bool:
-        """Whether its arms move with the fit."""
+        """Whether the arms are parameters of the fit."""
         return len(self.precision) > 0
 
 
 @dataclass(frozen=True, eq=False)
-class Slams:
-    """All slams, each in units of its own scatter, with the prior knowledge.
+class DropProblem:
+    """Least-squares problem of all impacts, each in units of its noise, with prior rows.
 
-    Theta holds c of the law, g and ln tau of the memory where that moves, g and ln tau of the arm,
-    and of every slam its speed and touch.
+    Theta holds c of the elastic law, g and ln tau of the relaxation test's arms where these are
+    fitted, g and ln tau of the fast arm, and speed and time of first contact of every impact.
 
     Attributes
     ----------
-    hits : tuple of Struck
+    hits : tuple of RecordedImpact
     mass : float
         kg.
-    pulls : array, shape (slams,)
+    pulls : array, shape (impacts,)
         m/s^2.
-    said : array, shape (slams,)
+    stated_speeds : array, shape (impacts,)
         Speeds that were given, m/s; nan where none was.
-    said_sd : float
+    speed_sd : float
         Standard deviation of each, as a part of it.
-    law : SlamLaw
-    memory : Memory
+    law : ElasticLawPrior
+    relaxation : RelaxationPrior
     """
 
-    hits: tuple[RecordedSlam, ...]
+    hits: tuple[RecordedImpact, ...]
     mass: float
     pulls: FloatArray
-    said: FloatArray
-    said_sd: float
-    law: SlamLaw
-    memory: Memory
+    stated_speeds: FloatArray
+    speed_sd: float
+    law: ElasticLawPrior
+    relaxation: RelaxationPrior
 
     @property
     def step(self) -> float:
-        """Of the march, s."""
+        """Time step of the integration, s."""
         return max(hit.contact for hit in self.hits) * 1.3 / STEPS
 
     @property
-    def memory_parameter_count(self) -> int:
-        """Places of the memory that moves."""
-        return 2 * len(self.memory.g) if self.memory.free else 0
+    def relaxation_parameter_count(self) -> int:
+        """Number of parameters of the relaxation test's arms."""
+        return 2 * len(self.relaxation.g) if self.relaxation.free else 0
 
     @property
     def shared_parameter_count(self) -> int:
-        """Thetas that all slams share."""
-        return len(POWERS) + self.memory_parameter_count + 2
+        """Number of parameters that all impacts share."""
+        return len(POWERS) + self.relaxation_parameter_count + 2
 
     def arms(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """G and tau of every arm, the sought one last, shape (..., arms)."""
-        first, n = len(POWERS), len(self.memory.g)
+        """Return g and tau of every arm, the fast one last, shape (..., arms)."""
+        first, n = len(POWERS), len(self.relaxation.g)
         shape = (*theta.shape[:-1], n)
-        g, tau = np.broadcast_to(self.memory.g, shape), np.broadcast_to(self.memory.tau, shape)
-        if self.memory.free:
+        g, tau = (
+            np.broadcast_to(self.relaxation.g, shape),
+            np.broadcast_to(self.relaxation.tau, shape),
+        )
+        if self.relaxation.free:
             g, tau = theta[..., first : first + n], np.exp(theta[..., first + n : first + 2 * n])
         own_g, own_tau = (
             theta[..., self.shared_parameter_count - 2, None],
@@ -140,17 +143,17 @@ class Slams:
         return np.concatenate((g, own_g), axis=-1), np.concatenate((tau, own_tau), axis=-1)
 
     def speeds(self, theta: FloatArray) -> FloatArray:
-        """Of every slam, m/s."""
+        """Return the speed of every impact, m/s."""
         return theta[self.shared_parameter_count :: 2]
 
     def touches(self, theta: FloatArray) -> FloatArray:
-        """Of every slam, s."""
+        """Return the time of first contact of every impact, s."""
         return theta[self.shared_parameter_count + 1 :: 2]
 
     def integrate_motion(
         self, theta: FloatArray, speed: FloatArray, pull: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """x, v, force, relaxed force by steps, shape (steps + 1, n), of rows of theta, (n, p)."""
+        """Return x, v, force, relaxed force by steps, (steps + 1, n), at rows of theta, (n, p)."""
         g, tau = self.arms(theta)
         c = theta[:, : len(POWERS)]
         n = len(theta)
@@ -164,7 +167,7 @@ class Slams:
         return x, v, np.where(gone, 0.0, force), relaxed
 
     def forces(self, theta: FloatArray) -> list[FloatArray]:
-        """Return what every slam is modelled as."""
+        """Return the modelled force of every impact."""
         rows = np.repeat(theta[None, :], len(self.hits), axis=0)
         force = self.integrate_motion(rows, self.speeds(theta), self.pulls)[2]
         return [
@@ -175,15 +178,15 @@ class Slams:
         ]
 
     def sample_force(self, force: FloatArray, since: FloatArray) -> FloatArray:
-        """Of a force by steps what is sampled at times since the touch, s."""
+        """Return a force by steps at times since first contact, s."""
         nodes = self.step * np.arange(len(force))
         return np.interp(since, nodes, force, left=0.0, right=0.0)
 
     def slopes(self, theta: FloatArray) -> FloatArray:
-        """Derivative of all forces by theta, all slams and all differences marched as one."""
+        """Return the derivatives of all forces by theta, by central differences."""
         shared, many = self.shared_parameter_count, len(self.hits)
         scale = np.array([parameter.scale for parameter in self.parameters])
-        # up and down of what all share, and of the own speed
+        # up and down of the shared parameters, and of the impact's speed
         moves = np.zeros((2 * (shared + 1), shared + 1))
         moves[: shared + 1] = np.eye(shared + 1)
         moves[shared + 1 :] = -np.eye(shared + 1)
@@ -212,22 +215,24 @@ class Slams:
 
     @property
     def priors(self) -> tuple[FloatArray, FloatArray]:
-        """Rows P and what P theta is about, in standard deviations."""
+        """Prior rows P and the means of P theta, in standard deviations."""
         first, places = len(POWERS), self.shared_parameter_count + 2 * len(self.hits)
         law = np.zeros((len(self.law.precision), places))
         law[:, :first] = self.law.precision
-        memory = np.zeros((len(self.memory.precision), places))
-        memory[:, first : first + self.memory_parameter_count] = self.memory.precision
-        about = self.memory.precision @ np.concatenate((self.memory.g, np.log(self.memory.tau)))
-        indices = np.flatnonzero(np.isfinite(self.said))
+        relaxation = np.zeros((len(self.relaxation.precision), places))
+        relaxation[:, first : first + self.relaxation_parameter_count] = self.relaxation.precision
+        about = self.relaxation.precision @ np.concatenate(
+            (self.relaxation.g, np.log(self.relaxation.tau))
+        )
+        indices = np.flatnonzero(np.isfinite(self.stated_speeds))
         speeds = np.zeros((len(indices), places))
-        sd = self.said_sd * self.said[indices]
+        sd = self.speed_sd * self.stated_speeds[indices]
         speeds[np.arange(len(indices)), self.shared_parameter_count + 2 * indices] = 1 / sd
-        rows = np.concatenate((law, memory, speeds))
-        return rows, np.concatenate((np.zeros(len(law)), about, self.said[indices] / sd))
+        rows = np.concatenate((law, relaxation, speeds))
+        return rows, np.concatenate((np.zeros(len(law)), about, self.stated_speeds[indices] / sd))
 
     def rows(self, theta: FloatArray) -> Rows:
-        """Return the slams less their motions, and what the sensors' zeros add, and the priors."""
+        """Return the residuals, the columns of the sensors' zeros, and the prior rows."""
         P, about = self.priors
         if self.speeds(theta).min() <= 0:
             raise DataError("an impact has a speed above 0")
@@ -251,37 +256,43 @@ class Slams:
 
     @property
     def initial_speeds_and_touches(self) -> FloatArray:
-        """Speeds and touches to begin with, interleaved."""
+        """Starting speeds and times of first contact, interleaved."""
         impulse = np.array(
             [float(np.trapezoid(np.maximum(hit.force, 0.0), hit.time)) for hit in self.hits]
         )
         contact = np.array([hit.contact for hit in self.hits])
         thrown = (impulse / self.mass - self.pulls * contact) / (1 + _REBOUND)
-        speed = np.where(np.isfinite(self.said), self.said, np.maximum(thrown, 1e-3))
+        speed = np.where(
+            np.isfinite(self.stated_speeds), self.stated_speeds, np.maximum(thrown, 1e-3)
+        )
         return np.stack((speed, [hit.touch for hit in self.hits]), axis=1).ravel()
 
     @property
     def parameters(self) -> list[Parameter]:
-        """Ranges and sizes of theta."""
+        """Bounds and scales of theta."""
         peak = max(float(hit.force.max()) for hit in self.hits)
         depth = self.depth
         contact = min(hit.contact for hit in self.hits)
         cubic = [Parameter(scale=0.1 * peak / depth**i) for i in POWERS.tolist()]
-        memory = []
-        if self.memory.free:
-            memory = [Parameter(0.0, np.inf, 0.1 * value) for value in self.memory.g.tolist()]
-            memory += [Parameter(scale=0.1) for _ in self.memory.tau]
+        relaxation = []
+        if self.relaxation.free:
+            relaxation = [
+                Parameter(0.0, np.inf, 0.1 * value) for value in self.relaxation.g.tolist()
+            ]
+            relaxation += [Parameter(scale=0.1) for _ in self.relaxation.tau]
         arm = [
             Parameter(0.0, 50.0, 0.1),
             Parameter(math.log(_SHORTEST * contact), math.log(_LONGEST * contact), 0.3),
         ]
         parameters: list[Parameter] = []
-        for i, slam in enumerate(self.hits):
+        for i, impact in enumerate(self.hits):
             speed = float(self.initial_speeds_and_touches[2 * i])
             parameters.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
-            far = 0.3 * slam.contact
-            parameters.append(Parameter(slam.touch - far, slam.touch + far, 0.02 * slam.contact))
-        return [*cubic, *memory, *arm, *parameters]
+            far = 0.3 * impact.contact
+            parameters.append(
+                Parameter(impact.touch - far, impact.touch + far, 0.02 * impact.contact)
+            )
+        return [*cubic, *relaxation, *arm, *parameters]
 
     @property
     def depth(self) -> float:
@@ -292,7 +303,7 @@ class Slams:
         )
 
     def find_optimum(self) -> Optimum | None:
-        """The best of some arms: each held at first, for beside a poor law it would go to 0."""
+        """Return the best fit from several starting arms, fixed at first so that none goes to 0."""
         problem = Problem(self.rows, self.parameters, priors=len(self.priors[0]))
         arm = slice(self.shared_parameter_count - 2, self.shared_parameter_count)
         held = []
@@ -314,24 +325,24 @@ class Slams:
 
     @property
     def starts(self) -> list[FloatArray]:
-        """Thetas to begin with, one for each arm that is tried."""
+        """Starting points, one for each arm that is tried."""
         contact = float(np.median([hit.contact for hit in self.hits]))
-        memory = (
-            np.concatenate((self.memory.g, np.log(self.memory.tau)))
-            if self.memory.free
+        relaxation = (
+            np.concatenate((self.relaxation.g, np.log(self.relaxation.tau)))
+            if self.relaxation.free
             else np.zeros(0)
         )
         cubic = np.zeros(len(POWERS)) if self.law.known else self._cubic()
         return [
             np.concatenate(
-                (cubic, memory, [g, np.log(part * contact)], self.initial_speeds_and_touches)
+                (cubic, relaxation, [g, np.log(part * contact)], self.initial_speeds_and_touches)
             )
             for g, part in _PLACES
         ]
 
     def _cubic(self) -> FloatArray:
-        """A free law, by the force over the path that it gives the mass, less what the arms add."""
-        slow = 1 + float(self.memory.g.sum()) + 0.1
+        """Return a cubic law by the force over the integrated path, less the force of the arms."""
+        slow = 1 + float(self.relaxation.g.sum()) + 0.1
         columns, forces = [], []
         for hit, speed, pull in zip(
             self.hits, self.initial_speeds_and_touches[::2], self.pulls, strict=True

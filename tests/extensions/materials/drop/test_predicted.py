@@ -1,4 +1,4 @@
-"""A mass slammed on a piece, against solutions of another solver at a tolerance of 1e-12."""
+"""A mass dropped on a specimen, against solutions of another solver at a tolerance of 1e-12."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from kit.fits import a_fit
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.materials.slam.approach import Approach
-from dashpot.extensions.materials.slam.motion import simulate_impacts
-from dashpot.extensions.materials.slam.prediction import Slam, predict_slam
+from dashpot.extensions.materials.drop.approach import Approach
+from dashpot.extensions.materials.drop.motion import simulate_impacts
+from dashpot.extensions.materials.drop.prediction import DropPrediction, predict_drop
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 TAU, G = (59.0 / 117.5, 292.2 / 17.8), np.array([117.5, 17.8]) / 196.5
-"""The memory of Table 1."""
+"""The relaxation of Table 1."""
 DEPTH = 0.02
 
 
@@ -60,13 +60,13 @@ of the release, rebound, lost part, force over the relaxed one there, energy ove
 
 
 def seal(law: ElasticLaw, *, g: tuple[float, ...] = (), tau: tuple[float, ...] = ()) -> Fit:
-    """A piece with the memory of Table 1 and further arms."""
+    """A specimen with the relaxation of Table 1 and further arms."""
     k = law.stiffness
     arms = tuple((k * np.array([*g, *G])).tolist())
     return replace(a_fit(GeneralizedMaxwell(k, arms, (*tau, *TAU))), elastic_law=law)
 
 
-def numbers(one: Slam) -> list[float]:
+def numbers(one: DropPrediction) -> list[float]:
     named = {fact.name: fact.value for fact in one.facts}
     ms, mm = 1e3, 1e3
     return [
@@ -86,9 +86,9 @@ NIGHTLY = {("stiff", 0.3, 0.0), ("stiff", 1.0, 0.0)}
         for one in TABLE
     ],
 )
-def test_numbers_of_a_slam_are_those_of_another_solver(name: tuple[str, float, float]) -> None:
+def test_predict_drop_agrees_with_independent_solver(name: tuple[str, float, float]) -> None:
     law, speed, _ = name
-    found = numbers(predict_slam(seal(LAWS[law]), slam=speed, mass=0.2))
+    found = numbers(predict_drop(seal(LAWS[law]), drop=speed, mass=0.2))
     for one, known in zip(found, TABLE[name], strict=True):
         # as many digits as the table has, and one in a million
         digits = len(repr(known).partition(".")[2])
@@ -98,11 +98,11 @@ def test_numbers_of_a_slam_are_those_of_another_solver(name: tuple[str, float, f
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """A tenth of the steps, where a test is of no digits."""
-    monkeypatch.setattr("dashpot.extensions.materials.slam.motion._FINE", 400)
+    monkeypatch.setattr("dashpot.extensions.materials.drop.motion._FINE", 400)
 
 
 @pytest.mark.usefixtures("coarse")
-def test_a_slam_scales_with_its_speed_on_a_straight_law() -> None:
+def test_impact_scales_with_its_speed_on_a_linear_law() -> None:
     slow, fast = (
         simulate_impacts([seal(LAWS["linear"]).model], LAWS["linear"], mass=0.2, speed=v)[0]
         for v in (0.3, 0.5)
@@ -114,7 +114,7 @@ def test_a_slam_scales_with_its_speed_on_a_straight_law() -> None:
 
 def test_gravity_pulls_a_mass_that_falls() -> None:
     height = 0.6**2 / (2 * 9.80665)
-    found = numbers(predict_slam(seal(LAWS["stiff"]), slam=f"{1e3 * height:.12f}mm", mass="200g"))
+    found = numbers(predict_drop(seal(LAWS["stiff"]), drop=f"{1e3 * height:.12f}mm", mass="200g"))
     force, at, deep, _, left, _, rebound, *_ = found
     assert force == pytest.approx(14.7648, abs=5e-5)
     assert [at, deep, left] == pytest.approx([24.33376, 11.60084, 48.11418], rel=1e-6)
@@ -123,7 +123,7 @@ def test_gravity_pulls_a_mass_that_falls() -> None:
 
 def test_a_rebound_sees_the_arm_that_a_ramp_cannot() -> None:
     found = numbers(
-        predict_slam(seal(LAWS["stiff"], g=(0.2545,), tau=(0.0125,)), slam=0.6, mass=0.2)
+        predict_drop(seal(LAWS["stiff"], g=(0.2545,), tau=(0.0125,)), drop=0.6, mass=0.2)
     )
     assert found[0] == pytest.approx(10.14836, rel=1e-6)
     assert found[4] == pytest.approx(44.0891, rel=2e-6)
@@ -133,7 +133,7 @@ def test_a_rebound_sees_the_arm_that_a_ramp_cannot() -> None:
 @pytest.mark.usefixtures("coarse")
 def test_two_pieces_carry_twice_the_mass_alike() -> None:
     fit = seal(LAWS["linear"])
-    one, two = predict_slam(fit, slam=0.3, mass=0.1), predict_slam(fit, slam=0.3, mass=0.2, seals=2)
+    one, two = predict_drop(fit, drop=0.3, mass=0.1), predict_drop(fit, drop=0.3, mass=0.2, seals=2)
     assert numbers(two)[0] == pytest.approx(2 * numbers(one)[0], rel=1e-9)
     assert numbers(two)[2:8] == pytest.approx(numbers(one)[2:8], rel=1e-9)
 
@@ -155,47 +155,47 @@ def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
 
 
 @pytest.mark.usefixtures("coarse")
-def test_predict_slam_marks_conditions_outside_the_test() -> None:
+def test_predict_drop_marks_conditions_outside_the_test() -> None:
     fit = seal(LAWS["stiff"])
-    deep = predict_slam(fit, slam=2.0, mass="200g")
+    deep = predict_drop(fit, drop=2.0, mass="200g")
     marked = {one.name for one in deep.checks if one.failed}
-    assert {"slam_within_measured_depth", "air_escapes", "piece_length_given"} <= marked
+    assert {"impact_within_measured_depth", "air_escapes", "specimen_length_given"} <= marked
     assert "20 mm" in next(
-        one.message for one in deep.checks if one.name == "slam_within_measured_depth"
+        one.message for one in deep.checks if one.name == "impact_within_measured_depth"
     )
-    bare = predict_slam(replace(fit, elastic_law=None), slam=0.3, mass="200g")
-    assert "slam_within_measured_depth" in {one.name for one in bare.checks if one.failed}
+    bare = predict_drop(replace(fit, elastic_law=None), drop=0.3, mass="200g")
+    assert "impact_within_measured_depth" in {one.name for one in bare.checks if one.failed}
 
 
 @pytest.mark.parametrize(
-    ("said", "speed", "pull"),
+    ("stated", "speed", "pull"),
     [("0.6m/s", 0.6, 0.0), (0.6, 0.6, 0.0), ("18mm", np.sqrt(2 * 9.80665 * 0.018), 9.80665)],
 )
 def test_a_mass_meets_the_piece_at_a_speed_or_after_a_fall(
-    said: str | float, speed: float, pull: float
+    stated: str | float, speed: float, pull: float
 ) -> None:
-    found = Approach.from_quantity(said)
+    found = Approach.from_quantity(stated)
     assert (found.speed, found.pull) == (pytest.approx(speed, rel=1e-12), pull)
 
 
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"slam": "18", "mass": "200g"}, "--drop 18: expected the speed"),
-        ({"slam": "0.6m/s"}, "--mass 200g"),
-        ({"slam": ("0.6m/s", "1m/s"), "mass": "200g"}, "given 2 times"),
-        ({"slam": "-1m/s", "mass": "200g"}, "slam: speed"),
-        ({"slam": "18mm", "mass": "200kg"}, "not thrown back"),
+        ({"drop": "18", "mass": "200g"}, "--drop 18: expected the speed"),
+        ({"drop": "0.6m/s"}, "--mass 200g"),
+        ({"drop": ("0.6m/s", "1m/s"), "mass": "200g"}, "given 2 times"),
+        ({"drop": "-1m/s", "mass": "200g"}, "drop: speed"),
+        ({"drop": "18mm", "mass": "200kg"}, "not thrown back"),
     ],
 )
-def test_predict_slam_refuses_invalid_options(how: dict[str, str], message: str) -> None:
+def test_predict_drop_refuses_invalid_options(how: dict[str, str], message: str) -> None:
     with pytest.raises(DataError, match=re.escape(message)):
         dp.predict(seal(LAWS["linear"]), **how)
 
 
 def test_a_material_is_no_piece() -> None:
     with pytest.raises(DataError, match="of a material"):
-        predict_slam(replace(seal(LAWS["linear"]), unit="Pa"), slam=0.6, mass=0.2)
+        predict_drop(replace(seal(LAWS["linear"]), unit="Pa"), drop=0.6, mass=0.2)
 
 
 RAMPS = {
@@ -210,7 +210,7 @@ def test_a_ramp_presses_as_hard_as_its_speed_lets_it(ramp: float) -> None:
     x = np.linspace(0.0, 6e-3, 8001)
     alone = 240 * x + 1e4 * x**2 + 3e6 * x**3
     # the law is the path of a solid of 1 N/m
-    memory = GeneralizedMaxwell(1.0, tuple(G), tuple(TAU))
-    force = memory.force(np.linspace(0.0, ramp, len(x)), alone)
+    relaxation = GeneralizedMaxwell(1.0, tuple(G), tuple(TAU))
+    force = relaxation.force(np.linspace(0.0, ramp, len(x)), alone)
     found = force[-1] / alone[-1], np.trapezoid(force, x) / np.trapezoid(alone, x)
     assert found == pytest.approx(RAMPS[ramp], abs=1e-6)

@@ -1,30 +1,30 @@
-"""Figures of slam tests."""
+"""Figures of drop tests."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from dashpot.base.units import convert_to_unit
-from dashpot.extensions.materials.slam.datamodel import SlamFit
-from dashpot.extensions.materials.slam.prediction import Slam
+from dashpot.extensions.materials.drop.datamodel import DropFit
+from dashpot.extensions.materials.drop.prediction import DropPrediction
 from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 _MOST = 6
-"""Slams that a figure shows."""
+"""Largest number of impacts in a figure."""
 
 
-def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
-    """Return force of every slam over time: measured, and by the motion that was fitted.
+def draw_drop_fit(drop_fit: DropFit, *, stamp: str = "") -> Picture:
+    """Return the force of every impact over time, measured and fitted.
 
     Parameters
     ----------
-    slam_fit : SlamFit
+    drop_fit : DropFit
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the figure; by default the files.
     """
     panels = []
-    for hit in slam_fit.hits[:_MOST]:
+    for hit in drop_fit.hits[:_MOST]:
         ms = convert_to_unit(hit.time, "ms")
         top = 1.08 * float(hit.measured.max())
         marks = (
@@ -35,20 +35,20 @@ def slams(slam_fit: SlamFit, *, stamp: str = "") -> Picture:
         title = f"{hit.speed.value:.3g} m/s"
         panels.append(Panel(across, Scale("force, N", (-0.08 * top, top)), marks, title=title))
     caption = "Force of impacts on a specimen over time: measured, and by the fitted motion."
-    origin = format_stamp(slam_fit.sources) if slam_fit.sources else ""
+    origin = format_stamp(drop_fit.sources) if drop_fit.sources else ""
     return Picture("slams", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
 
-def slam(slam: Slam, *, stamp: str = "") -> Picture:
-    """Return force of a slam over time and over compression, beside the relaxed force.
+def draw_drop_prediction(prediction: DropPrediction, *, stamp: str = "") -> Picture:
+    """Return the predicted force over time and over compression, with the relaxed force.
 
     Parameters
     ----------
-    slam : Slam
+    prediction : DropPrediction
     stamp : str
-        What the figure says of its origin; by default the files of the fit.
+        Origin of the figure; by default the files of the fit.
     """
-    motion = slam.motion
+    motion = prediction.motion
     ms, mm = convert_to_unit(motion.time, "ms"), convert_to_unit(motion.compression, "mm")
     up = Scale("force, N", (0.0, 1.08 * float(motion.force.max())))
     whole = Panel(
@@ -66,5 +66,5 @@ def slam(slam: Slam, *, stamp: str = "") -> Picture:
         ),
     )
     caption = "Force of a mass dropped on the specimen, over time and over compression."
-    origin = format_stamp(slam.sources) if slam.sources else ""
+    origin = format_stamp(prediction.sources) if prediction.sources else ""
     return Picture("slam", caption, ((whole,), (loop,)), 2, stamp or origin)

@@ -1,4 +1,4 @@
-"""Slams that another solver made, and what a fit finds of the piece: an arm that no ramp shows."""
+"""Fits of drop tests simulated by another solver: an arm that no ramp shows."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from scipy.integrate import solve_ivp
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.materials.slam.datamodel import SlamFit
-from dashpot.extensions.materials.slam.elastic_law import SlamLaw
-from dashpot.extensions.materials.slam.fit import fit_slams
-from dashpot.extensions.materials.slam.preprocess import slams_of
+from dashpot.extensions.materials.drop.datamodel import DropFit
+from dashpot.extensions.materials.drop.elastic_law import ElasticLawPrior
+from dashpot.extensions.materials.drop.fit import fit_drop_tests
+from dashpot.extensions.materials.drop.preprocess import find_impacts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -30,7 +30,7 @@ MASS, RATE, DEPTH = 0.2, 1e4, 0.0145
 
 
 @cache
-def slammed(speed: float, hidden: float = HIDDEN_G) -> np.ndarray:
+def impact_force(speed: float, hidden: float = HIDDEN_G) -> np.ndarray:
     """Force at 10 kHz from 20 ms before the touch to 20 ms after the release, N."""
     g, tau = np.append(SLOW_G, hidden), np.append(SLOW_TAU, HIDDEN_TAU)
 
@@ -87,21 +87,23 @@ def fitted(
     known: float = 0.0,
     speed_sd: float = 0.05,
     hidden: float = HIDDEN_G,
-) -> SlamFit:
-    """Slams of 1 % noise; of a law that is known to a part, or free, and speeds to another."""
+) -> DropFit:
+    """Impacts of 1 % noise; of a law that is known to a part, or free, and speeds to another."""
     random = np.random.default_rng(seed)
-    tests, said = [], []
+    tests, stated_speeds = [], []
     for speed in speeds:
-        force = slammed(speed, hidden)
+        force = impact_force(speed, hidden)
         noisy = force + 0.01 * force.max() * random.standard_normal(len(force))
-        tests.append(dp.SlamTest(np.arange(len(force)) / RATE, force=noisy, units="s, N"))
-        said.append(speed * (1 + speed_sd * random.standard_normal()))
-    law = SlamLaw.free()
+        tests.append(dp.DropTest(np.arange(len(force)) / RATE, force=noisy, units="s, N"))
+        stated_speeds.append(speed * (1 + speed_sd * random.standard_normal()))
+    law = ElasticLawPrior.free()
     if known:
         off = LAW * (1 + known * random.standard_normal(3))
-        law = SlamLaw(cubic(off), np.diag(1 / (known * LAW)))
-    memory = relaxed(random)
-    return fit_slams(tests, mass=MASS, slam=said, memory=memory, law=law, speed_sd=speed_sd)
+        law = ElasticLawPrior(cubic(off), np.diag(1 / (known * LAW)))
+    relaxation = relaxed(random)
+    return fit_drop_tests(
+        tests, mass=MASS, drop=stated_speeds, relaxation=relaxation, law=law, speed_sd=speed_sd
+    )
 
 
 THREE = (0.3, 0.6, 1.0)
@@ -125,8 +127,8 @@ def test_three_speeds_and_the_slow_law_tell_the_loss_factor() -> None:
     assert law.force(depth) == pytest.approx(depth * (LAW @ depth ** np.arange(3)), rel=0.03)
     for one, speed in zip(found.hits, THREE, strict=True):
         assert one.speed.low < speed < one.speed.high
-    # the solid is slammed as the piece was
-    again = dp.predict(found.fit, slam=0.6, mass=MASS)
+    # the solid is dropped as the specimen was
+    again = dp.predict(found.fit, drop=0.6, mass=MASS)
     assert again.motion.peak.force == pytest.approx(found.hits[1].peak, rel=2e-3)
     assert again.motion.rebound == pytest.approx(found.hits[1].rebound, rel=2e-3)
 
@@ -135,59 +137,65 @@ def test_fit_of_one_impact_on_a_free_law_is_undetermined() -> None:
     found = fitted(1, (0.6,))
     assert found.verdict.use == "do not use"
     assert "not determined" in found.verdict.message
-    assert "slam_speeds_spread" in {one.name for one in found.checks if one.failed}
+    assert "impact_speeds_spread" in {one.name for one in found.checks if one.failed}
 
 
 def test_an_acceleration_says_what_the_force_does() -> None:
-    force = slammed(0.6) + 0.1 * np.random.default_rng(3).standard_normal(len(slammed(0.6)))
+    force = impact_force(0.6) + 0.1 * np.random.default_rng(3).standard_normal(
+        len(impact_force(0.6))
+    )
     time = np.arange(len(force)) / RATE
-    (felt,) = slams_of(dp.SlamTest(time, force=force, units="s, N"), MASS, "hit")
+    (felt,) = find_impacts(dp.DropTest(time, force=force, units="s, N"), MASS, "hit")
     # pushed the other way, with an offset, in g
-    moved = dp.SlamTest(time, acceleration=0.03 - force / MASS / 9.80665, units="s, g")
-    (other,) = slams_of(moved, MASS, "hit")
+    moved = dp.DropTest(time, acceleration=0.03 - force / MASS / 9.80665, units="s, g")
+    (other,) = find_impacts(moved, MASS, "hit")
     assert other.force == pytest.approx(felt.force, abs=1e-9)
     assert (other.touch, other.contact, other.ratio) == (felt.touch, felt.contact, None)
-    (both,) = slams_of(dp.SlamTest(time, force, -force / (1.1 * MASS), units="SI"), MASS, "hit")
+    (both,) = find_impacts(dp.DropTest(time, force, -force / (1.1 * MASS), units="SI"), MASS, "hit")
     assert both.ratio == pytest.approx(1.1, rel=0.01)
 
 
 @pytest.mark.slow
-def test_a_memory_of_another_piece_is_seen() -> None:
+def test_relaxation_test_of_another_specimen_is_detected() -> None:
     random = np.random.default_rng(1)
     wrong = relaxed(random)
     k = tuple(1.6 * one for one in wrong.model.k)
     wrong = replace(wrong, solid=replace(wrong.model, k=k))
     tests = [
-        dp.SlamTest(
-            np.arange(len(slammed(one))) / RATE,
-            slammed(one) + 0.01 * slammed(one).max() * random.standard_normal(len(slammed(one))),
+        dp.DropTest(
+            np.arange(len(exact)) / RATE,
+            exact + 0.01 * exact.max() * random.standard_normal(len(exact)),
             units="SI",
         )
-        for one in THREE
+        for exact in map(impact_force, THREE)
     ]
-    found = fit_slams(
-        tests, mass=MASS, slam=THREE, memory=wrong, law=SlamLaw.from_fit(relaxed(random))
+    found = fit_drop_tests(
+        tests,
+        mass=MASS,
+        drop=THREE,
+        relaxation=wrong,
+        law=ElasticLawPrior.from_fit(relaxed(random)),
     )
     failed = {one.name for one in found.checks if one.failed}
-    assert failed & {"arms_agree_with_relaxation_test", "loss_factors_agree", "slam_speeds_agree"}
+    assert failed & {"arms_agree_with_relaxation_test", "loss_factors_agree", "impact_speeds_agree"}
 
 
-def record(*speeds: float, rest: float = 0.5) -> dp.SlamTest:
-    parts = [np.append(slammed(one), np.zeros(int(rest * RATE))) for one in speeds]
+def record(*speeds: float, rest: float = 0.5) -> dp.DropTest:
+    parts = [np.append(impact_force(one), np.zeros(int(rest * RATE))) for one in speeds]
     force = np.concatenate(parts)
     force += 0.02 * np.random.default_rng(1).standard_normal(len(force))
-    return dp.SlamTest(np.arange(len(force)) / RATE, force=force, units="s, N")
+    return dp.DropTest(np.arange(len(force)) / RATE, force=force, units="s, N")
 
 
-def test_slams_of_separates_impacts_of_one_record() -> None:
-    found = slams_of(record(*THREE), MASS, "slam.csv")
+def test_find_impacts_separates_impacts_of_one_record() -> None:
+    found = find_impacts(record(*THREE), MASS, "slam.csv")
     assert [one.name for one in found] == [f"slam.csv, impact {i}" for i in (1, 2, 3)]
     begins = 0.0
     for one, speed in zip(found, THREE, strict=True):
         assert one.touch == pytest.approx(begins + 0.02, abs=3e-3)
-        assert one.contact == pytest.approx(len(slammed(speed)) / RATE - 0.04, rel=0.15)
+        assert one.contact == pytest.approx(len(impact_force(speed)) / RATE - 0.04, rel=0.15)
         assert one.noise == pytest.approx(0.02, rel=0.2)
-        begins += len(slammed(speed)) / RATE + 0.5
+        begins += len(impact_force(speed)) / RATE + 0.5
     assert found[0].rest is None
     assert found[1].rest == pytest.approx(0.54, abs=0.01)
 
@@ -197,44 +205,48 @@ def test_slams_of_separates_impacts_of_one_record() -> None:
     [
         ({}, "--mass 200g"),
         (
-            {"mass": "200g", "slam": ("0.3m/s", "0.6m/s")},
+            {"mass": "200g", "drop": ("0.3m/s", "0.6m/s")},
             "--drop was given 2 times, and the record has one impact",
         ),
-        ({"mass": "200g", "slam": "0.3"}, "expected the speed at the touch"),
+        ({"mass": "200g", "drop": "0.3"}, "expected the speed at the touch"),
     ],
 )
-def test_fit_slams_reports_missing_input(how: dict[str, object], message: str) -> None:
+def test_fit_drop_tests_reports_missing_input(how: dict[str, object], message: str) -> None:
     with pytest.raises(DataError, match=re.escape(message)):
-        fit_slams([record(0.6)], **how)
+        fit_drop_tests([record(0.6)], **how)
 
 
-def test_noise_is_no_slam() -> None:
+def test_find_impacts_refuses_noise() -> None:
     noise = np.random.default_rng(1).standard_normal(4000)
-    test = dp.SlamTest(np.arange(4000) / RATE, force=noise, units="s, N")
+    test = dp.DropTest(np.arange(4000) / RATE, force=noise, units="s, N")
     with pytest.raises(DataError, match="no impact stands out"):
-        fit_slams([test], mass=MASS)
+        fit_drop_tests([test], mass=MASS)
     with pytest.raises(DataError, match="force, or the acceleration"):
-        dp.SlamTest(np.arange(4000) / RATE, units="SI")
+        dp.DropTest(np.arange(4000) / RATE, units="SI")
 
 
 def test_impact_law_from_load_deflection_has_one_per_cent_error() -> None:
     law = cubic(LAW)
-    known = SlamLaw.from_fit(replace(a_fit(GeneralizedMaxwell(law.stiffness)), elastic_law=law))
+    known = ElasticLawPrior.from_fit(
+        replace(a_fit(GeneralizedMaxwell(law.stiffness)), elastic_law=law)
+    )
     P = known.precision * LAW
     sd = LAW[0] * np.sqrt(np.linalg.inv(P.T @ P)[0, 0])
     # the tangent at first contact, as well as one knot, or a little less
     assert 0.01 * LAW[0] < sd < 0.06 * LAW[0]
     straight = replace(a_fit(GeneralizedMaxwell(393.0)), elastic_law=ElasticLaw.linear(393.0, 0.01))
-    assert SlamLaw.from_fit(straight).known is None
+    assert ElasticLawPrior.from_fit(straight).known is None
     # of twice the length
     assert (
-        SlamLaw.from_fit(replace(a_fit(GeneralizedMaxwell(1.0)), elastic_law=law), 2.0).known
+        ElasticLawPrior.from_fit(
+            replace(a_fit(GeneralizedMaxwell(1.0)), elastic_law=law), 2.0
+        ).known
         == 2.0 * law
     )
 
 
 ROWS = {
-    # one slam of a law that is known: few of 160 have an arm that runs away, and say so
+    # one impact of a law that is known: few of 160 have an arm that runs away, and say so
     ((0.6,), 0.01, 0.05): 6.9,
     (THREE, 0.0, 0.05): 5.5,
     (THREE, 0.0, 0.005): 4.2,
@@ -246,7 +258,7 @@ ROWS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("row", ROWS, ids=str)
-def test_slams_tell_what_they_can_and_say_how_well(
+def test_fit_drop_tests_covers_loss_factor_and_meets_cramer_rao_limit(
     row: tuple[tuple[float, ...], float, float],
 ) -> None:
     speeds, known, speed_sd = row
@@ -272,7 +284,7 @@ WEAK = {(0.6,): (0.0, 33.6), THREE: (0.01, 10.50), tuple(10 * THREE): (0.01, 5.2
 @pytest.mark.slow
 @pytest.mark.parametrize("speeds", WEAK, ids=len)
 def test_a_weak_arm_takes_three_heights_and_repeats(speeds: tuple[float, ...]) -> None:
-    """An arm of .05, whose loss factor is .0233: one slam of a free law says little of it."""
+    """An arm of .05, whose loss factor is .0233: one impact of a free law says little of it."""
     known, least = WEAK[speeds]
     found = [fitted(i, speeds, known=known, speed_sd=0.005, hidden=0.05) for i in range(5)]
     sd = [one["loss_factor"].error / loss(one.frequency, 0.05) for one in found]
@@ -281,18 +293,18 @@ def test_a_weak_arm_takes_three_heights_and_repeats(speeds: tuple[float, ...]) -
     assert low * least < 100 * np.median(sd) < 1.25 * least
 
 
-def pulses(*starts: float) -> dp.SlamTest:
+def pulses(*starts: float) -> dp.DropTest:
     """Smooth pulses of 10 ms and 50 N, without noise."""
     time = np.arange(-0.005, starts[-1] + 0.015, 1e-4)
     force = np.zeros(len(time))
     for start in starts:
         since = time - start
         force += np.where((since > 0) & (since < 0.01), 50 * np.sin(np.pi * since / 0.01) ** 2, 0.0)
-    return dp.SlamTest(time, force=force, units="s, N")
+    return dp.DropTest(time, force=force, units="s, N")
 
 
-def test_slams_of_shares_no_sample_and_estimates_noise():
-    first, second = slams_of(pulses(0.0, 0.017), MASS, "hits")
+def test_find_impacts_shares_no_sample_and_estimates_noise():
+    first, second = find_impacts(pulses(0.0, 0.017), MASS, "hits")
     assert first.time[-1] <= second.time[0]
     assert [one.noise for one in (first, second)] == pytest.approx([50e-4] * 2, rel=1e-3)
 
@@ -302,6 +314,6 @@ def test_a_record_that_is_mostly_contact_rests_at_its_ends():
     force = 3.0 + np.where(
         (time > 0.0008) & (time < 0.0102), 50 * np.sin(np.pi * (time - 0.0008) / 0.0094), 0.0
     )
-    (one,) = slams_of(dp.SlamTest(time, force=force, units="s, N"), MASS, "hit")
+    (one,) = find_impacts(dp.DropTest(time, force=force, units="s, N"), MASS, "hit")
     assert one.force.max() == pytest.approx(50, rel=1e-2)
     assert one.force[0] == pytest.approx(0.0, abs=1e-9)

@@ -1,4 +1,4 @@
-"""Options of slam tests; imports no NumPy, so that help is fast."""
+"""Options of drop tests; imports no NumPy, so that help is fast."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ from dashpot.base.option_fields import option
 
 
 @dataclass(frozen=True)
-class SlamOptions:
-    """Options of a slam: speeds, or heights of fall.
+class DropOptions:
+    """Options of a drop test: impact speeds, or drop heights.
 
     Attributes
     ----------
-    slam : tuple of str
-        Each the speed at the touch, ``"0.6m/s"``, or the height of a fall, ``"18mm"``: of the hits
-        in their order.
+    drop : tuple of str
+        Impact speed, ``"0.6m/s"``, or drop height, ``"18mm"``, of each impact in its order.
     """
 
-    slam: tuple[str, ...] = option(
+    drop: tuple[str, ...] = option(
         (), "Impact speed of the mass, 0.6m/s, or drop height, 18mm.", metavar="SPEED",
         multiple=True, flag="drop", former="slam",
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Criteria on slam tests."""
+"""Criteria on drop tests."""
 
 from __future__ import annotations
 
@@ -11,31 +11,32 @@ MAX_SHAPE = 2.5
 
 
 @criterion("compression / depth of the law", "<=", 1.0, "the law was measured so far")
-def slam_within_measured_depth(deepest: float, depth: float | None) -> Finding:
+def impact_within_measured_depth(deepest: float, depth: float | None) -> Finding:
     """The impact compresses the specimen no further than its elastic law was measured."""
     pressed = f"The mass presses the specimen by {format_quantity(deepest, 'mm', '.3g')}"
     if depth is None:
         return Finding(
-            f"{pressed}, and the fit holds no elastic law of a pressed piece",
-            reason="The law is taken as straight",
-            remedy="Fit a relaxation or load deflection test of the piece.",
+            f"{pressed}, and the fit has no elastic law of a compressed specimen",
+            reason="The elastic law is taken as linear",
+            remedy="Fit a relaxation or load deflection test of the specimen.",
             faulted=True,
         )
     return Finding(
-        f"{pressed}, and its law was measured to {format_quantity(depth, 'mm', '.3g')}",
+        f"{pressed}, and its elastic law was measured to {format_quantity(depth, 'mm', '.3g')}",
         deepest / depth,
-        "Beyond it the law goes on with its last slope, and a bulb that bottoms is stiffer",
+        "Beyond it the law is extrapolated linearly; a bulb that bottoms is stiffer",
         "Press a specimen deeper in the load deflection test.",
     )
 
 
 @criterion("frequency / upper end of the valid band", "<=", 1.0, "the valid band of the fit")
-def slam_in_valid_band(frequency: float, highest: float) -> Finding:
+def impact_in_valid_band(frequency: float, highest: float) -> Finding:
     """The contact is no faster than the valid band of the fit covers."""
     return Finding(
-        f"The contact is half a cycle of {frequency:.3g} Hz, and the fit holds to {highest:.2g} Hz",
+        f"The contact is half a cycle of {frequency:.3g} Hz, and the model is valid to "
+        f"{highest:.2g} Hz",
         frequency / highest,
-        "A fast arm that the test could not see takes from the rebound, the force hardly changes",
+        "An arm too fast for the test would lower the rebound, and hardly change the force",
         "Fit a recorded impact, or a hammer test, too.",
     )
 
@@ -48,13 +49,13 @@ def air_escapes(speed: float) -> Finding:
         "at "
         "open ends or holes",
         speed,
-        "It is not part of the law",
+        "It is not part of the elastic law",
         "Leave the ends of the specimen open, or give the vents of a door in its file.",
     )
 
 
 @criterion(grade="note")
-def piece_length_given(*, provided: bool) -> Finding:
+def specimen_length_given(*, provided: bool) -> Finding:
     """The length of the specimen is given."""
     return Finding(
         "The length of the specimen is known",
@@ -65,7 +66,7 @@ def piece_length_given(*, provided: bool) -> Finding:
     )
 
 
-# -- of recorded slams
+# -- of recorded impacts
 
 
 @criterion(
@@ -90,12 +91,12 @@ def loss_determined(relative: float, frequency: float) -> Finding:
 
 
 @criterion("rms / scatter", "<=", 1.5, "our choice: the rest is scatter of the sensor")
-def slams_residual_small(misfit: float) -> Finding:
+def impacts_residual_small(misfit: float) -> Finding:
     """The model fits every impact."""
     return Finding(
-        f"What the motion leaves of the force is {misfit:.3g} times its scatter",
+        f"The residual of the force is {misfit:.3g} times its scatter",
         misfit,
-        "The specimen bends otherwise, or the mass or the sensor oscillates",
+        "The specimen deforms in another way, or the mass or the sensor oscillates",
         "Look at the picture. Fit impacts of one range of speeds, or filter less in the sensor.",
     )
 
@@ -106,16 +107,15 @@ def slams_residual_small(misfit: float) -> Finding:
     MAX_SHAPE,
     "measured: one sound impact in 13 exceeds it",
 )
-def slam_residual_structureless(shapes: Mapping[str, float]) -> Finding:
+def impact_residual_structureless(shapes: Mapping[str, float]) -> Finding:
     """The residual force shows no missing effect of specimen or sensor."""
     if not shapes:
-        return Finding("The impacts are too few to tell what else there is")
+        return Finding("There are too few impacts for this test of the residual")
     words, most = max(shapes.items(), key=lambda pair: abs(pair[1]))
     return Finding(
-        f"What the motion leaves of the force is most like {words}, by "
-        f"{abs(most):.2g} standard deviations",
+        f"The residual of the force is most like {words}, by {abs(most):.2g} standard deviations",
         abs(most),
-        "The fit has no such force, and takes it for memory or for the law",
+        "The fit has no such force, and takes it for relaxation or for the elastic law",
         "Look at the picture. Lubricate or align the specimen, or compress it less.",
     )
 
@@ -132,7 +132,7 @@ def slow_arms_determined(*, provided: bool) -> Finding:
 
 
 @criterion("samples", ">=", 50.0, "our choice: the flanks show first contact")
-def slams_sampled(samples: float) -> Finding:
+def impacts_sampled(samples: float) -> Finding:
     """A contact has enough samples."""
     return Finding(
         f"The shortest contact has {samples:.0f} samples",
@@ -143,14 +143,14 @@ def slams_sampled(samples: float) -> Finding:
 
 
 @criterion("fastest / slowest", ">=", 2.0, "our choice: a fitted law needs several depths")
-def slam_speeds_spread(spread: float | None) -> Finding:
+def impact_speeds_spread(spread: float | None) -> Finding:
     """The impact speeds differ enough to fit the elastic law."""
     if spread is None:
-        return Finding("The law is known, so one speed will do")
+        return Finding("The elastic law is known, so one speed is enough")
     return Finding(
-        f"The fastest impact is {spread:.3g} times the slowest, and the law is free",
+        f"The fastest impact is {spread:.3g} times the slowest, and the elastic law is fitted",
         spread,
-        "What bends and what has memory then look alike",
+        "A nonlinear law and relaxation then look alike",
         Remedy(
             "Test three speeds, or give the fit of a load deflection test.",
             "relaxation",
@@ -160,7 +160,7 @@ def slam_speeds_spread(spread: float | None) -> Finding:
 
 
 @criterion("standard deviations", "<=", 3.0, "chance, once in 370")
-def slam_speeds_agree(off: float | None) -> Finding:
+def impact_speeds_agree(off: float | None) -> Finding:
     """The measured impact speeds agree with the stated ones."""
     if off is None:
         return Finding("No speed was given")
@@ -168,12 +168,12 @@ def slam_speeds_agree(off: float | None) -> Finding:
         f"A speed lies {off:.2g} standard deviations from what was given",
         off,
         "The mass, a speed or the height of a fall is another",
-        Remedy("Check the mass, and the speeds in the order of the slams.", "drop"),
+        Remedy("Check the mass, and the speeds in the order of the impacts.", "drop"),
     )
 
 
 @criterion("rest / contact", ">=", 10.0, "our choice: arms relax between impacts")
-def slams_separated(rest: float | None) -> Finding:
+def impacts_separated(rest: float | None) -> Finding:
     """The specimen rested between impacts."""
     if rest is None:
         return Finding("Every record holds one impact")
@@ -186,7 +186,7 @@ def slams_separated(rest: float | None) -> Finding:
 
 
 @criterion("|impulse ratio - 1|", "<=", 0.03, "our choice: both sensors are calibrated")
-def slam_mass_agrees(ratio: float | None) -> Finding:
+def impact_mass_agrees(ratio: float | None) -> Finding:
     """Force and acceleration agree with the stated mass."""
     if ratio is None:
         return Finding("Force or acceleration alone was recorded, so the mass is not judged")
@@ -202,9 +202,9 @@ def slam_mass_agrees(ratio: float | None) -> Finding:
 def arms_agree_with_relaxation_test(change: float | None) -> Finding:
     """The impacts change the arms of the relaxation test by no more than their errors."""
     if change is None:
-        return Finding("The arms of the other test are held")
+        return Finding("The arms of the relaxation test are fixed")
     return Finding(
-        f"The impacts move the arms of the other test by {change:.2g} of its standard deviations",
+        f"The impacts change the arms of the relaxation test by {change:.2g} standard deviations",
         change,
         "The two tests are not of one specimen at one temperature, or one is wrong",
         "Test the same specimen at the same temperature.",
@@ -215,7 +215,7 @@ def arms_agree_with_relaxation_test(change: float | None) -> Finding:
 def spectrum_has_gaps(arms: int) -> Finding:
     """The relaxation test shows few arms, so that one more can stand for faster ones."""
     return Finding(
-        f"The other test sees {arms} arms",
+        f"The relaxation test has {arms} arms",
         float(arms),
         "Its spectrum is broad, and one fast arm beside it may be 7 % off in the loss factor",
         "Compare it with a hammer test, or with a cold test.",
@@ -229,7 +229,7 @@ def loss_factors_agree(gap: float | None, value: float, before: float, *, within
         return Finding("The loss factor by the impacts has no error, so it is not compared")
     least = "" if within else "at least "
     return Finding(
-        f"The loss factor by the impacts is {value:.3g}, where the other test has "
+        f"The loss factor is {value:.3g} by the impacts, and by the relaxation test "
         f"{least}{before:.3g}",
         abs(gap),
         "The two differ by more than their errors",

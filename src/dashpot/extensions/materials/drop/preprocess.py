@@ -1,4 +1,4 @@
-"""Slams in a record: runs of samples in which the mass is pushed back."""
+"""Impacts in a record: runs of samples in which the mass is pushed back."""
 
 from __future__ import annotations
 
@@ -8,40 +8,39 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.base.errors import DataError
-from dashpot.extensions.materials.slam.datamodel import SlamTest
+from dashpot.extensions.materials.drop.datamodel import DropTest
 
 _OTHER, _FOOT = 0.05, 0.15
-"""Part of the largest force that makes another slam, and of its own where its flanks are met."""
+"""Parts of the largest force: of another impact, and of the foot of its own flanks."""
 _CLEAR = 6.0
-"""Of the scatter, below which no force is a slam."""
+"""Times the noise, below which no force is an impact."""
 _FEWEST = 12
-"""Samples of a slam."""
+"""Least number of samples of an impact."""
 _AROUND = 0.6
-"""How much of the flights is taken to either side, in lengths of the contact."""
+"""Part of the flight used on either side, in lengths of the contact."""
 _RIGHT = 1e-4
-"""Part of the largest force to which a motion is right."""
+"""Accuracy of a computed motion, over the largest force."""
 _SCATTER = 20**0.5
-"""Rms of third differences of white noise of 1."""
+"""Rms of third differences of unit white noise."""
 
 
-class RecordedSlam(NamedTuple):
-    """Slam of a record.
+class RecordedImpact(NamedTuple):
+    """One impact of a record.
 
     Attributes
     ----------
     name : str
     time, force : array, shape (n,)
-        Of the samples about it, s from the record's start; N, positive where the mass is pushed
-        back, its zero roughly taken off.
+        Of the samples around it, s from the start of the record; N, positive where the mass is
+        pushed back, without the estimated zero.
     touch, contact : float
-        When it roughly begins, and how long it lasts, s.
+        Estimated first contact and length of contact, s.
     noise : float
-        Scatter of the force about it from sample to sample, N; no less than a motion is right to.
+        Noise of the force, N, at least the accuracy of a computed motion.
     rest : float or None
-        Since the slam before was over, s.
+        Time since the end of the impact before, s.
     ratio : float or None
-        Impulse by the force over that by the acceleration, over the mass, where both were
-        recorded.
+        Impulse of the force over mass times that of the acceleration, where both were recorded.
     """
 
     name: str
@@ -54,13 +53,13 @@ class RecordedSlam(NamedTuple):
     ratio: float | None
 
 
-def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
-    """Return the slams of a record in their order.
+def find_impacts(test: DropTest, mass: float, name: str) -> list[RecordedImpact]:
+    """Return the impacts of a record in their order.
 
     Raises
     ------
     DataError
-        If none stands out of the scatter.
+        If none stands out of the noise.
     """
     time, signal = test.time, test.force
     if signal is None:
@@ -74,7 +73,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
             f"{name}: no impact stands out of the scatter: the largest force is {top:.3g} N, the "
             f"scatter {noise:.3g} N. Cut the record about the impacts, or use a stiffer sensor"
         )
-    slams: list[RecordedSlam] = []
+    impacts: list[RecordedImpact] = []
     over = _contacts(push, max(_OTHER * top, _CLEAR * noise), _CLEAR * noise)
     if not over:
         raise DataError(f"{name}: the longest push has fewer than {_FEWEST} samples. Sample faster")
@@ -88,8 +87,8 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
             high = min(high, (last + over[number + 1][0]) // 2)
         rows = slice(low, min(last + reach, high) + 1)
         inside = slice(first, last + 1)
-        slams.append(
-            RecordedSlam(
+        impacts.append(
+            RecordedImpact(
                 f"{name}, impact {number + 1}" if len(over) > 1 else name,
                 time[rows],
                 push[rows],
@@ -100,7 +99,7 @@ def slams_of(test: SlamTest, mass: float, name: str) -> list[RecordedSlam]:
                 None if other is None else float(push[inside].sum() / (mass * other[inside].sum())),
             )
         )
-    return slams
+    return impacts
 
 
 def _scatter(push: FloatArray) -> float:
@@ -108,7 +107,7 @@ def _scatter(push: FloatArray) -> float:
 
 
 def _push(signal: FloatArray) -> FloatArray:
-    """Positive where the mass is pushed back, its rest at zero."""
+    """Return the signal without its zero, positive where the mass is pushed back."""
     tenth = max(len(signal) // 20, 1)
     # a record may be cut so close that most of it is contact
     rest = min((median(signal), median(signal[:tenth]), median(signal[-tenth:])), key=abs)
@@ -116,11 +115,11 @@ def _push(signal: FloatArray) -> FloatArray:
     return np.asarray(sign * (signal - rest))
 
 
-def _contacts(push: FloatArray, level: float, least: float) -> list[tuple[int, int]]:
-    """First and last sample of each slam, down to where the force begins."""
+def _contacts(push: FloatArray, threshold: float, least: float) -> list[tuple[int, int]]:
+    """Return the first and last sample of each impact, from zero force to zero force."""
     results: list[tuple[int, int]] = []
-    for first, last in find_true_runs(push > level).tolist():
-        # noise about the level breaks a run in two
+    for first, last in find_true_runs(push > threshold).tolist():
+        # noise about the threshold breaks a run in two
         if results and first - results[-1][1] < max(0.2 * (last - results[-1][0]), 3):
             results[-1] = (results[-1][0], last)
         else:
@@ -130,16 +129,16 @@ def _contacts(push: FloatArray, level: float, least: float) -> list[tuple[int, i
 
 
 def _to_zero(push: FloatArray, first: int, last: int, least: float) -> tuple[int, int]:
-    """Return where a push begins and ends, by the slope of its flanks above its foot."""
-    level = max(_FOOT * float(push[first : last + 1].max()), least)
+    """Return first and last sample of a push, by the slope of its flanks above the foot."""
+    foot = max(_FOOT * float(push[first : last + 1].max()), least)
     top = first + int(push[first : last + 1].argmax())
-    below = np.flatnonzero(push <= level)
+    below = np.flatnonzero(push <= foot)
     first = int(below[below < top].max(initial=-1)) + 1
     last = int(below[below > top].min(initial=len(push))) - 1
     near = max((last - first) // 12, 2)
     up = max((push[first + near] - push[first]) / near, 1e-300)
     down = max((push[last - near] - push[last]) / near, 1e-300)
     most = (last - first) // 3
-    begin = first - min(int(level / up), most)
-    end = last + min(int(level / down), most)
+    begin = first - min(int(foot / up), most)
+    end = last + min(int(foot / down), most)
     return max(begin, 0), min(end, len(push) - 1)

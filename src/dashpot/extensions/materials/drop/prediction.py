@@ -1,4 +1,4 @@
-"""Prediction of a slam on a fitted piece: dynamic load deflection."""
+"""Prediction of a drop test on a fitted specimen: dynamic load deflection."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.materials.slam import checks
-from dashpot.extensions.materials.slam.approach import Approach
-from dashpot.extensions.materials.slam.motion import SlamMotion, simulate_impacts
+from dashpot.extensions.materials.drop import checks
+from dashpot.extensions.materials.drop.approach import Approach
+from dashpot.extensions.materials.drop.motion import ImpactMotion, simulate_impacts
 from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 
 _STRAIGHT = 1e-3
-"""Depth of the law of a solid that has none, m: it is straight, and any will do."""
+"""Depth of the linear law of a model without one, m; any value will do."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Slam(EqualByValue, HasVerdict, Serialisable):
-    """Predicted slam of a mass on a piece.
+class DropPrediction(EqualByValue, HasVerdict, Serialisable):
+    """Predicted drop test: a mass hits a specimen.
 
     Attributes
     ----------
@@ -37,10 +37,10 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
     mass : float
         kg.
     seals : float
-        Pieces side by side.
+        Number of specimens side by side.
     answers : tuple of Fact
-    motion : SlamMotion
-        Step by step.
+    motion : ImpactMotion
+        By time steps.
     checks : tuple of Check
     sources : tuple of Source
         Of the fit.
@@ -64,18 +64,18 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
     mass: float
     seals: float
     answers: tuple[ReportedValue, ...]
-    motion: SlamMotion
+    motion: ImpactMotion
     checks: tuple[Check, ...]
     sources: tuple[Source, ...] = ()
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """The answers."""
+        """The predicted numbers."""
         return self.answers
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict, with peak force and absorbed energy."""
         force, lost = self.answers[0].cells, 100 * self.motion.absorbed_energy / self.motion.energy
         return verdict(
             self.checks,
@@ -87,17 +87,17 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
 
     @property
     def time(self) -> FloatArray:
-        """Some hundred instants, s."""
+        """Times of some hundred instants, s."""
         return self.motion.time[:: self._sample_stride]
 
     @property
     def compression(self) -> FloatArray:
-        """There, m."""
+        """Compression at these times, m."""
         return self.motion.compression[:: self._sample_stride]
 
     @property
     def force(self) -> FloatArray:
-        """There, N."""
+        """Force at these times, N."""
         return self.motion.force[:: self._sample_stride]
 
     @property
@@ -105,69 +105,68 @@ class Slam(EqualByValue, HasVerdict, Serialisable):
         return max(len(self.motion.time) // 300, 1)
 
 
-def predict_slam(
+def predict_drop(
     fit: Fit,
     *,
-    slam: Quantity | Sequence[str],
+    drop: Quantity | Sequence[str],
     mass: Quantity | None = None,
     seals: float = 1.0,
-) -> Slam:
-    """Predict what a mass does that is slammed on a piece at rest.
+) -> DropPrediction:
+    """Predict the impact of a mass that is dropped on a specimen at rest.
 
     Parameters
     ----------
     fit : Fit
-        Of a piece: its elastic law, and its memory.
-    slam : float or str
-        Speed at the touch, m/s or ``"0.6m/s"``; or the height of a fall, ``"18mm"``, and gravity
-        then pulls on.
+        Elastic law and relaxation of a specimen.
+    drop : float or str
+        Impact speed, m/s or ``"0.6m/s"``; or drop height, ``"18mm"``, with gravity acting on.
     mass : float or str
         kg, or ``"200g"``.
     seals : float
-        Pieces side by side: two of 50 mm for the mass of 100 mm.
+        Number of specimens side by side: 2 of 50 mm for 100 mm under the mass.
 
     Raises
     ------
     DataError
-        If the fit is of a material, a number is missing, or the mass is not thrown back.
+        If the fit is of a material, a number is missing, or the mass does not rebound.
     """
     if mass is None:
         raise DataError("an impact needs the mass of what moves. Add it: --mass 200g")
-    single_slam = slam if isinstance(slam, str | float | int) else _require_single_slam(slam)
-    approach, kg = Approach.from_quantity(single_slam), convert_to_si(mass, "mass")
+    single_drop = drop if isinstance(drop, str | float | int) else _require_single_drop(drop)
+    approach, kg = Approach.from_quantity(single_drop), convert_to_si(mass, "mass")
     require_positive(mass=kg, seals=seals)
     if fit.unit != "N/m":
         raise DataError(
             "the fit is of a material, and an impact is of a specimen. Fit a test of the "
             "specimen, in N and mm"
         )
-    piece = fit if seals == 1 else fit.in_parallel(seals)
-    elastic_law = piece.elastic_law
-    law = elastic_law or ElasticLaw.linear(max(piece.model.k_inf, 1e-9), _STRAIGHT)
-    models = [piece.model, *(solid.maxwell for solid in off_by_error(piece))]
+    parallel_fit = fit if seals == 1 else fit.in_parallel(seals)
+    elastic_law = parallel_fit.elastic_law
+    law = elastic_law or ElasticLaw.linear(max(parallel_fit.model.k_inf, 1e-9), _STRAIGHT)
+    models = [parallel_fit.model, *(model.maxwell for model in off_by_error(parallel_fit))]
     motions = simulate_impacts(models, law, mass=kg, speed=approach.speed, pull=approach.pull)
     motion = motions[0]
     checked = (
-        checks.slam_within_measured_depth(
+        checks.impact_within_measured_depth(
             motion.deepest.compression, None if elastic_law is None else elastic_law.depth
         ),
-        checks.slam_in_valid_band(motion.frequency, fit.band[1]),
+        checks.impact_in_valid_band(motion.frequency, fit.band[1]),
         checks.air_escapes(approach.speed),
-        checks.piece_length_given(provided=piece.specimen.length is not None),
+        checks.specimen_length_given(provided=parallel_fit.specimen.length is not None),
     )
-    return Slam(
+    return DropPrediction(
         approach, kg, seals, _answers(motions), motion,
         (*checked, *(check for check in fit.checks if check.grade == "stop")), fit.source,
     )  # fmt: skip
 
 
-def _require_single_slam(said: Sequence[str]) -> str:
-    if len(said) != 1:
+def _require_single_drop(stated_speeds: Sequence[str]) -> str:
+    if len(stated_speeds) != 1:
         raise DataError(
-            f"--drop was given {len(said)} times, and one impact is predicted at a time. "
+            f"--drop was given {len(stated_speeds)} times, and one impact is predicted at a time. "
             "Give it once"
         )
-    return said[0]
+    return stated_speeds[0]
 
 
 _NAMED = (
@@ -187,11 +186,11 @@ _NAMED = (
 """Name, unit, unit that people read, and words of every number."""
 
 
-def _answers(motions: Sequence[SlamMotion]) -> tuple[ReportedValue, ...]:
-    """Return the numbers of the first motion, with the errors that the others show."""
+def _answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ...]:
+    """Return the numbers of the first motion, with errors by the other motions."""
     first, *others = map(_numbers, motions)
     off = np.array([np.subtract(other, first) for other in others])
-    # what energy a speed has, no fit can doubt
+    # the energy of a speed has no error by the fit
     size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
     errors = [value or None for value in size.tolist()]
     return tuple(
@@ -200,8 +199,8 @@ def _answers(motions: Sequence[SlamMotion]) -> tuple[ReportedValue, ...]:
     )
 
 
-def _numbers(item: SlamMotion) -> list[float]:
-    """In the order of their names."""
+def _numbers(item: ImpactMotion) -> list[float]:
+    """Return the numbers in the order of ``_NAMED``."""
     peak, deepest, release = item.peak, item.deepest, item.release
     return [
         peak.force,

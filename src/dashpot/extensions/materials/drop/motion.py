@@ -26,15 +26,15 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.moving_plate import EvenStep
 
 _FINE, _ROUGH = 4000, 60
-"""Steps of a contact: its numbers are right to 1e-7, or its length to a few per cent."""
+"""Steps of a contact: numbers to 1e-7, or the length to a few per cent."""
 _LOOK = 8
-"""Steps after which it is asked whether all are let go."""
+"""Number of steps between tests of the release."""
 _LONGEST = 40.0
-"""Of a contact, in times of an elastic one: what lasts longer stays on the piece."""
+"""Longest contact, in lengths of an elastic one: beyond it the mass stays on the specimen."""
 
 
 class Masses(NamedTuple):
-    """Masses on their pieces, computed side by side.
+    """Masses on specimens, integrated side by side.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class MotionHistory(NamedTuple):
 
 
 def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
-    """Return the motion until every mass is let go, some steps beyond, or so many are done.
+    """Return the motion until every mass has left its specimen, or a number of steps.
 
     Parameters
     ----------
@@ -112,8 +112,8 @@ def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
 
 
 @dataclass(frozen=True, eq=False)
-class SlamMotion(EqualByValue):
-    """Motion of one mass on one piece, from touch to release.
+class ImpactMotion(EqualByValue):
+    """Motion of one mass on one specimen, from first contact to release.
 
     Attributes
     ----------
@@ -135,17 +135,17 @@ class SlamMotion(EqualByValue):
 
     @property
     def peak(self) -> Instant:
-        """Where the force is largest."""
+        """Instant of the largest force."""
         return self._interpolate_instant(_vertex(self.force))
 
     @property
     def deepest(self) -> Instant:
-        """Where the compression is."""
+        """Instant of the largest compression."""
         return self._interpolate_instant(_vertex(self.compression))
 
     @property
     def release(self) -> Instant:
-        """Where the force is back at zero."""
+        """Instant of release."""
         return self._interpolate_instant(_falls_to_zero(self.force))
 
     def _interpolate_instant(self, place: tuple[int, float]) -> Instant:
@@ -154,17 +154,17 @@ class SlamMotion(EqualByValue):
 
     @property
     def energy(self) -> float:
-        """Kinetic at the touch, J."""
+        """Kinetic energy at first contact, J."""
         return 0.5 * self.mass * float(self.velocity[0]) ** 2
 
     @property
     def loading_work(self) -> float:
-        """Work of the piece to the largest compression, J."""
+        """Work on the specimen to the largest compression, J."""
         return self.energy + self.mass * self.pull * self.deepest.compression
 
     @property
     def absorbed_energy(self) -> float:
-        """Work of the piece to the release, J: what it absorbed for good."""
+        """Work on the specimen to the release, J: the absorbed energy."""
         at = self.release
         remainder = 0.5 * self.mass * at.velocity**2
         return self.energy - remainder + self.mass * self.pull * at.compression
@@ -180,12 +180,12 @@ class SlamMotion(EqualByValue):
 
     @property
     def frequency(self) -> float:
-        """Of the cycle that the contact is half of, Hz."""
+        """Frequency of the cycle of which the contact is half, Hz."""
         return 0.5 / self.release.time
 
     @property
     def rebound(self) -> float:
-        """Speed of release over speed of approach."""
+        """Release speed over impact speed."""
         return float(-self.release.velocity / self.velocity[0])
 
 
@@ -206,13 +206,13 @@ def simulate_impacts(
     mass: float,
     speed: float,
     pull: float = 0.0,
-) -> list[SlamMotion]:
-    """Return the motion of a mass that meets a piece at rest, of each of several solids.
+) -> list[ImpactMotion]:
+    """Return the motion of a mass that hits a specimen at rest, for each of several models.
 
     Parameters
     ----------
     models : sequence of GeneralizedMaxwell
-        Secant ones at the depth of the law, near to the first.
+        Secant models at the depth of the law, close to the first.
     law : ElasticLaw
         Its shape alone is taken: its path.
     mass : float
@@ -220,22 +220,22 @@ def simulate_impacts(
     speed : float
         m/s, > 0.
     pull : float
-        Acceleration that acts besides the piece, m/s^2: gravity for a fall, 0 across.
+        Acceleration of the free mass, m/s^2: gravity for a fall, 0 for a horizontal impact.
 
     Raises
     ------
     DataError
-        If a number is not above zero, or the mass is not let go.
+        If a number is not above zero, or the mass does not rebound.
 
     Notes
     -----
-    Right to 1e-6 of each number, by solutions of DOP853 that this code has no part in.
+    Accurate to 1e-6 of each number, by independent solutions with DOP853.
     """
     require_positive(mass=mass, speed=speed, expected="a finite number above 0")
     count, arms = len(models), max(model.arms for model in models)
     k, tau = np.zeros((count, arms)), np.ones((count, arms))
-    for i, solid in enumerate(models):
-        k[i, : solid.arms], tau[i, : solid.arms] = solid.k, solid.tau
+    for i, model in enumerate(models):
+        k[i, : model.arms], tau[i, : model.arms] = model.k, model.tau
     b = np.array([model.b for model in models])
     masses = Masses(
         np.full(count, mass), np.full(count, speed), np.full(count, pull), law.path,
@@ -252,16 +252,16 @@ def simulate_impacts(
     step = length * int(released[:, 0].argmax()) / _ROUGH / _FINE
     whole = integrate_impact(masses, step, 3 * _FINE)
     motions = []
-    for i, solid in enumerate(models):
+    for i, model in enumerate(models):
         end = int(((whole.force[:, i] <= 0) & (whole.v[:, i] <= 0)).argmax()) + 1
         x, v, force, path = (values[:end, i] for values in whole)
         time = step * np.arange(float(end))
-        motions.append(SlamMotion(time, x, v, force, solid.k_inf * path, mass, pull))
+        motions.append(ImpactMotion(time, x, v, force, model.k_inf * path, mass, pull))
     return motions
 
 
 def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float:
-    """How long an elastic contact about lasts, s: of the law's own energy, to its depth or less."""
+    """Return the approximate length of an elastic contact, s, by the energy of the law."""
     energy = 0.5 * float(masses.mass[0] * masses.speed[0] ** 2)
     x = np.linspace(0.0, law.depth, 201)
     path = law.path(x)
@@ -275,7 +275,7 @@ def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float
 
 
 def _vertex(y: FloatArray) -> tuple[int, float]:
-    """The largest sample, or the one before, and how far beyond it the parabola is largest."""
+    """Return the largest sample, or the one before, and how far beyond it the parabola peaks."""
     i = min(max(int(y.argmax()), 1), len(y) - 2)
     before, here, after = y[i - 1 : i + 2].tolist()
     bend = before - 2 * here + after

@@ -1,26 +1,26 @@
-"""Handler of ``dashpot fit`` for slam tests."""
+"""Handler of ``dashpot fit`` for drop tests."""
 
 from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.cli._command_io import CommandResult, format_command, grams
 from dashpot.cli.fit_handlers import FitRequest
-from dashpot.extensions.materials.slam.fit_files import slam_files
+from dashpot.extensions.materials.drop.fit_files import fit_drop_files
 
 
 def run(request: FitRequest) -> CommandResult:
-    """Find loss factor and arms from slams, with a fit of the piece where one is given."""
+    """Fit loss factor and arms to drop tests, with a relaxation test where one is given."""
     request.check_output_suffix(".json", what="this fit")
-    slam_fit = slam_files(
+    drop_fit = fit_drop_files(
         request.files,
         mass=request.mass,
-        slam=request["slam"],
-        memory=[workflow.read_fit(path) for path in request["memory"]],
+        drop=request["drop"],
+        relaxation=[workflow.read_fit(path) for path in request["relaxation"]],
         specimen=request.specimen,
         options=request.reading,
     )
     follow = ""
     if request.result_path:
-        how = ("--drop", "1m/s", "--mass", grams(slam_fit.mass))
+        how = ("--drop", "1m/s", "--mass", grams(drop_fit.mass))
         follow = format_command("predict", request.result_path, *how)
-    return request.write_output(slam_fit, follow=follow)
+    return request.write_output(drop_fit, follow=follow)

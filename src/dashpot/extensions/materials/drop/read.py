@@ -1,4 +1,4 @@
-"""Reader of slam tests: force on the piece, or motion of the mass."""
+"""Reader of drop tests: force on the specimen, or motion of the mass."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.materials.slam.datamodel import SlamTest
+from dashpot.extensions.materials.drop.datamodel import DropTest
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     accelerations,
@@ -21,15 +21,15 @@ from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
 
 
-def read_slams(
+def read_drop_test(
     path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
-) -> SlamTest:
-    """Return the force of slams, the acceleration of the mass, or both, in SI units.
+) -> DropTest:
+    """Return a drop test: force, acceleration of the mass, or both, in SI units.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or the role or unit of a column is not known.
     """
     with channels.open_file(path, options) as file:
         channels.expect(
@@ -57,7 +57,7 @@ def read_slams(
         source = channels.source(
             file, [channel.message for channel in chosen], [*file.table.notes, *gaps, *sentences]
         )
-        return SlamTest(
+        return DropTest(
             time,
             values.get("force"),
             values.get("acceleration"),

@@ -1,4 +1,4 @@
-"""A piece of many arms, slammed by a generator of its own: one fast arm must not be trusted."""
+"""A specimen of many arms, dropped by a generator of its own: one fast arm must not be trusted."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ BROAD = (np.full(14, 0.05), np.geomspace(1e-3, 30, 14))
 FEW = (np.array([0.25, 0.2, 0.1]), np.array([0.0125, 0.5, 16.0]))
 
 
-def slammed(speed: float, g: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    """Force of one slam, N, after 40 ms of nothing and before 0.6 s of it."""
+def impact_force(speed: float, g: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    """Force of one impact, N, after 40 ms of nothing and before 0.6 s of it."""
 
     def move(_: float, y: np.ndarray) -> np.ndarray:
         force = K * (y[0] + y[2:].sum())
@@ -49,7 +49,7 @@ def test_impact_fit_with_one_arm_warns_for_a_broad_spectrum(
     tmp_path: Path, truth: tuple[np.ndarray, np.ndarray], use: str
 ) -> None:
     random = np.random.default_rng(0)
-    force = np.concatenate([slammed(speed, *truth) for speed in SPEEDS])
+    force = np.concatenate([impact_force(speed, *truth) for speed in SPEEDS])
     force = force + 0.03 * random.standard_normal(len(force))
     rows = np.column_stack([np.arange(len(force)) / RATE, force])
     path = tmp_path / "slam.csv"
@@ -57,8 +57,8 @@ def test_impact_fit_with_one_arm_warns_for_a_broad_spectrum(
     found = dp.fit(
         dp.read(path, kind="slam"),
         mass=MASS,
-        slam=[f"{one}m/s" for one in SPEEDS],
-        memory=[pressed(*truth, random)],
+        drop=[f"{one}m/s" for one in SPEEDS],
+        relaxation=[pressed(*truth, random)],
     )
     assert found.verdict.use == use
     assert ("spectrum_has_gaps" in {one.name for one in found.verdict.failed_checks}) == (

@@ -1,4 +1,4 @@
-"""Approach of a mass to a seal: its speed, or its height of fall."""
+"""Approach of a mass to a seal: impact speed, or drop height."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from dashpot.base.value_ranges import require_positive
 
 @dataclass(frozen=True)
 class Approach:
-    """Approach of a mass to a piece.
+    """Approach of a mass to a specimen.
 
     Attributes
     ----------
     speed : float
-        At the touch, m/s.
+        Impact speed, m/s.
     pull : float
-        Acceleration that acts besides the piece, m/s^2: gravity for a fall, else 0.
+        Acceleration of the free mass, m/s^2: gravity after a fall, else 0.
     """
 
     speed: float
     pull: float = 0.0
 
     def __post_init__(self) -> None:
-        require_positive("slam: ", speed=self.speed, unit=" m/s")
+        require_positive("drop: ", speed=self.speed, unit=" m/s")
 
     @classmethod
     def from_quantity(cls, item: Quantity) -> Approach:
-        r"""What is said of it: a speed, m/s or ``"0.6m/s"``, or how far it fell, ``"18.4mm"``.
+        r"""Return the approach by speed, m/s or ``"0.6m/s"``, or a drop height, ``"18.4mm"``.
 
-        After a fall from rest :math:`v = \sqrt{2 g h}`, and gravity pulls on.
+        After a fall from rest :math:`v = \sqrt{2 g h}`, and gravity acts on.
 
         Raises
         ------
@@ -48,7 +48,7 @@ class Approach:
                 continue
             if dimension == "velocity":
                 return cls(value)
-            require_positive("slam: ", fall=value, unit=" m")
+            require_positive("drop: ", fall=value, unit=" m")
             return cls(math.sqrt(2 * GRAVITY * value), GRAVITY)
         raise DataError(
             f"--drop {item}: expected the speed at the touch with its unit, 0.6m/s, or the height "

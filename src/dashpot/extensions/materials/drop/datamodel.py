@@ -1,4 +1,4 @@
-"""Slam tests: recorded force or acceleration of a mass that hits a piece, and their fit."""
+"""Drop tests: recorded force or acceleration of a mass that hits a specimen, and their fit."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from dashpot.datamodel.specimen import Specimen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlamTest(EqualByValue, HasSummary):
-    """Force on a piece, or acceleration of the mass, through one slam or several.
+class DropTest(EqualByValue, HasSummary):
+    """Drop test: force on a specimen, or acceleration of the mass, during one or more impacts.
 
     Attributes
     ----------
@@ -48,8 +48,8 @@ class SlamTest(EqualByValue, HasSummary):
     --------
     >>> import dashpot as dp, numpy as np
     >>> t = np.linspace(0, 50, 500)
-    >>> hit = dp.SlamTest(t, force=np.sin(np.pi * t / 50), units="ms, N")
-    >>> round(float(hit.time[-1]), 3)
+    >>> test = dp.DropTest(t, force=np.sin(np.pi * t / 50), units="ms, N")
+    >>> round(float(test.time[-1]), 3)
     0.05
     """
 
@@ -77,7 +77,7 @@ class SlamTest(EqualByValue, HasSummary):
 
     @property
     def step(self) -> float:
-        """Between two samples, s."""
+        """Sampling interval, s."""
         return median(np.diff(self.time))
 
     @property
@@ -87,7 +87,7 @@ class SlamTest(EqualByValue, HasSummary):
 
     @property
     def summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and what was recorded."""
+        """The record, and its channels."""
         both = {"force": self.force, "acceleration": self.acceleration}
         named = " and ".join(name for name, values in both.items() if values is not None)
         return describe_record_source(
@@ -96,20 +96,20 @@ class SlamTest(EqualByValue, HasSummary):
 
 
 @dataclass(frozen=True, eq=False)
-class SlamHit(EqualByValue, Serialisable):
-    """Fitted slam.
+class DropImpact(EqualByValue, Serialisable):
+    """One impact of a fitted drop test.
 
     Attributes
     ----------
     name : str
         Of its file, and its number there.
     speed : Fact
-        At the touch, m/s.
+        Impact speed, m/s.
     peak, compression, contact, rebound, lost_part : float
-        Largest force, N, and compression, m; length, s; speed of release over that of approach,
-        and part of the kinetic energy that was absorbed.
+        Largest force, N, and compression, m; time in contact, s; release speed over impact speed,
+        and absorbed part of the kinetic energy.
     time, measured, modelled : array, shape (n,)
-        s from the touch, and N.
+        s from first contact, and N.
     """
 
     _keys = (
@@ -135,20 +135,20 @@ class SlamHit(EqualByValue, Serialisable):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
-    """Loss factor of a piece and its fast arm, fitted to slams.
+class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
+    """Fit of drop tests: loss factor and fast arm of a specimen.
 
     Attributes
     ----------
     frequency : float
-        Of the cycle that a contact is half of, Hz.
+        Of the loss factor, Hz: a contact is half a cycle.
     found : tuple of Fact
-        The loss factor there, and the arm.
-    hits : tuple of SlamHit
+        The loss factor, and the arm.
+    hits : tuple of DropImpact
     mass : float
         kg.
     fit : Fit
-        The piece: its elastic law, the memory that was known, and the arm.
+        Model of the specimen: elastic law, arms of the relaxation test, and the fast arm.
     checks : tuple of Check
     sources : tuple of Source
     """
@@ -168,7 +168,7 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     frequency: float
     found: tuple[ReportedValue, ...]
-    hits: tuple[SlamHit, ...]
+    hits: tuple[DropImpact, ...]
     mass: float
     fit: Fit
     checks: tuple[Check, ...] = ()
@@ -186,15 +186,15 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """What was found, and of every hit its speed, force, contact and rebound."""
+        """Fitted values, and of every impact its speed, peak force, contact and rebound."""
         return (
             *self.found,
-            *(fact for hit in self.hits for fact in _make_hit_facts(hit, len(self.hits))),
+            *(fact for hit in self.hits for fact in _make_impact_facts(hit, len(self.hits))),
         )
 
     @property
     def headline(self) -> str:
-        """The loss factor, and of how many slams."""
+        """The loss factor, and the number of impacts."""
         loss = self.found[0].cells
         between = f" ({loss.interval})" if loss.interval else ""
         return (
@@ -203,17 +203,15 @@ class SlamFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
 
-def _make_hit_facts(slam_hit: SlamHit, of: int) -> tuple[ReportedValue, ...]:
-    """Return the numbers of a hit as rows."""
-    words = f"{slam_hit.name}: " if of > 1 else ""
+def _make_impact_facts(impact: DropImpact, of: int) -> tuple[ReportedValue, ...]:
+    """Return the numbers of an impact as reported values."""
+    words = f"{impact.name}: " if of > 1 else ""
     return (
-        replace(slam_hit.speed, words=f"{words}speed"),
-        ReportedValue("peak_force", slam_hit.peak, unit="N", words=f"{words}peak force"),
-        ReportedValue("contact", slam_hit.contact, unit="s", read="ms", words=f"{words}contact"),
+        replace(impact.speed, words=f"{words}speed"),
+        ReportedValue("peak_force", impact.peak, unit="N", words=f"{words}peak force"),
+        ReportedValue("contact", impact.contact, unit="s", read="ms", words=f"{words}contact"),
+        ReportedValue("rebound", impact.rebound, unit="1", read="%", words=f"{words}rebound speed"),
         ReportedValue(
-            "rebound", slam_hit.rebound, unit="1", read="%", words=f"{words}rebound speed"
-        ),
-        ReportedValue(
-            "lost_part", slam_hit.lost_part, unit="1", read="%", words=f"{words}energy absorbed"
+            "lost_part", impact.lost_part, unit="1", read="%", words=f"{words}energy absorbed"
         ),
     )

@@ -1,4 +1,4 @@
-"""dashpot predict --drop and dashpot fit of slams, as they are typed."""
+"""dashpot predict --drop and dashpot fit of impacts, as they are typed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from kit.fits import a_fit
 from kit.shell import ran, run_json
 
-from dashpot.extensions.materials.slam.examples import EXAMPLES
+from dashpot.extensions.materials.drop.examples import EXAMPLES
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.workflow.json_archive import to_json
@@ -47,7 +47,7 @@ def test_predict_writes_an_impact(folder: Path, tmp_path: Path) -> None:
         (("--drop", "0.3m/s", "--mass", "200g", "-o", "slam.csv"), ".json or .html"),
     ],
 )
-def test_what_does_not_suit_a_slam_is_refused(
+def test_predict_drop_command_refuses_unsuitable_options(
     folder: Path, more: tuple[str, ...], message: str
 ) -> None:
     done = ran("predict", folder / "law.json", *more)
@@ -57,7 +57,7 @@ def test_what_does_not_suit_a_slam_is_refused(
 
 # the page of the documents runs the same
 @pytest.mark.slow
-def test_slams_are_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
+def test_drop_test_is_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
     kept = tmp_path / "slam.json"
     done = ran(
         "fit", folder / "slam.csv", "--mass", "200g", "--drop", "0.3m/s", "--relaxation",

@@ -1,4 +1,4 @@
-"""Simulated example files: a mass slammed on a door seal."""
+"""Simulated example files: a mass dropped on a door seal."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.version import byline
-from dashpot.extensions.materials.slam.motion import simulate_impacts
+from dashpot.extensions.materials.drop.motion import simulate_impacts
 from dashpot.registry import Example
 from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.elastic import ElasticLaw
 
 _DEPTH = 8e-3
 _SEALS = 2
-"""Pieces of 50 mm under the mass."""
+"""Number of specimens of 50 mm under the mass."""
 
 
-def _slams() -> str:
-    """200 g at 0.3, 0.45 and 0.6 m/s on two broad seals; force at 10 kHz, 1 % of its peak noisy."""
+def _simulate_record() -> str:
+    """Return the force of 200 g at 0.3, 0.45 and 0.6 m/s on two seals, at 10 kHz with 1 % noise."""
     law, random = ElasticLaw.linear(BROAD.k_inf, _DEPTH), np.random.default_rng(1)
     force = []
     for speed in (0.3, 0.45, 0.6):
@@ -45,7 +45,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         "slam.csv": Example(
             "slam",
             "200 g dropped on two such seals at 0.3, 0.45 and 0.6 m/s, for dashpot fit",
-            _slams,
+            _simulate_record,
         ),
     }
 )

@@ -1,0 +1,344 @@
+r"""Fit of a specimen's loss factor, and of an arm too fast for a ramp, to drop tests.
+
+The motion of each impact (``dashpot.extensions.materials.drop.motion``) follows from one elastic
+law and one relaxation function of the specimen; its speed, its time of first contact and the zero
+of the force are nuisance parameters:
+
+.. math:: F_i(t) = F(t - t_i;\, c, g, \tau, v_i) + b_i + \text{noise}
+
+Prior rows hold the law of a load deflection test, the arms of a relaxation test with their
+covariance, and the stated speeds, so that all tests have one likelihood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from functools import cached_property
+
+import numpy as np
+
+from dashpot.base import dataclass, replace
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.number_format import format_count
+from dashpot.base.provenance import Step, sources_of
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.checks import caution_checks
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
+from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual, parameter_names
+from dashpot.extensions.materials.drop import checks
+from dashpot.extensions.materials.drop.approach import Approach
+from dashpot.extensions.materials.drop.datamodel import DropFit, DropImpact, DropTest
+from dashpot.extensions.materials.drop.elastic_law import POWERS, ElasticLawPrior
+from dashpot.extensions.materials.drop.least_squares_problem import DropProblem, RelaxationPrior
+from dashpot.extensions.materials.drop.motion import ImpactMotion
+from dashpot.extensions.materials.drop.preprocess import find_impacts
+from dashpot.extensions.materials.drop.residual_shapes import compute_residual_shapes
+from dashpot.fitting.fit_construction import SolidEstimate, build_fit
+from dashpot.numerics.inference.covariance_estimate import DerivedQuantity, Estimate, estimate
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+SPEED_SD = 0.05
+"""Relative standard deviation of a stated speed, by a light barrier or a ruler."""
+
+
+def fit_drop_tests(
+    records: Sequence[DropTest],
+    *,
+    mass: Quantity | None = None,
+    drop: Quantity | Sequence[Quantity] = (),
+    relaxation: Fit | Sequence[Fit] = (),
+    law: ElasticLawPrior | None = None,
+    speed_sd: float = SPEED_SD,
+) -> DropFit:
+    """Fit the loss factor of a specimen, and an arm too fast for a ramp, to drop tests.
+
+    Parameters
+    ----------
+    records : sequence of DropTest
+        All of one specimen.
+    mass : float or str
+        kg, or ``"200g"``.
+    drop : sequence of float or str
+        Impact speed, ``"0.6m/s"``, or drop height, ``"18mm"``, of each impact in its order. Speeds
+        that are not given are fitted.
+    relaxation : Fit, optional
+        Of a relaxation test, or of a load deflection test fitted with one: prior of the arms, with
+        their covariance, and of the elastic law where it is nonlinear, with its errors.
+    law : ElasticLawPrior, optional
+        Prior of the elastic law, by default that of `relaxation`.
+    speed_sd : float
+        Relative standard deviation of a stated speed.
+
+    Raises
+    ------
+    DataError, FitError
+        If the mass is missing, no impact stands out of the noise, or no motion fits.
+    """
+    if mass is None:
+        raise DataError("impacts need the mass of what moves. Add it: --mass 200g")
+    fits = (relaxation,) if isinstance(relaxation, Fit) else tuple(relaxation)
+    if len(fits) > 1:
+        raise DataError(
+            f"--relaxation was given {len(fits)} times, and impacts take one. Give it once"
+        )
+    kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
+    hits = tuple(
+        impact
+        for place, test in enumerate(records, 1)
+        for impact in find_impacts(test, kg, test.source.file if test.source else f"record {place}")
+    )
+    speeds, pulls = _approaches(drop, len(hits))
+    longer = _longer(records, fit)
+    if law is None:
+        law = ElasticLawPrior.free() if fit is None else ElasticLawPrior.from_fit(fit, longer)
+    problem = DropProblem(hits, kg, pulls, speeds, speed_sd, law, RelaxationPrior.from_fit(fit))
+    best = problem.find_optimum()
+    if best is None:
+        raise FitError(
+            "no motion of the mass fits the impacts. Check the mass and the speeds, or look at "
+            "the record with dashpot inspect"
+        )
+    uncertainty = estimate(best, parts=[len(hit.time) for hit in hits], prior_variance=1.0)
+    return _FittedImpacts(tuple(records), problem, uncertainty, fit).drop_fit
+
+
+def _approaches(drop: Quantity | Sequence[Quantity], count: int) -> tuple[FloatArray, FloatArray]:
+    """Return speeds, NaN where not stated, and pulls of so many impacts; the last pull holds on."""
+    stated = [drop] if isinstance(drop, str | float | int) else list(drop)
+    if len(stated) > count:
+        raise DataError(
+            f"--drop was given {len(stated)} times, and the record has "
+            f"{format_count(count, 'impact')}. Give the speed of each impact, in their order"
+        )
+    approaches = [Approach.from_quantity(item) for item in stated]
+    pulls, free = [approach.pull for approach in approaches], count - len(approaches)
+    pulls += [pulls[-1] if pulls else 0.0] * free
+    return np.array([*(approach.speed for approach in approaches), *[np.nan] * free]), np.array(
+        pulls
+    )
+
+
+def _longer(records: Sequence[DropTest], fit: Fit | None) -> float:
+    """Return the length of the tested specimen over that of the one whose law is known."""
+    value = next((record.specimen.length for record in records if record.specimen.length), None)
+    other = None if fit is None else fit.specimen.length
+    return value / other if value and other else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class _FittedImpacts:
+    """Result of a drop test at the optimum, from which values and checks follow."""
+
+    records: tuple[DropTest, ...]
+    problem: DropProblem
+    known: Estimate
+    fit: Fit | None
+
+    @property
+    def drop_fit(self) -> DropFit:
+        """The fit with its values and checks."""
+        uncertainty, problem, frequency = self.known, self.problem, self.frequency
+        arm = uncertainty.derive_quantity(
+            lambda values: values[
+                problem.shared_parameter_count - 2 : problem.shared_parameter_count
+            ]
+        )
+        facts = [
+            self._fact("loss_factor", self.loss, 0, f"loss factor at {frequency:.3g} Hz"),
+            self._fact("arm", arm, 0, "fast arm, over the relaxed force"),
+            self._fact("arm_time", arm, 1, "its relaxation time"),
+        ]
+        if len(problem.relaxation.g):
+            before = uncertainty.derive_quantity(lambda values: self._loss(values, arm=False))
+            facts.insert(1, self._fact("loss_before", before, 0, "the same without the fast arm"))
+        checks = self._run_checks()
+        return DropFit(
+            frequency, tuple(facts), self.hits, problem.mass, self._build_specimen_fit(checks),
+            checks, sources_of(self.records),
+        )  # fmt: skip
+
+    @property
+    def theta(self) -> FloatArray:
+        return self.known.optimum.theta
+
+    def _fact(self, name: str, of: DerivedQuantity, place: int, words: str) -> ReportedValue:
+        """Return one number with its interval; of a time, by its logarithm."""
+        value, error = float(of.values[place]), float(of.standard_error[place])
+        times = self.known.quantile()
+        if name != "arm_time":
+            return ReportedValue.from_error(name, value, error, times, words=words)
+        time = float(np.exp(value))
+        return ReportedValue.from_error(
+            name, time, error, times, of_log=True, unit="s", read="ms", words=words
+        )
+
+    @cached_property
+    def motions(self) -> tuple[ImpactMotion, ...]:
+        """Motion of every impact, to its release."""
+        problem = self.problem
+        rows = np.repeat(self.theta[None, :], len(problem.hits), axis=0)
+        x, v, force, relaxed = problem.integrate_motion(
+            rows, problem.speeds(self.theta), problem.pulls
+        )
+        ends = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
+        time = problem.step * np.arange(float(len(force)))
+        return tuple(
+            ImpactMotion(
+                time[:end], x[:end, i], v[:end, i], force[:end, i], relaxed[:end, i], problem.mass,
+                float(problem.pulls[i]),
+            )
+            for i, end in enumerate(ends.tolist())
+        )  # fmt: skip
+
+    @cached_property
+    def frequency(self) -> float:
+        """Frequency of the loss factor, Hz: a contact is half a cycle."""
+        return float(np.median([motion.frequency for motion in self.motions]))
+
+    @property
+    def depth(self) -> float:
+        """Largest compression of the specimen, m."""
+        return max(motion.deepest.compression for motion in self.motions)
+
+    def _loss(self, values: FloatArray, *, arm: bool = True) -> FloatArray:
+        """Return the loss factor of the relaxation function, which holds at any compression."""
+        g, tau = self.problem.arms(values[: self.problem.shared_parameter_count])
+        g, tau = (g, tau) if arm else (g[:-1], tau[:-1])
+        turn = 2j * np.pi * self.frequency * tau
+        K = 1 + (g * turn / (1 + turn)).sum()
+        return np.array([K.imag / K.real])
+
+    @cached_property
+    def loss(self) -> DerivedQuantity:
+        """The loss factor, with its error."""
+        return self.known.derive_quantity(self._loss)
+
+    @cached_property
+    def hits(self) -> tuple[DropImpact, ...]:
+        """Fitted values and curves of every impact."""
+        errors, zeros = self.known.standard_error, self.known.optimum.beta
+        reach, impacts = self.known.quantile(), []
+        modelled = self.problem.forces(self.theta)
+        for i, (drop, motion) in enumerate(zip(self.problem.hits, self.motions, strict=True)):
+            place = self.problem.shared_parameter_count + 2 * i
+            speed, error = float(self.theta[place]), float(errors[place])
+            fact = ReportedValue.from_error("speed", speed, error, reach, unit="m/s", read="m/s")
+            time = drop.time - self.theta[place + 1]
+            hit = DropImpact(
+                drop.name, fact, motion.peak.force, motion.deepest.compression,
+                motion.release.time, motion.rebound, motion.absorbed_energy / motion.energy, time,
+                drop.force - zeros[i], modelled[i],
+            )  # fmt: skip
+            impacts.append(hit)
+        return tuple(impacts)
+
+    def _run_checks(self) -> tuple[Check, ...]:
+        """Return every check."""
+        problem, hits, elastic_law = self.problem, self.hits, self.problem.law.known
+        value, sd = float(self.loss.values[0]), float(self.loss.standard_error[0])
+        sizes = np.cumsum([len(hit.time) for hit in problem.hits])[:-1]
+        residuals = np.split(self.known.optimum.residual, sizes)
+        misfit = max(
+            float(np.sqrt(np.mean(residual[hit.modelled > 0] ** 2)))
+            for residual, hit in zip(residuals, hits, strict=True)
+        )
+        speeds = np.array([hit.speed.value for hit in hits])
+        finite = np.isfinite(problem.stated_speeds)
+        off = np.abs(speeds / problem.stated_speeds - 1)[finite] / problem.speed_sd
+        differences = [hit.rest / hit.contact for hit in problem.hits if hit.rest is not None]
+        ratios = [hit.ratio for hit in problem.hits if hit.ratio is not None]
+        samples = min(hit.contact / float(hit.time[1] - hit.time[0]) for hit in hits)
+        return (
+            checks.loss_determined(sd / max(value, 1e-300), self.frequency),
+            checks.impacts_residual_small(misfit),
+            checks.impact_residual_structureless(
+                compute_residual_shapes(problem, self.known.optimum)
+            ),
+            checks.impacts_sampled(samples),
+            checks.slow_arms_determined(provided=self.fit is not None),
+            checks.impact_speeds_spread(
+                None if elastic_law else float(speeds.max() / speeds.min())
+            ),
+            checks.impact_speeds_agree(float(off.max()) if len(off) else None),
+            checks.impacts_separated(min(differences, default=None)),
+            checks.impact_mass_agrees(
+                max(ratios, key=lambda number: abs(number - 1), default=None)
+            ),
+            *self._check_relaxation_agreement(value, sd),
+            *(
+                []
+                if elastic_law is None
+                else [checks.impact_within_measured_depth(self.depth, elastic_law.depth)]
+            ),
+            checks.air_escapes(float(speeds.max())),
+            checks.specimen_length_given(provided=self.records[0].specimen.length is not None),
+            *caution_checks(sources_of(self.records)),
+        )
+
+    def _check_relaxation_agreement(self, value: float, sd: float) -> list[Check]:
+        """Return checks of the arms and the loss factor against those of the relaxation test."""
+        relaxation, fit = self.problem.relaxation, self.fit
+        if fit is None or not len(relaxation.g):
+            return []
+        change, about = None, np.concatenate((relaxation.g, np.log(relaxation.tau)))
+        if relaxation.free:
+            here = self.theta[len(POWERS) : len(POWERS) + self.problem.relaxation_parameter_count]
+            change = float(np.abs(relaxation.precision @ (here - about)).max())
+        turn = 2j * np.pi * self.frequency * relaxation.tau
+        K = 1 + (relaxation.g * turn / (1 + turn)).sum()
+        before = float(K.imag / K.real)
+        gap = (value - before) / sd if np.isfinite(sd) and sd > 0 else None
+        # beyond its band a relaxation test gives a lower bound
+        seen = self.frequency <= fit.band[1]
+        if gap is not None and not seen:
+            gap = min(gap, 0.0)
+        return [
+            checks.arms_agree_with_relaxation_test(change),
+            checks.spectrum_has_gaps(len(relaxation.g)),
+            checks.loss_factors_agree(gap, value, before, within=seen),
+        ]
+
+    def _build_specimen_fit(self, checks: tuple[Check, ...]) -> Fit:
+        """Return the model of the specimen: elastic law, arms of the relaxation test, fast arm."""
+        problem, depth, cubic = self.problem, self.depth, slice(0, len(POWERS))
+        g, tau = problem.arms(self.theta[: problem.shared_parameter_count])
+        order = [i for i in np.argsort(tau).tolist() if g[i] > 0]
+        arms = len(order)
+
+        def seal(values: FloatArray) -> FloatArray:
+            own_g, own_tau = problem.arms(values[: problem.shared_parameter_count])
+            k_inf = problem.law.compute_knot_tangents(values[cubic], depth)[2]
+            return np.concatenate(([k_inf], k_inf * own_g[order], np.log(own_tau[order])))
+
+        quantity = self.known.derive_quantity(seal)
+        ratio = self.known.derive_quantity(
+            lambda values: problem.law.compute_knot_tangents(values[cubic], depth)[1]
+        )
+        ratio_se = np.nan_to_num(ratio.standard_error, posinf=0.0)
+        k_inf, *rest = quantity.values.tolist()
+        taus = np.exp(rest[arms:]).tolist()
+        law = problem.law.piecewise(self.theta[cubic], depth)
+        n, sse = len(self.known.optimum.residual), self.known.optimum.sse
+        residual = Residual(n, sse, float(np.sqrt(sse / n)), self.known.kappa, unit="sd")
+        estimated = ParameterEstimate(
+            parameter_names(arms), quantity.covariance, self.known.dof, residual
+        )
+        contact = [hit.contact for hit in self.hits]
+        low = 1 / (np.pi * max(contact)) if self.fit is None else self.fit.band[0]
+        step = Step(
+            "fit",
+            (("slams", str(len(contact))), ("mass_kg", repr(problem.mass))),
+            f"fitted {format_count(len(contact), 'impact')} of {problem.mass:.4g} kg",
+        )
+        model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
+        return build_fit(
+            SolidEstimate(model, estimated),
+            Evidence((low, 2 / (np.pi * min(contact))), checks=checks),
+            Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
+            elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),
+        )

@@ -1,1 +1,0 @@
-"""Slam test: a mass hits a seal, for its dynamic load deflection and loss factor."""
