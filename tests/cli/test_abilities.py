@@ -93,7 +93,7 @@ ROWS = (
     (f"export fit.json --to calculix {DECK} door.toml --nominal -3Hz", "nominal = -3"),
     (f"export fit.json --to nastran {DECK} door.toml --nominal 0Hz --band 5:50Hz", "nominal = 0"),
     # 4, a level
-    (f"predict fit.json {RIG} --amplitude 0.1N", "the elastic law of this fit is straight"),
+    (f"predict fit.json {RIG} --amplitude 0.1N", "the elastic law of this fit is linear"),
     (f"predict bent.json {RIG} --amplitude -0.1N", "expected an amplitude > 0"),
     (f"predict bent.json {RIG} --amplitude nanN", "is not a quantity"),
     (f"predict bent.json {RIG} --amplitude 0.1mm", "expected a unit of force"),

@@ -135,7 +135,7 @@ for _one in chain.from_iterable(_OPTIONS):
   relaxation, creep, DMA sweep, modulus   -> the viscoelastic model
   hammer hits or FRFs                     -> modes; with --mass the model
   a relaxation test and a hammer, --mass  -> the joint model
-  CLD, stress-strain, indenter, rod, loops, FRFs at levels -> their law
+  CLD, stress-strain, indenter, rod, loops, FRFs at amplitudes -> their law
 
   dashpot fit seal_8mm.csv -o fit.json
   dashpot fit seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o joint.json

@@ -154,9 +154,9 @@ class SealSection:
         Parameters
         ----------
         fit : Fit
-            Of a piece of seal.
+            Of a specimen of seal.
         length : str or float, optional
-            Of that piece, m; by default what the fit knows of its specimen.
+            Of that specimen, m; by default the length in the fit.
         temperature : str or float, optional
             K; by default that of the fit.
         shear : Shear, optional
@@ -176,7 +176,7 @@ class SealSection:
         if metres is None or not (np.isfinite(metres) and metres > 0):
             text = "is not known" if metres is None else f"is {metres!r} m"
             raise DataError(
-                f"the length of the piece of seal that was tested {text}; expected one > 0, of "
+                f"the length of the tested specimen of seal {text}; expected one > 0, of "
                 'which the stiffness of a metre follows: length = "100mm" in [seal] '
                 "(Python: length=)"
             )

@@ -450,7 +450,9 @@ def read_exported(path: str | Path) -> object:
     ReadError
         If it holds something else.
     """
-    document = read_json_document(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
+    document = read_json_document(
+        path, hint=f"; expected {A_FIT}, or of FRFs at several amplitudes"
+    )
     return document if find_handler("export", document) else _a_fit(path, document)
 
 

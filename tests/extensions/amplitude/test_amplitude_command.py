@@ -295,8 +295,8 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["frf0.csv", "--mass", "104g", "--resonance-amplitude", "1N"], "0 levels and a mass"),
-        (["frf0.csv", "--amplitude", "0.1N"], "1 levels and no mass"),
+        (["frf0.csv", "--mass", "104g", "--resonance-amplitude", "1N"], "0 amplitudes and a mass"),
+        (["frf0.csv", "--amplitude", "0.1N"], "1 amplitudes and no mass"),
         (["frf0.csv", "--amplitude", "0.1mm", "--mass", "104g"], "force"),
         (["sweep.csv", "--mass", "104g"], "--mass is for"),
         (["sweep.csv", "--seals", "2"], "--seals is for"),
@@ -397,8 +397,8 @@ def test_fit_compares_stated_levels_with_the_hits(tmp_path):
     odd = ran(soft, hard, "--amplitude", "2N", "--amplitude", "0.11N", "--mass", "130g")
     assert odd["verdict"]["failed_checks"] == ["levels_as_stated", "high_frequency_mass_agrees"]
     said = next(check["message"] for check in odd["checks"] if check["name"] == "levels_as_stated")
-    assert "The levels belong to each other's files." in said
-    assert "2 hammer files and 1 levels" in ran(soft, hard, "--amplitude", "2N", code=2)
+    assert "The amplitudes belong to each other's files." in said
+    assert "2 hammer files and 1 amplitudes" in ran(soft, hard, "--amplitude", "2N", code=2)
     nothing = ran(soft, hard, "--amplitude", "2N", "--amplitude", "0N", code=2)
     assert "expected a peak force > 0" in nothing
 
@@ -413,5 +413,5 @@ def test_an_frf_of_hits_is_of_no_level(tmp_path):
     message = next(
         check["message"] for check in found["checks"] if check["name"] == "levels_controlled"
     )
-    assert "of_hits.csv: an FRF of hits has no level" in message
+    assert "of_hits.csv: an FRF of hits has no single amplitude" in message
     assert "not fitted together" in " ".join(ran(paths[0], hits, "--mass", "1kg", code=2).split())

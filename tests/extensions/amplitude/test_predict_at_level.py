@@ -193,7 +193,7 @@ def test_predict_states_first_that_a_level_is_outside_the_sweep(place, level, pa
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--amplitude", "1N", *DISC), "the elastic law of this fit is straight"),
+        (("--amplitude", "1N", *DISC), "the elastic law of this fit is linear"),
         (("--sweep", "strain.csv"), "give both, or neither"),
         (("--sweep", "strain.csv", "--amplitude", "1N", "--resonance", "90Hz", "--resonance-mass",
           "400g"), "--height 20mm"),

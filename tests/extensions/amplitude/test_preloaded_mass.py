@@ -214,7 +214,7 @@ class TestRefused:
         assert PreloadedMass(MASS, law, SOLID, preload=5.0).rest > 4e-3
 
     def test_a_solid_that_relaxes_to_nothing(self):
-        with pytest.raises(DataError, match="relaxes to nothing"):
+        with pytest.raises(DataError, match="relaxes to zero"):
             PreloadedMass(MASS, LAW, GeneralizedMaxwell(0.0, (100.0,), (1.0,)))
 
     def test_shaken_mass_states_the_largest_force_with_an_orbit(self):

@@ -144,7 +144,7 @@ def test_prediction_reports_a_swing_deeper_than_tested(bent_prediction, bent, de
 
 
 def test_a_straight_law_takes_no_level(straight):
-    with pytest.raises(DataError, match=r"the elastic law of this fit is straight"):
+    with pytest.raises(DataError, match=r"the elastic law of this fit is linear"):
         dp.predict(straight, mass=MASS, seals=2, level="0.1N")
 
 

@@ -296,7 +296,7 @@ def test_a_deck_of_levels_says_where_it_comes_from(target):
         "slider 2: k = 0.06 N/mm, slips at 0.012 N (0.2 mm)",
         "cubic spring: k3 = 0.02 N/mm^3, by straight lines to 4. mm either way",
         "displacement amplitudes tested: 0.1 to 2 mm; whatever moves less or farther is EXTRA",
-        "at the levels 0.02, 0.5 (N, or m/s^2 of a base), which leaves 1 % of F/X",
+        "at the amplitudes 0.02, 0.5 (N, or m/s^2 of a base), which leaves 1 % of F/X",
         f"source: low.csv sha256 {'0' * 64}",
         "valid band: 8 to 20 Hz",
         "temperature: 296.15 K (23 degC)",

@@ -418,19 +418,19 @@ def swept_part(
     if not choices.levels or choices.sweep is None:
         raise DataError(
             "--amplitude is how far the part is moved and --sweep what this does to it; give "
-            "both, or neither (of FRFs at several levels dashpot fit tells it)"
+            "both, or neither (FRFs at several amplitudes go to dashpot fit)"
         )
     if choices.resonance_level is not None and (part is None or part.resonance is None):
         raise DataError(
-            "--resonance-amplitude is the level at which a --resonance was measured; add that, or "
-            "leave it out"
+            "--resonance-amplitude is the amplitude at which a --resonance was measured; add that, "
+            "or leave it out"
         )
     kind = recognise(choices.sweep, options).kind
     if kind in {*RESPONSES, *HITS}:
         raise DataError(
             f"{Path(choices.sweep).name} is of a mass ({kind}), not of the rubber; expected "
-            "storage and loss over strain or displacement, or recorded loops (of a mass at "
-            "several levels dashpot fit tells)"
+            "storage and loss over strain or displacement, or recorded loops (a mass at "
+            "several amplitudes goes to dashpot fit)"
         )
     law, record, _ = amplitude_file(choices.sweep, kind, options=options)
     return swept_by(law, record, choices, unit=unit, part=part)

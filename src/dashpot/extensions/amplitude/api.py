@@ -52,8 +52,8 @@ def fit_levels(
         return frfs_at_levels(records, levels, mass=kilograms, seals=seals, band=hertz, at=at)
     if len(records) > 1:
         raise FitError(
-            "one amplitude sweep is fitted at a time; only FRFs of several levels, or hits, go "
-            "together"
+            "one amplitude sweep is fitted at a time; only FRFs at several amplitudes, or hits, "
+            "go together"
         )
     return fit_amplitude_record(records[0], law=model, machine=machine).fit  # type: ignore[return-value]  # of a sweep
 

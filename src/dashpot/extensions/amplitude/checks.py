@@ -1,4 +1,4 @@
-"""Criteria on amplitude sweeps and on FRFs at several levels."""
+"""Criteria on amplitude sweeps and on FRFs at several amplitudes."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def amplitudes_spread(ratio: float, of: str) -> Finding:
         f"The amplitudes ({of}) span a factor of {ratio:.3g}; at least 3 is needed",
         ratio,
         "Each friction slider looks like a spring and a loss",
-        "Test at a second level.",
+        "Test at a second amplitude.",
     )
 
 
@@ -143,7 +143,7 @@ def levels_as_stated(stated: Sequence[float], struck: Sequence[float]) -> Findin
     forces, names = (", ".join(f"{value:.3g}" for value in values) for values in (struck, stated))
     within = np.log(2)
     if np.abs(np.log(np.divide(np.sort(stated), np.sort(struck)))).max() <= within:
-        why = "The levels belong to each other's files."
+        why = "The amplitudes belong to each other's files."
     elif np.abs(np.abs(off) - np.log(1e3)).max() <= within and abs(off.sum()) > np.abs(off).max():
         why = "A factor of 1000 looks like mN or kN."
     else:
@@ -163,9 +163,9 @@ def levels_controlled(struck: Sequence[str]) -> Finding:
     return Finding(
         "No FRF is of hits",
         len(struck),
-        instead=f"{', '.join(struck)}: an FRF of hits has no level, because the motion dies away "
-        f"({len(struck)} such)",
-        remedy="Give the hammer's own records, or FRFs of a shaker at a level.",
+        instead=f"{', '.join(struck)}: an FRF of hits has no single amplitude, as motion "
+        f"dies away ({len(struck)} such)",
+        remedy="Give the hammer's records, or FRFs of a shaker.",
     )
 
 
@@ -184,8 +184,8 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
     return Finding(
         f"{message}; the noise is {100 * noise:.2g} %",
         residual / noise,
-        "No arms, sliders and cubic spring explain every level",
-        Remedy("Check the mass, the order of the levels, and the phase.", "amplitude"),
+        "No arms, sliders and cubic spring explain every amplitude",
+        Remedy("Check the mass, the order of the amplitudes, and the phase.", "amplitude"),
         grade="stop" if residual > LOST else "limit",
     )
 

@@ -393,5 +393,5 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             m for each of `of`: 1 for a part, the height over the strain factor for a material.
         """
         if not self.law.startswith("additive"):
-            raise DataError(f"the law is '{self.law}'; only an additive law stands beside a solid")
+            raise DataError(f"the law is '{self.law}'; only an additive law is added to a model")
         return Kraus(self.lost * scale, self.half_way * stretch, self.exponent)

@@ -1,4 +1,4 @@
-"""Figures of amplitude dependence: hysteresis loops, stiffness and loss, FRFs at levels."""
+"""Figures of amplitude dependence: hysteresis loops, stiffness and loss, FRFs by amplitude."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     text = stamp or format_stamp(fit.source, mass=fit.mass, seals=fit.seals)
     strips = ((_magnitudes(fit, frfs),), *((panel,) for panel in _draw_amplitude_panels(fit, frfs)))
     caption = (
-        "The FRF at each level with the one model that follows them all and its backbone, and "
+        "The FRF at each amplitude with the one model fitted to all and its backbone, and "
         "stiffness and loss of one seal over its amplitude."
     )
     return Picture("levels", caption, strips, 3, text, width=1100.0)
@@ -329,7 +329,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     label = f"{kind.value.replace('_', ' ')}, {unit}"
     return Panel(
         Scale(FREQUENCY, fit.band), Scale(label, limits, log=True), (spine, *fits, *marks, *tags),
-        title="at each level", height=_HEIGHT,
+        title="at each amplitude", height=_HEIGHT,
     )  # fmt: skip
 
 

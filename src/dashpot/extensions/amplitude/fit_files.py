@@ -134,7 +134,7 @@ def level_files(
     Parameters
     ----------
     files : sequence of path
-        One amplitude sweep, one record of loops, FRFs of one mass at several levels, or hits of
+        One amplitude sweep, one record of loops, FRFs of one mass at several amplitudes, or hits of
         different height.
     levels : sequence of str or float
         Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
@@ -174,7 +174,7 @@ def level_files(
         _refuse_law(law, "hits")
         return _fit_hit_files(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
-        raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
+        raise ReadError("one amplitude sweep at a time; only FRFs of several amplitudes go along")
     amplitude_fit, _, record = amplitude_file(
         files[0], kinds[0], law=law, options=options, machine=machine
     )
@@ -233,7 +233,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
         raise ReadError(
             f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
             "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
-            "the hits alone, and compare the resonance that each tells at one level "
+            "the hits alone, and compare the resonance of each at one amplitude "
             "(--resonance-amplitude)"
         )
 
@@ -242,12 +242,12 @@ def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
     """Peak forces that are said of so many hammer tests, N."""
     if levels and len(levels) != tests:
         raise ReadError(
-            f"{tests} hammer files and {len(levels)} levels; expected the peak force of the "
+            f"{tests} hammer files and {len(levels)} amplitudes; expected the peak force of the "
             "hits of each file, in their order, or none (--amplitude): hits show how hard they are"
         )
     forces = [convert_to_si(level, "force") for level in levels]
     if not all(0 < force < np.inf for force in forces):
-        raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--amplitude)")
+        raise ReadError(f"amplitude {min(forces):g} N; expected a peak force > 0 (--amplitude)")
     return forces
 
 
@@ -307,10 +307,10 @@ def frfs_at_levels(
     band: tuple[float, float] | None = None,
     at: Sequence[float] = (),
 ) -> AmplitudeResult:
-    """Find what FRFs of one mass at several levels say; parameters as of :func:`level_files`."""
+    """Fit FRFs of one mass at several amplitudes; parameters as of :func:`level_files`."""
     if mass is None or len(levels) != len(frfs):
         raise ReadError(
-            f"{len(frfs)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "
+            f"{len(frfs)} FRFs, {len(levels)} amplitudes and {'no' if mass is None else 'a'} mass; "
             "expected the mass (--mass) and the amplitude of each FRF, in their order "
             "(--amplitude 0.05N --amplitude 0.5N)"
         )

@@ -1,4 +1,4 @@
-"""Fit of arms, sliders and a cubic spring to FRFs at several levels."""
+"""Fit of arms, sliders and a cubic spring to FRFs at several amplitudes."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def fit_levels(
     band: Range | None = None,
     seed: int = 0,
 ) -> LevelFit:
-    r"""Fit one solid, its friction and its stiffening to FRFs of one mass at several levels.
+    r"""Fit one solid, its friction and its stiffening to FRFs of one mass at several amplitudes.
 
     Each line is a measured stiffness at a measured amplitude, and every unknown is linear in it:
 
@@ -98,7 +98,7 @@ def fit_levels(
     """
     if len(frfs) != len(levels) or not frfs:
         raise DataError(
-            f"{len(frfs)} FRFs and {len(levels)} levels; expected one level for each FRF"
+            f"{len(frfs)} FRFs and {len(levels)} amplitudes; expected one amplitude for each FRF"
         )
     kilograms = convert_to_si(mass, "mass")
     sizes = [_level(frf, level) for frf, level in zip(frfs, levels, strict=True)]
@@ -110,8 +110,8 @@ def fit_levels(
     low, high = float(X.min()) / 2, float(X.max())
     SIZES["amplitude"].refuse(
         high,
-        f"at the levels given a seal would move by {format_quantity_short(high, 'm')}",
-        remedy="Check the levels and their unit, such as --amplitude 20mN, and the mass.",
+        f"at these amplitudes a seal would move by {format_quantity_short(high, 'm')}",
+        remedy="Check the amplitudes and their unit, such as --amplitude 20mN, and the mass.",
     )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
@@ -314,7 +314,7 @@ def rows_at_level(
     lines = lines if band is None else lines.band(*band)
     if len(lines.value) < _LEAST:
         raise DataError(
-            f"{len(lines.value)} usable lines at the level {level:g}; expected {_LEAST} or more"
+            f"{len(lines.value)} usable lines at the amplitude {level:g}; expected {_LEAST} or more"
         )
     pull = mass * level if lines.quantity.over_base else level
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)

@@ -1,4 +1,4 @@
-"""Handlers of ``dashpot fit`` for loops, amplitude sweeps, and FRFs or hits at several levels."""
+"""Handlers of ``dashpot fit`` for loops, amplitude sweeps, and FRFs or hits by amplitude."""
 
 from __future__ import annotations
 

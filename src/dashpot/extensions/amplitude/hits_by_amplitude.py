@@ -154,7 +154,7 @@ class HitLevels(HasChecks, Serialisable):
                 f"at {level:g} N the line through the damping of the hits, of "
                 f"{convert_to_unit(low, 'mm'):.3g} to {format_quantity(high, 'mm', '.3g')}, leaves "
                 "no resonance: "
-                "it does not reach so far; hit so that the seal moves as it does at that level"
+                "hit so that the seal moves as it does at that amplitude"
             )
         least_hz, most_hz = (compute_resonance_at(x, stiffness=way)[0] for way in (-1.0, 1.0))
         least, most = (compute_resonance_at(x, damping=way)[1] for way in (1.0, -1.0))

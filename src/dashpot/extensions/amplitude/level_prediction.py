@@ -1,4 +1,4 @@
-"""Prediction of a mass on seals at levels, by a sweep or by a nonlinear elastic law."""
+"""Prediction of a mass on seals at several amplitudes, by a sweep or by a nonlinear elastic law."""
 
 from __future__ import annotations
 

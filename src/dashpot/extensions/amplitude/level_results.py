@@ -1,4 +1,4 @@
-"""Results of FRFs at several levels: the solid and its friction."""
+"""Results of FRFs at several amplitudes: the solid and its friction."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class CubicFound(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
-    """Arms, sliders and cubic spring of one seal, fitted to its FRFs at several levels.
+    """Arms, sliders and cubic spring of one seal, fitted to its FRFs at several amplitudes.
 
     Attributes
     ----------
@@ -226,8 +226,8 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         """The FRFs that it was fitted to, by which a solver input names it."""
         levels = ", ".join(f"{level:.4g}" for level in self.levels)
         return (
-            f"FRFs of a mass of {self.mass:.6g} kg at the levels {levels} (N, or m/s^2 of a base), "
-            f"which leaves {100 * self.residual:.2g} % of F/X"
+            f"FRFs of a mass of {self.mass:.6g} kg at the amplitudes {levels} (N, or m/s^2 of a "
+            f"base), which leaves {100 * self.residual:.2g} % of F/X"
         )
 
     def at_compression(self, compression: float) -> NoReturn:  # noqa: ARG002
@@ -237,10 +237,10 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         ------
         ExportError
         """
-        raise ExportError("FRFs at levels are of one compression; leave out --compression")
+        raise ExportError("FRFs at amplitudes are of one compression; leave out --compression")
 
     def in_parallel(self, count: float) -> LevelFit:
-        """So many seals side by side, as one; a fraction is a shorter piece."""
+        """So many seals side by side, as one; a fraction is a shorter specimen."""
 
         def scale_parts(solid: GeneralizedMaxwell, elements: Elements) -> Parts:
             return solid * count, tuple(element * count for element in elements)
@@ -336,7 +336,7 @@ def complete_document(entries: dict[str, Any]) -> dict[str, Any]:
         what = "a law of stiffness and loss" if "law" in entries else "hits of different height"
         raise ReadError(
             f"the {LevelFit.schema} document holds {what}, which has no force along a path: arms "
-            "and sliders are what 'dashpot fit' finds of FRFs of one mass at several levels"
+            "and sliders are what 'dashpot fit' fits to FRFs of one mass at several amplitudes"
         )
     cubic = entries["cubic"]
     parallel = [*entries["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]

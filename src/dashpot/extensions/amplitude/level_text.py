@@ -1,4 +1,4 @@
-"""Predictions at levels, as text."""
+"""Predictions at several amplitudes, as text."""
 
 from __future__ import annotations
 

@@ -65,10 +65,10 @@ def mass_at_level(
     far = float(X.max(initial=0.0))
     SIZES["amplitude"].refuse(
         max(far, SIZES["amplitude"].hard[0]),  # however little, a level is asked for
-        f"at a level of {format_quantity_short(level, 'm/s^2' if kind.over_base else 'N')} the "
-        "mass would move by "
+        f"at an amplitude of {format_quantity_short(level, 'm/s^2' if kind.over_base else 'N')} "
+        "the mass would move by "
         f"{format_quantity_short(far, 'm')}",
-        remedy="Check the level and its unit, and the mass.",
+        remedy="Check the amplitude and its unit, and the mass.",
     )
     if kind.over_base:
         return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY, units="SI").to(kind), X

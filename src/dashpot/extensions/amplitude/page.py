@@ -1,4 +1,4 @@
-"""Result page of a fit at several levels."""
+"""Result page of a fit at several amplitudes."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def page(levels: AmplitudeResult) -> KindPage:
 
 
 def prediction_page(prediction: LevelPrediction) -> KindPage:
-    """Return what the page of a prediction at levels holds."""
+    """Return what the page of a prediction at several amplitudes holds."""
     plain = solid_and_frf_pages.prediction_page(prediction)
     levels = (
         Group(f"At {level.level:.4g} {level.unit}", tuple(row(fact) for fact in level.facts))
@@ -95,12 +95,12 @@ def prediction_page(prediction: LevelPrediction) -> KindPage:
 
 
 def draw_prediction(prediction: LevelPrediction) -> Picture:
-    """Return the picture of a prediction at levels."""
+    """Return the picture of a prediction at several amplitudes."""
     names = (f"at {level.level:.4g} {level.unit}" for level in prediction.resonances)
     return result_output.draw_prediction(
         prediction,
         *(level.frf for level in prediction.resonances),
-        labels=("predicted at a vanishing level", *names),
+        labels=("predicted at a vanishing amplitude", *names),
         ordered=True,
         intervals=[level.magnitude for level in prediction.preloaded],
     )

@@ -72,7 +72,7 @@ class Softening(AmplitudeDependent):
         """
         raise DataError(
             "a softening gives stiffness and loss at an amplitude and has no force along a path; "
-            "take Jenkins elements beside the solid instead"
+            "add Jenkins elements to the model instead"
         )
 
     def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002

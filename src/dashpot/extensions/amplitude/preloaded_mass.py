@@ -135,7 +135,7 @@ class Orbit(EqualByValue):
         raise DataError(
             f"at {self.level:.4g} N and {self.frequency:.5g} Hz the steady answer at the drive's "
             f"period is unstable: a disturbance grows by {self.growth:.4g} in a period, so "
-            f"{lasts}. Ask for a lower level, or another frequency"
+            f"{lasts}. Ask for a lower amplitude, or another frequency"
         )
 
 
@@ -198,8 +198,8 @@ class PreloadedMass:
             )
         if not self.solid.k_inf > 0:
             raise DataError(
-                "the solid relaxes to nothing: no compression carries a mass at rest; expected one "
-                "with k_inf > 0"
+                "the model relaxes to zero force: no compression carries a mass at rest; expected "
+                "one with k_inf > 0"
             )
         if len(self._rests) > 1:
             listed = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
@@ -294,8 +294,8 @@ class PreloadedMass:
         raise DataError(
             f"at {level:.4g} N the mass, which {self.static_force:.4g} N presses, bounces on the "
             "seal: "
-            f"up to {hz:.4g} Hz its answers change from line to line; expected a level that leaves "
-            "it on the seal. Ask for a lower level"
+            f"up to {hz:.4g} Hz its answers change from line to line; expected an amplitude that "
+            "leaves it on the seal. Ask for a lower amplitude"
         )
 
     def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
@@ -518,7 +518,7 @@ class _PressedBalance:
         raise DataError(
             f"at {self.hz:.5g} Hz no steady answer at the drive's period is reached above "
             f"{reached * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a lower "
-            "level, or another frequency"
+            "amplitude, or another frequency"
         )
 
     def _compute_tangent(self, z: FloatArray, before: FloatArray) -> FloatArray:
@@ -573,9 +573,9 @@ class _PressedBalance:
         far = float(np.abs(self.harmonics(state.unknown)[1:]).max())
         SIZES["amplitude"].refuse(
             max(far, SIZES["amplitude"].hard[0]),
-            f"at a level of {format_quantity_short(self.level, 'N')} the mass would move by "
+            f"at an amplitude of {format_quantity_short(self.level, 'N')} the mass would move by "
             f"{format_quantity_short(far, 'm')}",
-            remedy="Check the level and its unit, and the mass.",
+            remedy="Check the amplitude and its unit, and the mass.",
         )
         return Orbit(
             self.hz,

@@ -226,9 +226,9 @@ def preloaded_levels(
     """
     if fit.elastic_law is None or fit.elastic_law.kind == "linear":
         raise DataError(
-            "the elastic law of this fit is straight, so the response is the same at every level. "
-            "Leave out --amplitude, add a sweep of amplitudes (--sweep), or fit tests at several "
-            "depths (dashpot fit FILE FILE)"
+            "the elastic law of this fit is linear, so the response is the same at every "
+            "amplitude. Leave out --amplitude, add a sweep of amplitudes (--sweep), or fit tests "
+            "at several depths (dashpot fit FILE FILE)"
         )
 
     def build_preloaded_mass(law: ElasticLaw, solid: Solid) -> PreloadedMass:
@@ -279,10 +279,10 @@ class _AtLevels:
         force = self.load.mass * level if self.kind.over_base else level
         if force >= self.here.static_force:
             raise DataError(
-                f"a level of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: its "
-                f"force is {force:.4g} N, and {self.here.static_force:.4g} N presses; expected "
+                f"an amplitude of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: "
+                f"its force is {force:.4g} N, and {self.here.static_force:.4g} N presses; expected "
                 "less. "
-                "Ask for a lower level"
+                "Ask for a lower amplitude"
             )
         ends = about * _REACH[0], about * _REACH[1]
         lines = np.union1d(band, np.geomspace(*ends, _LINES))
@@ -293,7 +293,7 @@ class _AtLevels:
         if top in {0, max(len(near) - 1, 0)}:
             raise DataError(
                 f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
-                f"and {ends[1]:.4g} Hz, of answers that last; ask for a lower level"
+                f"and {ends[1]:.4g} Hz, of steady responses; ask for a lower amplitude"
             )
         jumps = self.here.jumps(swept)
         into, out = _find_adjacent_jumps(near[top - 1], near[top], near[top + 1], jumps)

@@ -71,7 +71,7 @@ EXTENSION = Extension(
         FitRow(
             "level", "dashpot.extensions.amplitude.api:fit_levels",
             "dashpot.extensions.amplitude.fit_handler:run",
-            "amplitudes and levels", "tests at several amplitudes", order=5,
+            "tests at several amplitudes", "tests at several amplitudes", order=5,
             options=("model", "machine", "mass", "seals", "band", "levels", "at", "motion"),
         ),
     ),

@@ -1,4 +1,4 @@
-"""Response at any level of the mass under FRFs at several levels."""
+"""Response at any level of the mass under FRFs at several amplitudes."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def levels(value: AmplitudeResult) -> Text:
-    """Return what moves with amplitude, and the resonance at each level that was asked for."""
+    """Return the dependence on amplitude, and the resonance at each requested force."""
     lines = [f"  {line}" for line in value.fit.summary_lines[1:]]
     if value.loss_per_lag is not None:
         lines.append(
@@ -25,7 +25,7 @@ def levels(value: AmplitudeResult) -> Text:
             "cannot show such a delay."
         )
         lines += _loops(value.fit)  # type: ignore[arg-type]  # a lag is of loops alone
-    rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
+    rows = [["amplitude, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for item in value.at:
         peak, motion = (fact.cells.ascii for fact in item.facts)
         of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)

@@ -55,7 +55,7 @@ class BatchOptions:
         Of the seals, m, for these and for the stiffness at the end of the hold; without any, the
         depth of each test. The first is the nominal one of a load deflection record.
     length : float or None
-        Contact length of each piece, m: load deflection is then per 100 mm.
+        Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float or None
         Of an indenter's tip, m: a hit then has a modulus.
     """
@@ -100,7 +100,9 @@ class BatchOptions:
             for result in results:
                 _positive(name, result, expected="numbers")
         if self.joint and self.quick:
-            raise DataError("--joint weighs both tests by their errors, which --quick leaves out")
+            raise DataError(
+                "--joint weights relaxation and hammer test by errors, which --quick leaves out"
+            )
 
     @property
     def columns(self) -> int:

@@ -155,7 +155,7 @@ def batch(
         Of the seals, m, for these and for the stiffness at the end of the hold: of small vibration
         about it. By default each test's own depth. The first is the nominal one of load deflection.
     length : float, optional
-        Contact length of each piece, m: load deflection is then per 100 mm.
+        Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float, optional
         Of an indenter's tip, m; `mass` is then the indenter's.
     by : str, optional

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
 _MAIN = ("k_end_", "E_end_")
 _INSTEAD = ("cld_per_100mm", "cld_force", "indent_modulus", "restitution")
-"""Of pieces that were pressed and released, and of surfaces that were hit."""
+"""Columns of load deflection and indentation tests."""
 ALIKE = 0.05
 """Of the median of its lot: by how much hold and depth of a test may differ from it."""
 DEGREES = 3.0

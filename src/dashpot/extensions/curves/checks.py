@@ -85,8 +85,8 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
 def instrument_stiff(data: DynamicTest) -> Finding:
     r"""The instrument is much stiffer than the part.
 
-    What frame and load cell give, C, is in series: :math:`K^*/(1 + C K^*)` is measured, with a
-    storage by CK too low and a loss by 2CK. Of a modulus nothing says how stiff its piece was.
+    The compliance C of frame and load cell is in series: :math:`K^*/(1 + C K^*)` is measured, with
+    a storage by CK too low and a loss by 2CK. A modulus does not show how stiff its specimen was.
     """
     both = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
     if data.unit != "N/m":
@@ -103,7 +103,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
         "the storage and twice as much off the loss",
         GIVES * stiffest,
         "An instrument may have corrected it",
-        remedy="Correct the compliance of the instrument, or test a softer piece.",
+        remedy="Correct the compliance of the instrument, or test a softer specimen.",
     )
 
 
@@ -210,7 +210,7 @@ def curve_level_at_end(end: EndOfHold, fallen: float) -> Finding:
         f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
         f"factor of 2.7 in time. At first it was {1 + fallen:.3g} times as stiff",
         falling,
-        "A solid that goes on like that has another plateau, or none",
+        "A model that continues like this has another plateau, or none",
         end.remedy,
         limit=min(MAX_FALLING, OF_ALL * max(fallen, 0.0)),
     )

@@ -76,7 +76,7 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, others: int) -> None:
     if options.filter or options.law == "nonlinear" or not usual:
         raise FitError(
             "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
-            "--model: it is the response to a step already, of a linear solid with arms"
+            "--model: it is the response to a step already, of a linear model with arms"
         )
 
 
@@ -90,7 +90,7 @@ def _refuse_beside_creep(options: BenchFitOptions, *, others: int) -> None:
         )
     if not options.nothing_of("method", "law", "family"):
         raise FitError(
-            "a creep test is fitted to its recorded force and to a linear solid with arms: "
+            "a creep test is fitted to its recorded force and to a linear model with arms: "
             "leave out --method, --elastic and --model"
         )
 
@@ -139,7 +139,7 @@ def _fit_sweeps(
         )
     if options.law != "auto" or (options.filter and not tests):
         raise FitError(
-            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
+            "a dynamic sweep is of a linear model, and nothing of it is filtered: leave out "
             "--elastic "
             "and --filter, which are for ramps and holds"
         )

@@ -6,7 +6,7 @@ If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 
 and every linear tool serves it with :math:`F_e(x)` in place of x. All tests share one
 :math:`F_e`, which their ramps and their depths show together
-(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). Whether one memory serves every
+(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). Whether one relaxation function serves every
 depth is a question to the tests: each gets its own stiffnesses, and the shapes k_j/k_inf are
 compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 """

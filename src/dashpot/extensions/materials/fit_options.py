@@ -83,7 +83,7 @@ def list_groups() -> list[list[CommandOption]]:
                 type=float,
                 metavar="NUMBER",
                 kinds=f"{_STRAIN} {VIBRATION}",
-                help="Poisson's ratio of a foam; selects a foam law.",
+                help="Poisson's ratio of a foam; selects a law of foam.",
             ),
             opt(
                 "--stretches",

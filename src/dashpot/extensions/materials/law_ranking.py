@@ -1,4 +1,4 @@
-"""The laws that were tried, by their BIC: on a page and in a line of text."""
+"""BIC of the fitted laws: on a page and in a line of text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dashpot.report.tables import TextTable
 
 
 def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
-    """Every law that was tried, best first."""
+    """Return the BIC of every fitted law, best first."""
     least = min(score for _, score in orders)
     rows = tuple(
         (name, round_to_error(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
@@ -21,6 +21,6 @@ def make_law_ranking(orders: Sequence[tuple[str, float]]) -> CollapsibleSection:
 
 
 def format_bic_differences(orders: Sequence[tuple[str, float]]) -> str:
-    """Return how far each law that was tried is above the best."""
+    """Return the BIC of each law above that of the best."""
     least = min(score for _, score in orders)
     return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)

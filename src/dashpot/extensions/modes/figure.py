@@ -145,7 +145,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
         )
     caption = (
         "Modes under several masses, and the stiffness and loss of one seal that their poles have, "
-        "beside those of the one linear solid that comes closest."
+        "and those of the one linear model that fits best."
     )
     return Picture("masses", caption, tuple((panel,) for panel in panels), 3, stamp, width=1100.0)
 

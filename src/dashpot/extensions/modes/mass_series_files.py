@@ -103,7 +103,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
         names = [
             f"{mode.frequency:.4g} Hz under {format_quantity(mass, 'g')}" for mass, mode in pairs
         ]
-        return f"one solid has the resonance of every mass: {', '.join(names[:3])}"
+        return f"one model has the resonance of every mass: {', '.join(names[:3])}"
 
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:

@@ -33,12 +33,12 @@ def masses_page(modes: MassSeriesModes) -> KindPage:
         for mass, mode in zip(of.masses, of.modes, strict=True)
     )
     return KindPage(
-        about=f"one solid under {format_count(len(of.masses), 'mass').replace('masss', 'masses')}",
+        about=f"one model under {format_count(len(of.masses), 'mass').replace('masss', 'masses')}",
         strip=(
             ("Masses", ", ".join(format_with_error(mass, "g", digits=4) for mass in of.masses)),
         ),
         lights=lights(
-            modes.checks, Topic("FRFs"), Topic("One solid", {"one_solid_explains_masses"})
+            modes.checks, Topic("FRFs"), Topic("One model", {"one_solid_explains_masses"})
         ),
         answers="The response under each mass",
         picture=modes.plot(),

@@ -259,7 +259,7 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
     if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
         ratio = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
-            "white noise of the base has no finite answer: a solid without k_inf drifts away, or "
+            "white noise of the base has no finite answer: a model without k_inf drifts away, or "
             f"nothing damps a motion that it shakes, at {ratio:.4g} Hz; give that part a damping, "
             "or a psd over frequencies"
         )

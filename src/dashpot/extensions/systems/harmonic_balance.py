@@ -41,7 +41,7 @@ def with_friction(system: System) -> list[int]:
     loose = [i for i, mount in enumerate(system.mounts) if mount.friction is not None]
     if not loose:
         raise DataError(
-            "no mount of the system has friction: its response does not depend on the level; "
+            "no mount of the system has friction: its response does not depend on the amplitude; "
             "take system.frf"
         )
     return loose
@@ -169,7 +169,7 @@ class BalanceEquation:
                 return values
         raise DataError(
             f"no answer was reached at {self.omega / 2 / np.pi:.5g} Hz from the line before; take "
-            "finer steps of frequency or level"
+            "finer steps of frequency or amplitude"
         )
 
     def _stuck(self) -> ComplexArray:

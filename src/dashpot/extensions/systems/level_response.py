@@ -111,7 +111,7 @@ def response_at_level(
         samples("frequency", np.atleast_1d(frequency)), samples("level", np.atleast_1d(level))
     )
     if (levels <= 0).any() or (f <= 0).any():
-        raise DataError("frequency and level must be above 0")
+        raise DataError("frequency and amplitude must be above 0")
     if tuple(harmonics[:1]) != (1,) or any(h % 2 == 0 or h < 1 for h in harmonics):
         raise DataError(f"harmonics = {harmonics!r}; expected odd numbers, 1 first")
     place = system.participation(response)

@@ -84,7 +84,7 @@ def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Findin
     return Finding(
         f"The residual of the hold{of} is {rho[worst]:.3g} times that of its own fit",
         float(rho[worst]),
-        "The tests contradict each other: another piece, temperature, or shape of relaxation"
+        "The tests contradict each other: another specimen, temperature, or shape of relaxation"
         if len(rho) > 1
         else "The ramp changes what the hold gives",
         "Fit each test alone." if len(rho) > 1 else Remedy("Fit the hold alone.", "method", "hold"),

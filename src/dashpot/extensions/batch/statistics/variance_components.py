@@ -177,7 +177,7 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
             what = names[depth - 1]
             raise DataError(
                 f"the scatter of each {what} cannot be found: there is no more than one {what} "
-                "of each kind; leave that level out, or test more"
+                "of each kind; leave that grouping out, or test more"
             )
         parent = np.zeros(counts[depth], dtype=np.int64)
         parent[nested[depth]] = nested[depth - 1]

@@ -235,13 +235,13 @@ def compliance_residual_small(missed: float, arms: int) -> Finding:
 def levels_agree(departure: float | None, error: float | None) -> Finding:
     """The displacement is proportional to the load: the part is linear."""
     if departure is None or error is None:
-        return Finding("The record has one level of load, so proportion is not judged")
+        return Finding("The record has one load, so proportion is not judged")
     return Finding(
         f"At the highest load the displacement departs from proportion by "
         f"{100 * departure:+.2g} % ± {100 * error:.2g} %",
         abs(departure),
-        "One linear model is not valid for all levels",
-        "Fit the levels one by one.",
+        "One linear model is not valid for all loads",
+        "Fit the loads one by one.",
         excused=abs(departure) <= SURELY * error,
     )
 

@@ -570,7 +570,7 @@ def _step(result: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
     count = len(result.spectrum.d)
     flow = " and a flow" if result.flows else ""
     message = (
-        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the solid, with "
+        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the model, with "
         f"{result.model.arms} arm{'s' * (result.model.arms != 1)}, is their exact interconversion"
     )
     return Step("fit_creep", (("arms", str(arms)),), message)

@@ -66,7 +66,7 @@ def simulate_creep(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        One piece of seal; with a `climate`, at the reference of its law.
+        One specimen of seal; with a `climate`, at the reference of its law.
     load : float
         N.
     ramp_time, hold_time : float

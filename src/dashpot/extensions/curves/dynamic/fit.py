@@ -391,8 +391,8 @@ def _validate_data(data: DynamicTest, weights: str) -> None:
     if bad.size:
         i = int(bad[0])
         raise FitError(
-            f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no relaxing solid "
-            "has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
+            f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no viscoelastic "
+            "model has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
         )
 
 

@@ -55,7 +55,7 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
         at, force = fitted_force(fit, test)
         on = at >= shortest
         x, y = downsample_to_extremes(at[on], force[on], bins=400, log=True)
-        marks.append(Line(x, y, Pen("fit", 1.2), "" if shown else "one solid"))
+        marks.append(Line(x, y, Pen("fit", 1.2), "" if shown else "one model"))
         shown.append(y)
     axes = (
         Scale(SINCE, (shortest, longest), log=True),

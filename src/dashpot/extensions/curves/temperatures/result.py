@@ -91,7 +91,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
     message = (
         f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} to "
-        f"{len(best.tests)} tests at {listed}; the solid is that of {celsius(shifts.reference)}, "
+        f"{len(best.tests)} tests at {listed}; the model is that of {celsius(shifts.reference)}, "
         f"its shifts follow the {shifts.law.kind} law"
     )
     parameters = (

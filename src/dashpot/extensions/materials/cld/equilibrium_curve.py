@@ -168,8 +168,8 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[Elas
     tried = [law for law in laws if law is not None]
     if not tried:
         raise FitError(
-            f"{len(x)} samples of the cycle stand out of the noise, too few for a law; press "
-            "slower, or record faster"
+            f"{len(x)} samples of the cycle stand out of the noise, too few for an elastic law; "
+            "press slower, or record faster"
         )
     _, finest = tried[-1]
     return next(item for item in tried if item[1] <= _AS_WELL * finest + 1e-12)

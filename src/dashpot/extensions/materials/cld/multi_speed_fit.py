@@ -79,7 +79,7 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
     Returns
     -------
     Fit
-        Its solid is the secant one at the least depth of the chosen cycles.
+        Its model is the secant one at the least depth of the evaluated cycles.
 
     Raises
     ------

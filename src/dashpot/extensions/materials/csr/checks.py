@@ -58,7 +58,7 @@ def force_falls(risen: float) -> Finding:
     return Finding(
         f"The force rises by {max(risen, 0.0):.2g} standard errors of its trend",
         risen,
-        "Crosslinks or swelling add force, and this law has none that grows",
+        "Crosslinks or swelling add force, and the aging law has none that grows",
         "Leave out the oven or the specimen that rises.",
     )
 
@@ -70,7 +70,7 @@ def f0_read(first: float) -> Finding:
         f"The last specimen was first read {format_quantity(first, 'h', '.3g')} after its "
         "compression",
         first / FIRST,
-        "Its F0 follows from the law alone, and all its ratios share that error",
+        "Its F0 follows from the aging law alone, and all its ratios share that error",
         "Read F0 at 30 min.",
     )
 
@@ -79,9 +79,9 @@ def f0_read(first: float) -> Finding:
 def readings_residuals_random(together: float) -> Finding:
     """The readings scatter independently about the aging law."""
     return Finding(
-        f"Neighbours in time miss the law together by {together:.2g} standard deviations",
+        f"Neighbours in time miss the aging law together by {together:.2g} standard deviations",
         together,
-        "The law does not follow the readings, or the cell drifts",
+        "The aging law does not fit the readings, or the load cell drifts",
         "Look at the picture. Leave out ovens that age otherwise, such as the hottest.",
     )
 
@@ -92,7 +92,7 @@ def readings_residual_small(scatter: float) -> Finding:
     return Finding(
         f"A reading lies {100 * scatter:.2g} % of F0 from the law",
         scatter,
-        "The law does not follow the readings, or some were read otherwise, such as cold",
+        "The aging law does not fit the readings, or some were read otherwise, such as cold",
         "Look at the picture, and read all at one temperature.",
     )
 
@@ -211,6 +211,6 @@ def time_near_readings(decades: float, longest: float) -> Finding:
         f"The answer lies {max(decades, 0.0):.2g} decades of time beyond the last reading, at "
         f"{format_quantity(longest, 'h', '.4g')}",
         decades,
-        "It rests on the law alone",
+        "It follows from the aging law alone",
         "Read longer.",
     )

@@ -9,7 +9,7 @@ from dashpot.report.result_page import KindPage, Topic, group, lights
 
 
 def page(aging: Aging) -> KindPage:
-    """Return what the page of an aging law holds."""
+    """Return the page of an aging law."""
     warm = [oven.temperature for oven in aging.ovens]
     ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
     return KindPage(

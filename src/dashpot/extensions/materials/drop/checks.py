@@ -10,7 +10,9 @@ from dashpot.base.units import format_quantity
 MAX_SHAPE = 2.5
 
 
-@criterion("compression / depth of the law", "<=", 1.0, "the law was measured so far")
+@criterion(
+    "compression / depth of the elastic law", "<=", 1.0, "the elastic law was measured so far"
+)
 def impact_within_measured_depth(deepest: float, depth: float | None) -> Finding:
     """The impact compresses the specimen no further than its elastic law was measured."""
     pressed = f"The mass presses the specimen by {format_quantity(deepest, 'mm', '.3g')}"
@@ -24,7 +26,7 @@ def impact_within_measured_depth(deepest: float, depth: float | None) -> Finding
     return Finding(
         f"{pressed}, and its elastic law was measured to {format_quantity(depth, 'mm', '.3g')}",
         deepest / depth,
-        "Beyond it the law is extrapolated linearly; a bulb that bottoms is stiffer",
+        "Beyond it the elastic law is extrapolated linearly; a bulb that bottoms is stiffer",
         "Press a specimen deeper in the load deflection test.",
     )
 
@@ -142,7 +144,7 @@ def impacts_sampled(samples: float) -> Finding:
     )
 
 
-@criterion("fastest / slowest", ">=", 2.0, "our choice: a fitted law needs several depths")
+@criterion("fastest / slowest", ">=", 2.0, "our choice: a fitted elastic law needs several depths")
 def impact_speeds_spread(spread: float | None) -> Finding:
     """The impact speeds differ enough to fit the elastic law."""
     if spread is None:
@@ -150,7 +152,7 @@ def impact_speeds_spread(spread: float | None) -> Finding:
     return Finding(
         f"The fastest impact is {spread:.3g} times the slowest, and the elastic law is fitted",
         spread,
-        "A nonlinear law and relaxation then look alike",
+        "A nonlinear elastic law and relaxation then look alike",
         Remedy(
             "Test three speeds, or give the fit of a load deflection test.",
             "relaxation",

@@ -60,8 +60,8 @@ class RelaxationPrior:
         """Return the arms of a fit, with the precision of its covariance."""
         if fit is None:
             return cls()
-        solid = normalise_relaxation(fit.model)
-        g, tau, arms = np.array(solid.k), np.array(solid.tau), solid.arms
+        model = normalise_relaxation(fit.model)
+        g, tau, arms = np.array(model.k), np.array(model.tau), model.arms
         names, _, covariance = get_solid_parameters(fit)
         if names != parameter_names(arms) or not np.isfinite(covariance).all() or not arms:
             return cls(g, tau, np.zeros((0, 2 * arms)), fit)
@@ -241,7 +241,7 @@ class DropProblem:
             (hit.force - force) / hit.noise for hit, force in zip(self.hits, modelled, strict=True)
         ]
         if not all(np.isfinite(residual).all() for residual in residuals):
-            raise DataError("the law pulls")
+            raise DataError("the elastic law gives tension")
         sizes = [len(residual) for residual in residuals]
         zero = np.repeat(np.diag([1 / hit.noise for hit in self.hits]), sizes, axis=0)
 

@@ -103,7 +103,7 @@ def _compute_additional_forces(
         arm[i] = even.end(arm[i - 1], item)
     return {
         "friction": rubs,
-        "a law that is steeper than a cubic": largest * share**_POWER,
+        "an elastic law steeper than a cubic": largest * share**_POWER,
         "a specimen that is met at an angle": largest * share * np.exp(-share / _FOOT),
         "one arm more": arm,
     }

@@ -271,7 +271,7 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
             "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
         )
     return Finding(
-        f"The law misses the stress by up to {100 * residual:.2g} %, in {worst}",
+        f"The hyperelastic law misses the stress by up to {100 * residual:.2g} %, in {worst}",
         residual,
         reason,
         remedy,
@@ -284,10 +284,10 @@ def no_better_law(residual: float, flexible: float) -> Finding:
     """No other stable law fits the curves much better."""
     ratio = residual / max(flexible, SMALL)
     return Finding(
-        f"The law misses the stress by {100 * residual:.2g} %, the most flexible stable one by "
-        f"{100 * flexible:.2g} %",
+        f"The hyperelastic law misses the stress by {100 * residual:.2g} %, the most flexible "
+        f"stable one by {100 * flexible:.2g} %",
         ratio,
-        "A law of more constants follows the rest",
+        "A law of more constants fits the rest",
         Remedy("Use a law of more constants.", "model", "ogden"),
     )
 
@@ -301,7 +301,7 @@ def compressible_law_no_better(residual: float | None, swelling: float) -> Findi
         f"Rubber misses the stress by {100 * residual:.2g} %, a foam of Poisson's ratio 0 by "
         f"{100 * swelling:.2g} %",
         residual / max(swelling, SMALL),
-        "A sponge is compressible, and the law takes it for rubber that is not",
+        "A sponge is compressible, and the law is of incompressible rubber",
         Remedy("Give the ratio of a foam, 0 if it does not swell.", "poisson", "0"),
     )
 
@@ -310,7 +310,7 @@ def compressible_law_no_better(residual: float | None, swelling: float) -> Findi
 def stable_in_use(
     least: float, where: str, limits: Sequence[tuple[Mode, tuple[float | None, float | None]]]
 ) -> Finding:
-    """The law is stable over the stretches of use in every mode (Drucker)."""
+    """The hyperelastic law is stable over the stretches of use in every mode (Drucker)."""
     ends = [
         f"{mode} {'below' if low else 'above'} {at:.4g}"
         for mode, both in limits
@@ -319,7 +319,7 @@ def stable_in_use(
     ]
     text = f"; it is not stable in {', '.join(ends)}" if ends else " and from 0.1 to 10"
     return Finding(
-        f"The law is stable over the stretches of use{text}",
+        f"The hyperelastic law is stable over the stretches of use{text}",
         least,
         instead=f"The law is not stable in use, first at {where}{text if ends else ''}",
         reason="A solver stops there, or gives a wrong result",
@@ -335,7 +335,7 @@ def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool)
     return Finding(
         f"The strain sideways shows Poisson's ratio {reported:.2g}, and the law has {ratio:.2g}",
         reported - ratio,
-        "The law moves sideways otherwise than the specimen did",
+        "The lateral strain of the law differs from that of the specimen",
         Remedy(
             "Give the ratio that was measured.", "poisson", f"{min(max(reported, 0.0), 0.49):.2g}"
         )
@@ -350,7 +350,7 @@ def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
     return Finding(
         f"{modes} modes were tested" if modes != 1 else "One mode was tested",
         float(modes),
-        "Laws that follow it differ in the others by up to 18 %",
+        "Laws that fit it differ in the others by up to 18 %",
         Remedy("Test a second mode, or use the law in that mode alone.", "test"),
         # pressed one way is pulled both others; a foam's Poisson's ratio is given
         excused=both or foam,
@@ -380,7 +380,7 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
 def unmeasured_modes_determined(doubt: float | None, mode: str, why: str) -> Finding:
     """The data determine the stress in the modes that were not measured."""
     if doubt is None:
-        return Finding("No second law follows the tests, so the other modes are not compared")
+        return Finding("No second law fits the tests, so the other modes are not compared")
     if not mode:
         return Finding("Every mode was measured", 0.0)
     return Finding(
@@ -420,7 +420,7 @@ def rows_enough(rows: int, constants: int) -> Finding:
     return Finding(
         f"{rows} points determine {constants} constants; at least four points each are needed",
         rows / constants,
-        "Such a law follows any points, wrong ones too",
+        "Such a law fits any points, wrong ones too",
         Remedy("Use more rows, or fewer constants.", "terms"),
     )
 
@@ -504,7 +504,7 @@ def measures_stated(part: float) -> Finding:
         f"Stress and strain are taken as nominal, which the files do not say. A true stress would "
         f"differ by {100 * part:.3g} %",
         part,
-        "A law follows either",
+        "A law fits either",
         Remedy("Say which they are.", "stress-is", "nominal"),
     )  # fmt: skip
 

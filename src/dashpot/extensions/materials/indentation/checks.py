@@ -181,7 +181,7 @@ def first_contact(before: int, after: int) -> Finding:
 def law_residual_small(ratio: float | None, residual: float) -> Finding:
     """The contact law fits the contact to within the noise."""
     return Finding(
-        f"The law misses the contact by {100 * residual:.2g} % of the push"
+        f"The contact law misses the force by {100 * residual:.2g} % of the push"
         + (f", {ratio:.2g} times the noise in flight" if ratio is not None else ""),
         ratio,
         "Yielding, adhesion, a double contact, a thin layer, or a filter may cause this",
@@ -239,13 +239,13 @@ def _leading(fit: IndentationFit) -> float:
     return max(fact.high / fact.value for fact in fit.found if fact.name in {"k", *_COMPARED})
 
 
-@criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
+@criterion("largest difference between contact laws", "<=", ALIKE, "our choice: 5 %")
 def laws_agree(
     fit: IndentationFit, others: Sequence[tuple[str, Sequence[ReportedValue]]]
 ) -> Finding:
     """Contact laws that fit equally well give the same restitution, modulus and depth."""
     if not others:
-        return Finding(f"No other law explains the contact as well as {fit.law}", 0.0)
+        return Finding(f"No other contact law fits the record as well as {fit.law}", 0.0)
     separate = []
     for law, facts in others:
         theirs = {fact.name: fact.value for fact in facts}
@@ -262,8 +262,8 @@ def laws_agree(
     return Finding(
         f"{law} explains the contact too; its {name} differs by {100 * most:.2g} %",
         most,
-        "This contact cannot separate the two laws",
-        Remedy("Hit at another speed or with another mass, or name the law.", "model"),
+        "The record does not separate the two contact laws",
+        Remedy("Hit at another speed or with another mass, or name the contact law.", "model"),
     )
 
 

@@ -25,7 +25,7 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact
 
 _STEP, _RELAXING_STEP = 0.03, 0.05
-"""Of the march; a lossless contact is some five long. The motion is right to 1e-8, that of a solid
+"""Of the march; a lossless contact is some five long. The motion is right to 1e-8, that of a model
 that relaxes to 3e-6, its force to 1e-5 of the largest."""
 _WITHIN = 6
 """Samples of a step."""
@@ -197,7 +197,7 @@ def relaxing(g: float, tau: float, pull: float = 0.0) -> Shape:
     .. math:: \dot h = \frac{(1 + g)\,\dot x - (h - x)/\tau}{1 + g\,e^{-(t-t_1)/\tau}}
 
     which is regular at the turn, where t_1 itself is not. tau and pull are in units of the lossless
-    contact of the relaxed solid. It is marched in :math:`d\sigma = dt / \sqrt h`, regular at touch
+    contact of the relaxed state. It is marched in :math:`d\sigma = dt / \sqrt h`, regular at touch
     and release.
     """
     step = _RELAXING_STEP / ((1 + g) ** 0.4 * (1 + 0.05 / tau))

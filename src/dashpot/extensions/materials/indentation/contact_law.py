@@ -5,7 +5,7 @@ With x the indentation and n = 1 (a flat punch, or any contact taken as linear) 
 .. math:: F = k\,\Bigl(x^n + A \frac{d x^n}{dt}\Bigr)
 
 n = 1 is Kelvin and Voigt's, c = k A; n = 3/2 with A = 0 is Hertz's,
-:math:`k = \tfrac43 E^*\sqrt R`, with A > 0 that of Kuwabara and Kono. A solid that relaxes,
+:math:`k = \tfrac43 E^*\sqrt R`, with A > 0 that of Kuwabara and Kono. A material that relaxes,
 :math:`E(t) = E_\infty (1 + g\,e^{-t/\tau})`, answers by the history:
 
 .. math:: F = k \int_0^{t_1} \bigl(1 + g\,e^{-(t-s)/\tau}\bigr)\, \frac{d x^{3/2}}{ds}\,ds
@@ -72,12 +72,12 @@ class ViscousContact:
 
 @dataclass(frozen=True)
 class RelaxingContact:
-    """Sphere on a solid with one Maxwell arm.
+    """Sphere on a material with one Maxwell arm.
 
     Attributes
     ----------
     k : float
-        Of the relaxed solid, N/m^1.5, > 0.
+        Of the relaxed material, N/m^1.5, > 0.
     g : float
         The arm's stiffness over k, >= 0.
     tau : float

@@ -39,6 +39,6 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
         (contact, Rule(0.0, REF, across=True), Dots(t, values, "fit", size=2.5)),
         height=90, note=f"{round_to_error(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip
-    caption = "Motion of the indenter: recorded, the law's, and what that leaves."
+    caption = "Motion of the indenter: recorded, by the contact law, and the residual."
     origin = format_stamp((fit.source,), mass=fit.indenter.mass) if fit.source else ""
     return Picture("indentation", caption, ((upper, lower),), 1, stamp or origin)

@@ -195,7 +195,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
             tried += [optimum] if (optimum := _fit_law(window, name)) else []
     if not tried:
         raise FitError(
-            "no law of contact follows the record: expected one push, in flight before and after; "
+            "no contact law fits the record: expected one push, in flight before and after; "
             "cut the record about the contact (--file-part segment=N), or look at it with dashpot "
             "inspect"
         )

@@ -28,7 +28,7 @@ def fit_rod(
     poisson: float | None = None,
     hammer: HammerChoices | None = None,
 ) -> Fit:
-    """Fit the solid of a rod under a mass."""
+    """Fit a viscoelastic model to a rod under a mass."""
     from dashpot.extensions.materials.rod.fit_files import rod_under
 
     if density is None or shape is None:

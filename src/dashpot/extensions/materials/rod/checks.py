@@ -51,9 +51,9 @@ def mass_ratio_suitable(ratio: float) -> Finding:
 def one_solid_explains_lines(misfit: float | None) -> Finding:
     """One passive model fits the lines within their scatter and their common errors."""
     if misfit is None:
-        return Finding("The lines are too few, or their scatter is not known, to ask for one solid")
+        return Finding("The lines are too few, or their scatter is not known, to test one model")
     return Finding(
-        f"One passive solid leaves {np.sqrt(misfit):.3g} times the scatter of the lines",
+        f"One passive model misses the lines by {np.sqrt(misfit):.3g} times their scatter",
         misfit,
         "Another mode, such as rocking, moves the mass",
         Remedy("Hold the mass straight, or leave those lines out.", "band"),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:
-    """Return storage modulus and loss factor with all errors together (1 SD), and the solid fitted.
+    """Return storage modulus and loss factor with all errors together (1 SD), and the fitted model.
 
     Hatched is where either is not known to 10 %.
 
@@ -56,12 +56,12 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
         marks.append(Area(x, y - e, y + e, "ref", "error (1 SD)", tint=0.25))
         if fit is not None:
             omega = 2 * np.pi * dense
-            solid = (
+            values = (
                 fit.solid.loss_factor(omega=omega)
                 if number
                 else convert_to_unit(fit.solid.storage(omega=omega), "MPa")
             )
-            marks.append(Line(dense, solid, FIT, "fit"))
+            marks.append(Line(dense, values, FIT, "fit"))
         marks.append(Dots(x, y, "measured", "from the FRF"))
         shown = (value - error)[near], (value + error)[near]
         panels.append(

@@ -1,4 +1,4 @@
-r"""Fit of a solid to the modulus of a rod's material.
+r"""Fit of a viscoelastic model to the modulus of a rod's material.
 
 The lines of the usable band are fitted as a dynamic test is. What spoils all lines alike, such as a
 gain, is no scatter that the fit could see: the fit is repeated with each such error, and what it
@@ -28,7 +28,7 @@ from dashpot.fitting.prediction_bounds import get_parameter_values
 from dashpot.registry import find_handler
 
 FitModulus: TypeAlias = Callable[..., Fit]
-"""From a complex modulus to a solid."""
+"""Step from a complex modulus to a model."""
 _PER_OCTAVE = 24
 
 
@@ -39,7 +39,7 @@ def fit_rod(
     family: FamilyAsked = "maxwell",
     specimen: Specimen | None = None,
 ) -> Fit:
-    """Fit a solid to the usable band of a rod's modulus, Pa.
+    """Fit a viscoelastic model to the usable band of a rod's modulus, Pa.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def fit_rod(
 
 
 def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) -> FloatArray | None:
-    """Return the parameters of the same solid under another test; None where it is not found."""
+    """Return the parameters of the same model under another test; None where no fit is found."""
     try:
         other = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:

@@ -53,7 +53,7 @@ class Rod(HasVerdict, Serialisable):
         On the rod, and of the rod, kg.
     errors : RodErrors
     fit : Fit or None
-        A solid, Pa, to the usable band.
+        Viscoelastic model, Pa, of the usable band.
     reason : str
         Why there is none.
     """
@@ -187,7 +187,7 @@ def rod_under(
         Of the rod, kg/m^3.
     rod : RodChoices
     arms, family
-        Of the solid that is fitted to the usable band.
+        Of the model fitted to the usable band.
     band : (float, float), optional
         Lines to use, Hz.
     mass_sd : float, optional

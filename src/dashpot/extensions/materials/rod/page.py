@@ -22,7 +22,7 @@ def page(rod: Rod) -> KindPage:
         "sensors_agree"},
         f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "",
     )  # fmt: skip
-    solid = OF_REST | OF_LOSS | {
+    model_checks = OF_REST | OF_LOSS | {
         "one_solid_explains_lines", "residuals_white", "optimum_found", "storage_rises",
     }  # fmt: skip
     groups: list[Group] = []
@@ -61,7 +61,7 @@ def page(rod: Rod) -> KindPage:
             ("Ends", "bonded" if rod.bonded else "sliding"),
             ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere"),
         ),
-        lights=lights(rod.checks, Topic("Record"), modulus, Topic("Solid", solid)),
+        lights=lights(rod.checks, Topic("Record"), modulus, Topic("Model", model_checks)),
         answers="The modulus of the material",
         picture=rod.plot(),
         told="The material",

@@ -1,6 +1,6 @@
-r"""Consistency of a rod's modulus with some passive Maxwell solid of any number of arms.
+r"""Consistency of a rod's modulus with a passive Maxwell model of any number of arms.
 
-Lines inverted one by one are free to follow anything: another mode, or a gain. A solid is not. Its
+Lines inverted one by one fit anything: another mode, or a wrong gain. A model does not. Its
 
 .. math:: E^*(\omega) = E_\infty + j\omega b
     + \sum_j E_j\, \frac{j\omega\tau_j}{1 + j\omega\tau_j}, \qquad E_\infty, b, E_j \ge 0
@@ -26,8 +26,8 @@ _PER_DECADE, _BEYOND = 12, 30.0
 _FEW = 8
 
 
-def compute_single_solid_misfit(lines: RodModulus, scatter: FloatArray) -> float | None:
-    """Return chi square over the degrees of freedom of the nearest solid; None of few lines.
+def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float | None:
+    """Return chi square over the degrees of freedom of the best passive model; None of few lines.
 
     Parameters
     ----------
@@ -43,16 +43,16 @@ def compute_single_solid_misfit(lines: RodModulus, scatter: FloatArray) -> float
     slowest, fastest = 1 / omega[0] * _BEYOND, 1 / omega[-1] / _BEYOND
     count = int(np.ceil(np.log10(slowest / fastest) * _PER_DECADE)) + 1
     x = 1j * np.outer(omega, np.geomspace(fastest, slowest, count))
-    solid = np.column_stack((np.ones(len(f)), 1j * omega, x / (1 + x)))
+    columns = np.column_stack((np.ones(len(f)), 1j * omega, x / (1 + x)))
     errors = [E * relative for relative in lines.error_contributions]
     size = len(errors)
     weight = 1 / (np.abs(E) * scatter)
     A = np.vstack((
-        _parts(np.column_stack((solid, *errors)) * weight[:, None]),
-        np.eye(size, solid.shape[1] + size, solid.shape[1]),
+        _parts(np.column_stack((columns, *errors)) * weight[:, None]),
+        np.eye(size, columns.shape[1] + size, columns.shape[1]),
     ))  # fmt: skip
     y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(size)))
-    must = np.arange(A.shape[1]) < solid.shape[1]
+    must = np.arange(A.shape[1]) < columns.shape[1]
     beta, _ = solve_linear(A, y, must)
     residual = y - A @ beta
     free = len(y) - size - int(np.count_nonzero(beta[must]))

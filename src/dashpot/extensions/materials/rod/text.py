@@ -15,7 +15,7 @@ _ERRORS = ("phase", "gain")
 
 
 def rod(rod: Rod) -> Text:
-    """Return the modulus of a rod over its usable band, what errors do to it, and the solid."""
+    """Return the modulus of a rod over its usable band, its errors, and the fitted model."""
     of, factor = rod.modulus, rod.part.factor(bonded=rod.bonded)
     stiffer = factor * rod.part.height / rod.part.area
     ends = f"bonded, so {stiffer:.4g} times as stiff as its material" if rod.bonded else "sliding"

@@ -38,7 +38,7 @@ from dashpot.extensions.materials.rod.checks import (
     waves_plane,
 )
 from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
-from dashpot.extensions.materials.rod.solid_consistency import compute_single_solid_misfit
+from dashpot.extensions.materials.rod.solid_consistency import compute_single_model_misfit
 from dashpot.solids.part_geometry import Block, Disc
 
 _ROUNDS = 50
@@ -217,9 +217,9 @@ def _invert_lines(
     )
     usable = modulus.usable
     scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
-    # a solid in a row with a spring is one solid again
-    solid = replace(modulus.only(usable), errors=replace(errors, glue=0.0))
-    misfit = compute_single_solid_misfit(solid, scatter[usable])
+    # a model in series with a spring is one model again
+    without_glue = replace(modulus.only(usable), errors=replace(errors, glue=0.0))
+    misfit = compute_single_model_misfit(without_glue, scatter[usable])
     return replace(modulus, checks=(*modulus.checks, one_solid_explains_lines(misfit)))
 
 

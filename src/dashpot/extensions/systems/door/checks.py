@@ -107,7 +107,7 @@ def shear_stiffness_plausible(ratio: float) -> Finding:
         f"The seal is {ratio:.3g} times as stiff sideways as where it is pressed",
         ratio,
         "Hardly any seal is so stiff that way, and the door's modes in its plane rest on it",
-        "Check across and along in [seal.shear], or the length of the piece that was tested.",
+        "Check across and along in [seal.shear], or the length of the tested specimen.",
     )
 
 
@@ -118,7 +118,7 @@ def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0
     jumps = closing > JUMP * longest
     return Finding(
         f"The seal line of {length:.4g} m is closed",
-        instead=f"The seal line of {length:.4g} m is closed by a straight piece of "
+        instead=f"The seal line of {length:.4g} m is closed by a straight segment of "
         f"{format_quantity(closing, 'mm')}, and no other is longer than "
         f"{format_quantity(longest, 'mm')}"
         if jumps and not value > 0

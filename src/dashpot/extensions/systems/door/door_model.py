@@ -74,10 +74,10 @@ class ShearChoice:
     Attributes
     ----------
     across, along : float or str
-        Of the stiffness normal to the line; or the path of a fit of a piece that was pressed and
+        Of the stiffness normal to the line; or the path of a fit of a specimen that was pressed and
         then moved that way.
     length : float or None
-        Of that piece, m; None where the fit knows.
+        Of that specimen, m; None where the fit states it.
     """
 
     across: float | str = 0.0
@@ -92,9 +92,9 @@ class SealChoice:
     Attributes
     ----------
     fit : str
-        Path of the fit of a piece of it.
+        Path of the fit of a specimen of it.
     length : float or None
-        Of that piece, m; None where the fit knows.
+        Of that specimen, m; None where the fit states it.
     temperature : float or None
         K; None is that of the fit.
     pitch : float or None

@@ -95,7 +95,7 @@ damping = "100N*s/m"
 
 [seal]
 fit = "fit.json"
-length = "100mm"            # of the piece that was tested
+length = "100mm"            # of the tested specimen
 points = "door_line.csv"    # x, y, z and the gap there
 height = "20mm"             # of the free seal
 normal = [0, 0, -1]         # the way in which the door presses it

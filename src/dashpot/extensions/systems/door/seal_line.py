@@ -245,7 +245,7 @@ def _points(value: npt.ArrayLike) -> FloatArray:
     crossing = _first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
     if crossing is not None:
         raise DataError(
-            f"the seal line crosses itself: its piece from point {crossing[0]} meets the one "
+            f"the seal line crosses itself: its segment from point {crossing[0]} meets the one "
             f"from point {crossing[1]}; check the order of the points"
         )
     return points
@@ -257,7 +257,7 @@ def _normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
     if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
         raise DataError(
             f"the normal of a seal line is one direction, or one for each of its {count} points "
-            f"or of the pieces between them; found shape {normal.shape}"
+            f"or of the segments between them; found shape {normal.shape}"
         )
     pieces = normal.shape == (count - 1, 3)
     normal = normal if pieces else np.array(np.broadcast_to(normal, (count, 3)))
