@@ -186,7 +186,7 @@ def length_given(*, provided: bool) -> Finding:
 
 UNEXPLAINED = 0.03
 AGREES = 0.05
-TOLD = 0.5
+LARGEST_LN_TAU_SE = 0.5
 BETTER = 10.0
 
 
@@ -316,7 +316,7 @@ def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding
 @criterion(
     "standard error of ln tau",
     "<=",
-    TOLD,
+    LARGEST_LN_TAU_SE,
     "as for the arms of a relaxation test",
     ends=Status.NOT_IDENTIFIED,
 )

@@ -128,7 +128,7 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
 def _taken_later(
     record: DownsampledRecord, cld: CLD, knots: FloatArray, by: float
 ) -> DownsampledRecord:
-    """A record whose force comes so much later, s, and shows its first contact so much deeper."""
+    """Return a record with its force delayed, s, and its first contact deeper accordingly."""
     hats = downsample_record(cld, knots, off=-by * (cld.cycle.speed or 0.0)).hats
     return record._replace(force=taken_later(record.time, record.force, by), hats=hats)
 
@@ -136,7 +136,7 @@ def _taken_later(
 def _change(
     records: Sequence[DownsampledRecord], index: int, other: DownsampledRecord, best: Optimum
 ) -> FloatArray:
-    """Return what another record in the place of one makes of the rows."""
+    """Return the change of the rows by another record in place of one."""
     rows = _rows([*records[:index], other, *records[index + 1 :]], best.theta)
     return rows.A @ best.beta - rows.y + best.all_residuals
 
@@ -201,11 +201,12 @@ def thinned_alike(specimens: Sequence[CLD]) -> tuple[FloatArray, list[Downsample
 def _has_determined_arms(
     records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
 ) -> bool:
-    """Return whether every arm is worth three of its errors, and its time is known to a half."""
+    """Return whether every arm exceeds three errors, and ln tau is known to 0.5."""
     arms = len(best.theta) // 2
     quantity = estimate(best, parts=_parts(records)).derive_quantity(partial(_seal, knots))
     k, error = quantity.values[1 : 1 + arms], quantity.standard_error[1:]
-    return bool((k > 3 * error[:arms]).all() and (error[arms : 2 * arms] < checks.TOLD).all())
+    ln_tau_se = error[arms : 2 * arms]
+    return bool((k > 3 * error[:arms]).all() and (ln_tau_se < checks.LARGEST_LN_TAU_SE).all())
 
 
 def downsample_record(cld: CLD, knots: FloatArray, *, off: float = 0.0) -> DownsampledRecord:

@@ -98,7 +98,7 @@ class CSRTest(EqualByValue, HasSummary):
 
     @property
     def summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and how long it lasts."""
+        """The record, its number of specimens and its length."""
         specimens = format_count(len(np.unique(self.specimen_number)), "specimen")
         longest = format_quantity(float(self.time.max()), "h", ".4g")
         return describe_record_source(
@@ -199,7 +199,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return tuple(facts)
 
     def age_fit(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
-        """The fit of a seal after a time at a temperature, as a door, a mass and a deck take it.
+        """Return the fit of a seal after a time at a temperature.
 
         Every stiffness is times F/F0, with its error; what
         ``dashpot.extensions.materials.csr.lifetime_prediction.aged_fit`` says of that holds.
@@ -223,7 +223,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     @property
     def headline(self) -> str:
-        """How many ovens, and what drives the aging."""
+        """The activation energy, or the chemical relaxation time, and the number of ovens."""
         last = self.found[-1 if self.law.activation else 1]
         hours = format_quantity(self.longest, "h", ".4g")
         return (
@@ -233,7 +233,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
 
 def format_fact_clause(fact: ReportedValue) -> str:
-    """Return a number with its interval as a sentence has it."""
+    """Return a number with its interval for a sentence."""
     cells = fact.cells
     if fact.is_lower_bound or not fact.has_interval:
         return f"the {fact.label} is {cells.value or cells.interval} {cells.unit}"

@@ -17,7 +17,7 @@ _HOURS = (0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000)
 
 
 def _ovens() -> str:
-    """Three specimens at 100, 125 and 150 degC: 3 % a decade, 90 kJ/mol; 1 % of F0 noisy."""
+    """Return three specimens at 100, 125 and 150 degC: 3 % a decade, 90 kJ/mol; noise of 1 %."""
     random = np.random.default_rng(1)
     lines = [f"# {byline('simulated compression stress relaxation')}", "# simulated, method A"]
     lines.append("time [h],force [N],temperature [degC],piece")

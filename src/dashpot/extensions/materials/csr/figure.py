@@ -38,7 +38,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
 
 
 def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
-    """Return what is left of the force at a temperature over time, with its 95 % interval.
+    """Return the predicted force at a temperature over time, with its 95 % interval.
 
     Parameters
     ----------

@@ -91,24 +91,24 @@ def _problem(
     read: Readings,
     parameters: Sequence[Parameter],
     rates: Callable[[FloatArray], tuple[FloatArray, float]],
-    doubts: Sequence[float],
+    prior_sds: Sequence[float],
     scatter: float,
 ) -> Problem:
     """Return all forces by a physical loss and the rate of every oven.
 
-    The last parameters are `doubts` in their standard deviations, with a prior each: errors of
+    The last parameters are `prior_sds` in their standard deviations, with a prior each: errors of
     ovens, if `rates` has any, and a drift, in parts of F0 in 1000 h; below what weighs them.
     """
-    values = [doubt for doubt in doubts if doubt > 0]
+    values = [sd for sd in prior_sds if sd > 0]
     of_specimen = np.eye(read.specimens)[read.specimen_number]
     below = np.zeros((len(values), read.specimens))
-    drifted = read.time / checks.LONG * read.weak * doubts[-1]
+    drifted = read.time / checks.LONG * read.weak * prior_sds[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
         shape = retained_fraction(read.time, float(theta[0]), rate[read.oven], exponent)
         off = theta[len(theta) - len(values) :]
-        force = read.force - drifted * off[-1] if doubts[-1] else read.force
+        force = read.force - drifted * off[-1] if prior_sds[-1] else read.force
         y = np.concatenate((force, -scatter * off))
         return Rows(y, np.vstack((shape[:, None] * of_specimen, below)))
 
@@ -117,7 +117,7 @@ def _problem(
 
 
 def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
-    """A rate for each oven, over its longest time: they show the scatter of a reading, too."""
+    """Return the fit of one rate for each oven, which also gives the scatter of a reading."""
     ovens = len(read.temperature)
     parameters = [_PHYSICAL, *(Parameter(-2, 200, 0.1) for _ in range(ovens))]
     values = np.array([read.force[read.oven == k].min() for k in range(len(read.temperature))])
@@ -139,7 +139,7 @@ def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
 
 
 def _bound(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
-    """Return the law without chemistry: what the hottest oven does not rule out of it."""
+    """Return the law without chemical aging, with its upper limit by the hottest oven."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = uncertainty.covariance[0, 0]
     fastest = max(hottest.rate, 0.0) + BOUND * hottest.rate_error
@@ -153,13 +153,13 @@ def _arrhenius(
     read: Readings,
     uncertainty: Estimate,
     ovens: Sequence[Oven],
-    doubts: tuple[float, float],
+    prior_sds: tuple[float, float],
     *,
     stated: bool,
 ) -> tuple[AgingLaw, dict[str, float], float | None]:
-    """The law of all ovens, BIC of each exponent, and how far they lie from one line of 1/T."""
+    """Return the law of all ovens, the BIC of each exponent, and the misfit of Arrhenius' line."""
     kelvin, power, several = read.temperature, uncertainty.noises[0].power, len(ovens) > 1
-    sd, drift = doubts
+    sd, drift = prior_sds
     middle, offsets = float(1 / np.mean(1 / kelvin)), len(ovens) if several and sd else 0
     colder = (1 / kelvin - 1 / middle) / GAS
 

@@ -1,4 +1,4 @@
-r"""Law of aging: counterforce by physical relaxation and Arrhenius aging.
+r"""Aging law: counterforce by physical relaxation and Arrhenius aging.
 
 .. math:: \frac{F}{F_0} = \Bigl(1 - p \log_{10}\frac{t}{t_0}\Bigr)
           \exp\Bigl[-\Bigl(\frac{t - t_0}{\tau(T)}\Bigr)^{\beta}\Bigr], \qquad
@@ -21,9 +21,9 @@ from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.shift_laws import GAS
 
 FIRST = 1800.0
-"""When F0 is read, s after the compression."""
+"""Time of F0 after the compression, s."""
 NEVER = 1e12
-"""Thirty thousand years, s: no life is looked for beyond."""
+"""Longest lifetime that is computed, s: thirty thousand years."""
 BOUND = 1.645
 """Standard errors of a limit to one side, 95 %."""
 _STEPS = np.array([1e-4, 1e-3, 10.0, 1e-4])
@@ -83,12 +83,12 @@ class AgingLaw(EqualByValue):
         return float(np.exp(self.chemical + self.activation * colder))
 
     def compute_retention(self, temperature: float, time: float) -> float:
-        """F/F0 at a temperature, K, after a time, s."""
+        """Return Return F/F0 at a temperature, K, after a time, s."""
         rate = 1 / self.tau(temperature)
         return float(retained_fraction(np.array([time]), self.physical, rate, self.exponent)[0])
 
     def life(self, temperature: float, part: float) -> float:
-        """When F/F0 has fallen to a part, s; infinite if that is never."""
+        """Return the time at which F/F0 has fallen to a part, s; infinite if never."""
         low, high = np.log(FIRST), np.log(NEVER)
         if self.compute_retention(temperature, NEVER) > part:
             return float("inf")
@@ -99,11 +99,11 @@ class AgingLaw(EqualByValue):
         return float(np.exp((low + high) / 2))
 
     def lower_limit(self) -> AgingLaw:
-        """Return the law of a limit: with the largest physical loss that is believed."""
+        """Return the law of the limit, with the largest plausible physical loss."""
         return replace(self, physical=self.physical + BOUND * self.errors[0])
 
     def error_of(self, what: Callable[[AgingLaw], float]) -> float:
-        """Standard error of what follows of the law (delta method); infinite if not known."""
+        """Return the standard error of a function of the law by the delta method."""
         G = np.zeros((1, 4))
         for i in np.flatnonzero(np.diag(self.covariance)).tolist():
             down, up = (self._shift_parameter(i, sign * _STEPS[i]) for sign in (-1, 1))

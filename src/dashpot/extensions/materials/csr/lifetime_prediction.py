@@ -1,4 +1,4 @@
-"""Lifetime at a temperature, and force left after a time, by an aging law."""
+"""Lifetime at a temperature, and retained force after a time, by an aging law."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
 
 LOWER = 65e3
-"""What the activation energy falls to in the cold, J/mol (EPDM, Gillen et al. 2003)."""
+"""Activation energy at low temperature, J/mol (EPDM, Gillen et al. 2003)."""
 
 
 @dataclass(frozen=True, repr=False)
 class Aged(HasVerdict, Serialisable):
-    """Force left at a temperature over time.
+    """Predicted retained force at a temperature over time.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def answers(self) -> tuple[ReportedValue, ...]:
-        """Each time until a part of F0 is left, s, and each part that is left after a time."""
+        """Lifetimes to the requested parts of F0, s, and retained parts after requested times."""
         every = (_facts(self.aging, self.temperature, *_end(name)) for name in self.until)
         return tuple(fact for facts in every for fact in facts)
 
@@ -74,7 +74,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict, with the first lifetime or retained force."""
         message = f"at {celsius(self.temperature)} {format_fact_clause(self.answers[0])}"
         return verdict(self.checks, headline=message)
 
@@ -82,7 +82,7 @@ class Aged(HasVerdict, Serialisable):
 def predict_aging(
     aging: Aging, *, temperature: Quantity | None = None, until: str | Sequence[str] = ()
 ) -> Aged:
-    """Predict at a temperature when parts of F0 are left, or what is left after times.
+    """Predict lifetimes to parts of F0 at a temperature, or retained forces after times.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def predict_aged(
     until: str | Sequence[str] = (),
     new: Fit | None = None,
 ) -> Aged | Fit:
-    """What :func:`predict_aging` finds, or the fit of a new seal after the one time that is asked.
+    """Return the result of :func:`predict_aging`, or the fit of a new seal after one time.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def aged_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
 
 
 def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
-    """Return each question; a number without its sign or unit is refused as a word of it is."""
+    """Return the requested ends, as parts of F0 or times."""
     return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
 
 
@@ -210,12 +210,12 @@ def _end(text: str) -> tuple[float, float]:
 
 
 def _compute_question_time(law: AgingLaw, temperature: float, part: float, time: float) -> float:
-    """Return how far in time a question goes, s."""
+    """Return the latest time of a requested end, s."""
     return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
 
 
 def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
-    """Return what a question is answered: a number with its interval, or at least so much."""
+    """Return the predicted number with its interval, or its lower bound."""
     law, coldest = aging.law, aging.ovens[0].temperature
     if math.isnan(part):
         words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
@@ -251,7 +251,7 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
 
 
 def _if_it_falls(aging: Aging, temperature: float) -> AgingLaw | None:
-    """Return the law whose activation energy falls below the coldest oven; None where none can."""
+    """Return the law with a lower activation energy below the coldest oven; None without one."""
     law, coldest = aging.law, aging.ovens[0].temperature
     if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None
@@ -261,7 +261,7 @@ def _if_it_falls(aging: Aging, temperature: float) -> AgingLaw | None:
 def _compute_answer_shift(
     aging: Aging, temperature: float, part: float, time: float
 ) -> float | None:
-    """By how many standard errors that changes an answer."""
+    """Return the change of a prediction by the lower activation energy, in standard errors."""
     law, flat = aging.law, _if_it_falls(aging, temperature)
     if flat is None:
         return None

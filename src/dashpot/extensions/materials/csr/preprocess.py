@@ -14,11 +14,11 @@ from dashpot.extensions.materials.csr.law import FIRST
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
 EARLIEST = 600.0
-"""A first reading sooner after the compression, s, is none of F0: half its decay is to come."""
+"""Earliest time of F0 after the compression, s: before, half of its decay is to come."""
 ONE_OVEN = 2.0
-"""K within which specimens are of one oven."""
+"""Temperature difference within which specimens are in one oven, K."""
 _FEWEST = 3
-"""Readings of a specimen."""
+"""Least number of readings of a specimen."""
 
 
 class Readings(NamedTuple):
@@ -45,7 +45,7 @@ class Readings(NamedTuple):
 
     @property
     def specimens(self) -> int:
-        """How many there are."""
+        """Number of specimens."""
         return int(self.specimen_number[-1]) + 1
 
     @property
@@ -54,7 +54,7 @@ class Readings(NamedTuple):
         return np.array([self.time[self.oven == k].max() for k in range(len(self.temperature))])
 
     def ovens(self, estimate: Estimate) -> tuple[Oven, ...]:
-        """Every oven with its rate, and its readings over the fitted F0 of each specimen."""
+        """Return every oven with its rate and its readings over the fitted F0 of each specimen."""
         scale, ovens = estimate.optimum.beta[self.specimen_number], []
         for k, kelvin in enumerate(self.temperature.tolist()):
             value, longest = self.oven == k, float(self.longest[k])

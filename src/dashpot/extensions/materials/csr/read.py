@@ -32,7 +32,7 @@ from dashpot.reading.text.cells import split
 def read_text_column(
     file: OpenedFile, names: AbstractSet[str], loaded: LoadedColumns
 ) -> npt.NDArray[np.str_]:
-    """Return the word of every row in the column that is called so; empty where there is none.
+    """Return the texts of the column with one of some names; empty where there is none.
 
     Raises
     ------
@@ -66,7 +66,7 @@ _SPECIMEN_COLUMNS = {
 _METHOD = {"method", "methode", "verfahren"}
 _SAID = re.compile(r"\bmethod\s*[:=,;]?\s*([ab])\b")
 _WHOLE = 1.5
-"""Per cent of F0 with which no specimen begins: such are parts of 1."""
+"""Per cent of F0 below the first reading of any specimen: such columns are parts of 1."""
 
 
 def read_csr(
@@ -153,7 +153,7 @@ def _oven(
 
 
 def _refuse_parts(file: OpenedFile, index: int, largest: float) -> None:
-    """Refuse per cent that are parts of 1."""
+    """Refuse a column in per cent whose values are parts of 1."""
     column = file.table.columns[index]
     if (
         is_ratio(column)

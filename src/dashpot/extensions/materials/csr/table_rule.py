@@ -12,11 +12,11 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import Column, FileTable
 
 _LONG = 3600.0
-"""Seconds in a unit of time that no test on a bench is kept in."""
+"""Seconds in a unit of time too long for a bench test."""
 _OTHERS: tuple[Role, ...] = (
     "displacement", "acceleration", "strain", "stress", "frequency",
 )  # fmt: skip
-"""Roles of what moves, and of a material: with them a table is another test."""
+"""Roles of motion and material: a table with them is another test."""
 _RATIO = re.compile(r"\bf\s*/\s*f[_ ]?(0|o)\b|\bretain|\bretention|\bcounterforce|\bsealing force")
 _DIGIT = re.compile(r"\d")
 _SAID = re.compile(
@@ -25,7 +25,7 @@ _SAID = re.compile(
 
 
 def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
-    """Return the options with clock and force named, of such a table; None of another.
+    """Return the options with the columns of time and force; None for another table.
 
     A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
     that nothing depends on, for the F0 of every specimen is free.

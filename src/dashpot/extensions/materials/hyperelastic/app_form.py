@@ -14,7 +14,7 @@ ASKS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), each=True)
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> HyperelasticFit:
-    """Return the law of the curves."""
+    """Return the hyperelastic law fitted to the files."""
     modes: dict[str, list[str]] = {}
     for i, path in enumerate(files):
         modes.setdefault(form.get_text(f"test {i}") or next(iter(MODES)), []).append(path)

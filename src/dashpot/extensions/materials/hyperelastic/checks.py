@@ -25,7 +25,7 @@ from dashpot.numerics.inference.covariance_estimate import DerivedQuantity
 
 FOLLOWED = 0.05
 ALIKE = 0.05
-TOLD = 0.1
+LARGEST_ERROR = 0.1
 SCALED = 1.1
 _MUCH_CLOSER = 0.25
 """Part of what a rubber's law leaves, below which the other material is named."""
@@ -51,7 +51,7 @@ def run_checks(
     *,
     requested: Span | None,
 ) -> tuple[Check, ...]:
-    """Every check of a law."""
+    """Return every check of a hyperelastic law."""
     shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
     worst = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
@@ -76,7 +76,7 @@ def run_checks(
         compressible_law_no_better(None if foam else min(chosen.rms, flexible), still),
         stable_in_use(least, where, fit.stable),
         modes_enough(len({curve.mode for curve in shaped}), both=_both_ways(shaped), foam=foam),
-        unmeasured_modes_determined(*_untold(fit, chosen, tried, quantity, times)),
+        unmeasured_modes_determined(*_find_mode_error(fit, chosen, tried, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, chosen.rms))),
         use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
         constants_determined(fit.law.constant_names[wide], float(half[wide]) / largest),
@@ -106,21 +106,21 @@ def least_drucker(law: Hyperelastic, reach: dict[Mode, Span]) -> tuple[float, st
     return min(pairs)
 
 
-def _untold(
+def _find_mode_error(
     fit: HyperelasticFit,
     chosen: HyperelasticOptimum,
     tried: Sequence[HyperelasticOptimum],
     quantity: DerivedQuantity,
     times: float,
 ) -> tuple[float | None, str, str]:
-    """The largest doubt of the stress in a mode that was not measured, over the largest there."""
+    """Return the largest error of the stress in an unmeasured mode, over the largest stress."""
     measured = {curve.mode for curve in fit.curves}
     score = dict(fit.orders)
     close = min(score.values()) + _AS_GOOD
     others = [
         optimum for optimum in tried if score[optimum.name] <= close and optimum.name != chosen.name
     ]
-    doubts: list[tuple[float, str, str]] = []
+    errors: list[tuple[float, str, str]] = []
     for mode, (low, high) in fit.reach:
         if mode in measured:
             continue
@@ -129,19 +129,19 @@ def _untold(
         size = float(np.abs(stress).max())
         for other in others:
             ratio = float(np.abs(other.law.nominal(mode, x) - stress).max()) / size
-            doubts.append((ratio, mode, f"{other.name} follows the tests too and differs"))
+            errors.append((ratio, mode, f"{other.name} follows the tests too and differs"))
         if not chosen.law.exponents:
             J = chosen.law.columns(mode, x)
             covariance = quantity.covariance[: J.shape[1], : J.shape[1]]
             wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, covariance, J))
-            doubts.append((float(wide.max()) / size, mode, "the law is uncertain"))
-    return max(doubts, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
+            errors.append((float(wide.max()) / size, mode, "the law is uncertain"))
+    return max(errors, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
 
 
 def _compute_extrapolation_ratio(
     curves: Sequence[ElasticCurve], poisson: float, requested: Span | None
 ) -> float:
-    """The largest logarithmic strain of use over the largest principal one of a test, by sign."""
+    """Return the largest logarithmic strain of use over that of the tests, by sign."""
     if requested is None:
         return 1.0
     ends = np.concatenate([
@@ -158,7 +158,7 @@ def _compute_extrapolation_ratio(
 
 
 def _compare_repeat_files(curves: Sequence[ElasticCurve]) -> float | None:
-    """The largest mean difference of two files of one mode over what both cover."""
+    """Return the largest mean difference of two files of one mode over their common range."""
     values = []
     for curve, other in combinations(curves, 2):
         low = max(curve.stretch[0], other.stretch[0])
@@ -174,13 +174,13 @@ def _compare_repeat_files(curves: Sequence[ElasticCurve]) -> float | None:
 
 
 def _estimate_measure_error(curves: Sequence[ElasticCurve]) -> float:
-    """What the stress would be off by if it were the true one, where nothing says which."""
+    """Return the error of the stress if an unstated measure were the true stress."""
     open_ = [curve for curve in curves if not curve.stated and curve.mode != "volumetric"]
     return max((float(np.abs(curve.stretch - 1).max()) for curve in open_), default=0.0)
 
 
 def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple[float, str]:
-    """The shift of one curve's zero without which no stable law comes half as close."""
+    """Return the shift of a curve's zero that halves the residual of stable laws."""
     result = (best, 0.0, "")
     for i, elastic_curve in enumerate(curves):
         far = float(elastic_curve.stretch[np.argmax(np.abs(elastic_curve.stretch - 1))] - 1)
@@ -193,7 +193,7 @@ def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple
 
 
 def _both_ways(curves: Sequence[ElasticCurve]) -> bool:
-    """Whether one file shows tension and compression."""
+    """Return whether one file covers tension and compression."""
     return any(
         min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH
         for curve in curves
@@ -204,7 +204,7 @@ def _both_ways(curves: Sequence[ElasticCurve]) -> bool:
 def _find_better_scale(
     curves: Sequence[ElasticCurve], poisson: float, best: float
 ) -> tuple[float | None, float, str]:
-    """How many times closer a stable law comes if one mode's stress is scaled; how, and which."""
+    """Return the reduction of the residual by scaling the stress of one mode, factor and mode."""
     modes = dict.fromkeys(curve.mode for curve in curves if curve.mode != "volumetric")
     if len(modes) < 2:
         return None, 0.0, ""
@@ -225,7 +225,7 @@ def _find_better_scale(
 def _reading(
     curves: Sequence[ElasticCurve], poisson: float, best: float
 ) -> tuple[float | None, str, float]:
-    """How many times closer a stable law comes if one file is read otherwise, and how."""
+    """Return the reduction of the residual by another label of one file, and the label."""
     if len({curve.mode for curve in curves}) < 2:
         return None, "", best
     result = (best, "")
@@ -376,16 +376,16 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
     )
 
 
-@criterion("error of the stress / largest stress", "<=", TOLD, "our choice: a tenth")
-def unmeasured_modes_determined(doubt: float | None, mode: str, why: str) -> Finding:
+@criterion("error of the stress / largest stress", "<=", LARGEST_ERROR, "our choice: a tenth")
+def unmeasured_modes_determined(error: float | None, mode: str, why: str) -> Finding:
     """The data determine the stress in the modes that were not measured."""
-    if doubt is None:
+    if error is None:
         return Finding("No second law fits the tests, so the other modes are not compared")
     if not mode:
         return Finding("Every mode was measured", 0.0)
     return Finding(
-        f"In {mode}, which was not measured, {why} by {100 * doubt:.2g} % of the largest stress",
-        doubt,
+        f"In {mode}, which was not measured, {why} by {100 * error:.2g} % of the largest stress",
+        error,
         "The tests do not determine the law there",
         "Measure that mode, or use the law in the measured modes only.",
     )

@@ -114,7 +114,7 @@ class StressStrainTest(EqualByValue, HasSummary):
 
     @property
     def summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and what was done."""
+        """The record, and its loading mode."""
         return (
             describe_record_source(self.source, len(self.stretch)),
             f"{self.mode}, stretch {self.stretch.min():.4g} to {self.stretch.max():.4g}",
@@ -238,7 +238,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def headline(self) -> str:
-        """The law, what it leaves of the stress, and over which stretches it holds."""
+        """The law, its residual, and its range of stretches."""
         reach = [span for _, span in self.reach]
         low, high = min(values[0] for values in reach), max(values[1] for values in reach)
         return (

@@ -134,7 +134,7 @@ def fit_hyperelastic(
 def _split_volumetric_curves(
     curves: Sequence[ElasticCurve], *, foam: bool
 ) -> tuple[list[ElasticCurve], list[ElasticCurve]]:
-    """Return what the law is fitted to, and what tells the bulk modulus of a rubber alone."""
+    """Return the curves of the law, and the volumetric one of the bulk modulus of rubber."""
     if foam:
         return list(curves), []
     return (
@@ -162,7 +162,7 @@ def _fit_rubber_laws(
 def _power_laws(
     rows: WeightedCurves, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
-    """Return the law of so many terms; or of one and two, and of more while each is worth it."""
+    """Return the laws of a number of terms, or of increasing numbers while each pays."""
     if terms != "auto":
         return [power_law(rows, terms, kind, poisson)]
     optima = [power_law(rows, count, kind, poisson) for count in (1, 2)]
@@ -218,7 +218,7 @@ def _chosen(
 def _sideways(
     tests: Sequence[StressStrainTest], law: ElasticKindAsked, poisson: float | None
 ) -> tuple[float | None, bool]:
-    """Poisson's ratio by the strain sideways, if any shows it, and whether a foam is fitted."""
+    """Return Poisson's ratio by lateral strain, if measured, and whether a foam is fitted."""
     shown = [test.poisson for test in tests if test.poisson is not None]
     ratio = sum(shown) / len(shown) if shown else None
     swells = ratio is not None and ratio < SWELLS
@@ -231,7 +231,7 @@ def _sideways(
 def _make_law_facts(
     optimum: HyperelasticOptimum, values: FloatArray, half: FloatArray
 ) -> tuple[ReportedValue, ...]:
-    """Constants, exponents and the shear modulus with their intervals."""
+    """Return constants, exponents and the shear modulus with their intervals."""
     law = optimum.law
     names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
     names += ["poisson"] * (len(names) < len(values) - 1)
@@ -268,7 +268,7 @@ def _with_bulk(optimum: HyperelasticOptimum, bulk: float | None) -> Hyperelastic
 
 
 def _compute_relative_residual(optimum: HyperelasticOptimum, curve: ElasticCurve) -> float:
-    """Rms of what the law leaves of a curve, over the rms of its stress."""
+    """Return the rms residual of a curve over the rms of its stress."""
     residual = curve.stress - optimum.law.nominal(curve.mode, curve.stretch)
     return float(np.sqrt(np.mean(residual**2))) / curve.size
 
@@ -298,7 +298,7 @@ def reach_of(
 
 
 def _as_large(mode: Mode, spans: dict[Mode, Span], poisson: float) -> Span:
-    """Stretches of a mode that was not measured, of the size of those that were."""
+    """Return stretches of an unmeasured mode of the size of the measured ones."""
     along = direction(mode, poisson)
     measured = [
         [math.log(span[end]) * direction(name, poisson) for name, span in spans.items()]

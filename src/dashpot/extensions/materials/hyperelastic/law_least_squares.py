@@ -94,7 +94,7 @@ class HyperelasticOptimum(NamedTuple):
 
 
 def weighed(curves: Sequence[ElasticCurve]) -> WeightedCurves:
-    """Return curves with the weights that give every mode the same say."""
+    """Return curves with weights that make the modes equal."""
     modes = {curve.mode for curve in curves}
     total = sum(len(curve.stretch) for curve in curves)
     weight = {}
@@ -107,7 +107,7 @@ def weighed(curves: Sequence[ElasticCurve]) -> WeightedCurves:
 
 
 def invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOptimum:
-    """Return the law of the invariants that follows the curves best: linear least squares."""
+    """Return the best law of the invariants, by linear least squares."""
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
     A = np.concatenate([w[:, None] * unit.columns(curve.mode, curve.stretch) for w, curve in parts])
@@ -180,7 +180,7 @@ def _paths(rows: WeightedCurves, poisson: float) -> list[Path]:
 
 
 def _columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> FloatArray:
-    """Weighed stress of a term of each exponent."""
+    """Return the weighted stress of a term of each exponent."""
     return np.concatenate(
         [
             w[:, None] * np.stack([power_column(along, a) for a in exponents], axis=-1)
@@ -190,7 +190,7 @@ def _columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> Flo
 
 
 def compute_best_stable_misfit(curves: Sequence[ElasticCurve], poisson: float) -> float:
-    """Return what the most flexible stable law leaves of curves, rms over the rms of the stress."""
+    """Return the residual of the most flexible stable law, rms over the rms of the stress."""
     rows = weighed(curves)
     A = _columns(rows, SPECTRUM, poisson)
     mu, _ = solve_linear(A, rows.target, positive=True)

@@ -76,7 +76,7 @@ class _Card(NamedTuple):
 def _missing(
     law: Hyperelastic, target: str, bulk: float | None, density: float | None
 ) -> Iterator[str]:
-    """What a card needs that neither the tests nor the options say."""
+    """Data of a card that neither tests nor options state."""
     if law.kind != "hyperfoam" and law.bulk is None and bulk is None:
         yield (
             "the change of volume was not tested, and no solver takes a rubber without; add "
@@ -182,7 +182,7 @@ def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
 
 
 def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str, str]]:
-    """Return what is wrong and can be overlooked, each with its remedy."""
+    """Return the warnings of a card, each with its remedy."""
     problems = {}
     if kelvin is None:
         problems["temperature"] = (

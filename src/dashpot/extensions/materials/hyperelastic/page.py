@@ -12,7 +12,7 @@ from dashpot.report.tables import TextTable
 
 
 def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
-    """Return what the cards on its page are asked for."""
+    """Return the options of the material cards on the page."""
     unstated = () if hyperelastic_fit.temperature is not None else ("temperature",)
     if hyperelastic_fit.law.bulk_modulus is not None:
         return DeckTerms(None, unstated=unstated)
@@ -21,7 +21,7 @@ def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
 
 
 def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
-    """Return what the page of a hyperelastic law holds."""
+    """Return the page of a hyperelastic law."""
     use = {"stable_in_use", "use_range_measured", "bulk_modulus_determined"}
     law = {"law_residual_small", "no_better_law", "compressible_law_no_better",
         "constants_determined", "modes_enough",

@@ -24,7 +24,7 @@ _SCATTERED = 4
 
 
 class _LoadingRows(NamedTuple):
-    """Rows of the loading, and what the others say of it."""
+    """Rows of the chosen loading, with its loss and softening."""
 
     rows: IndexArray
     lost: float | None

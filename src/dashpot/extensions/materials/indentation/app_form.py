@@ -18,7 +18,7 @@ ASKS = (
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> IndentationFit:
-    """Return what the contact says of the surface."""
+    """Return the fitted contact law of the file, with the values of the form."""
     indenter = Indenter(
         mass=form.require_quantity("mass", "mass"),
         radius=form.number("radius", "length"),

@@ -71,7 +71,7 @@ def run_checks(
 
 
 def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
-    """The mean record just after release, over the push, and its noise; None where it ends."""
+    """Return the mean record after release over the push, and its noise; None where it ends."""
     if fit.of not in {"acceleration", "force"}:
         return None, 0.0
     after = (fit.time > 1.02 * fit.duration) & (fit.time < 1.25 * fit.duration)
@@ -82,7 +82,7 @@ def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
 
 
 def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
-    """Impulse of a force that was recorded too, over mass times the change of speed."""
+    """Return the impulse of a recorded force over mass times the change of speed."""
     if test.force is None or test.of == "force" or test.indenter.mass is None:
         return None
     since = test.time - fit.touch
@@ -96,7 +96,7 @@ def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
 
 
 def _noise_correlation_fraction(fit: IndentationFit, step: float) -> float | None:
-    """Time over which the noise in flight remembers itself, over the contact's."""
+    """Return the correlation time of the noise in flight, over the length of the contact."""
     residual = (fit.measured - fit.modelled)[fit.time < 0]
     if len(residual) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
         return None

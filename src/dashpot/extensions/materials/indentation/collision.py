@@ -34,7 +34,7 @@ _ROUNDS = 30
 _REMEMBERED = 1024
 """Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
 _LONGEST = 300.0
-"""Of a contact, in times of a Hertzian one: what lasts longer never lets go."""
+"""Longest contact, in lengths of a Hertzian one."""
 
 State: TypeAlias = tuple[float, ...]
 
@@ -69,12 +69,12 @@ class Collision(EqualByValue):
 
     @property
     def restitution(self) -> float:
-        """Speed of release over speed of approach."""
+        """Release speed over impact speed."""
         return float(-self.velocity[-1] / self.velocity[0])
 
     @property
     def approach(self) -> float:
-        """Speed at the touch, m/s."""
+        """Impact speed, m/s."""
         return float(self.velocity[0])
 
     @property

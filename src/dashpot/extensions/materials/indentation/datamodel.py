@@ -93,7 +93,7 @@ class IndentationTest(EqualByValue, HasSummary):
 
     @property
     def step(self) -> float:
-        """Between two samples, s."""
+        """Sampling interval, s."""
         return median(np.diff(self.time))
 
     @property
@@ -103,7 +103,7 @@ class IndentationTest(EqualByValue, HasSummary):
 
     @property
     def summary_lines(self) -> tuple[str, ...]:
-        """Which record it is, and what was recorded."""
+        """The record, and its channels."""
         return (
             describe_record_source(self.source, len(self.time)),
             (
@@ -189,12 +189,12 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def values(self) -> dict[str, float]:
-        """What was found, by its names."""
+        """Fitted values by name."""
         return {fact.name: fact.value for fact in self.found}
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 %, by the same names."""
+        """95 % intervals by name."""
         return {fact.name: (fact.low, fact.high) for fact in self.found}
 
     @property
@@ -204,7 +204,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     @property
     def scores(self) -> dict[str, float]:
-        """BIC of each law that was tried."""
+        """BIC of each fitted law."""
         return dict(self.orders)
 
     @property

@@ -84,7 +84,7 @@ _DECIDED = 10.0
 
 @dataclass(frozen=True, eq=False)
 class _NearHit:
-    """The samples about one contact, and the columns of what the sensor adds."""
+    """Samples around one contact, with the columns of the sensor's offset and drift."""
 
     test: IndentationTest
     contact: ContactInterval
@@ -107,12 +107,12 @@ class _NearHit:
         return self.sample_collision(law.collision(theta, self.mass, pull), float(theta[-1]))
 
     def rows(self, law: Law, pull: float, theta: FloatArray) -> Rows:
-        """The record less a motion, and what the sensor adds, beside what is known of that."""
+        """Return the residuals of a motion, with the columns of the sensor and their priors."""
         none = np.zeros(len(self.prior))
         value, rate, stretched = self.simulate_signal(law, theta, pull)
 
         def slope(_: FloatArray) -> FloatArray:
-            """Exact but for what a motion is marched again for: the law's own numbers, the pull."""
+            """Return the derivatives, exact except for the law's own parameters and the pull."""
 
             def differentiate_signal(theta: FloatArray, pull: float) -> FloatArray:
                 return (self.simulate_signal(law, theta, pull).value - value) / STEP
@@ -138,7 +138,7 @@ class _NearHit:
 
 @dataclass(frozen=True, eq=False)
 class _LawOptimum:
-    """One law at its optimum."""
+    """One contact law at its optimum."""
 
     name: str
     hit: Collision
@@ -168,7 +168,7 @@ class _LawOptimum:
 
 
 def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> IndentationFit:
-    """Return what the largest contact of a record says of the surface.
+    """Fit the contact law of a surface to the largest contact of a record.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
 
 
 def _refuse_absurd(facts: Sequence[ReportedValue], radius: float | None) -> None:
-    """Refuse what mass and radius make of a contact where no rubber does so."""
+    """Refuse mass and radius that give a modulus outside that of any rubber."""
     entries = {fact.name: fact.value for fact in facts}
     remedy = "Check the mass and the radius of the indenter, and their units."
     if radius is None or "modulus" not in entries:
@@ -267,7 +267,7 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
 
 
 def _detect_clipped_samples(signal: FloatArray, of: str) -> BoolArray:
-    """Samples at the limit of a sensor: several in a row of one and the same largest value."""
+    """Return the number of samples at the limit of the sensor, equal and largest in a row."""
     if of in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
     at = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
@@ -278,7 +278,7 @@ def _detect_clipped_samples(signal: FloatArray, of: str) -> BoolArray:
 
 
 def _change(window: _NearHit) -> float:
-    """Of the speed by the contact, roughly."""
+    """Return an estimate of the speed by the contact."""
     signal, of = window.signal, window.test.of
     if of == "velocity":
         return float(np.ptp(signal))
@@ -292,7 +292,7 @@ def _change(window: _NearHit) -> float:
 
 
 def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
-    """Least squares from each start of a law; None if none leads to a motion."""
+    """Return the best least-squares fit of a law from its starts; None without a motion."""
     law, change, duration = LAWS[name], _change(window), window.contact.duration
     begin, far = window.contact.start, _FAR * duration
     touch = Parameter(begin - far, begin + far, duration)
@@ -302,7 +302,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         return Problem(partial(window.rows, law, pull), parameters, priors=len(window.prior))
 
     def nearly(values: Sequence[float]) -> tuple[float, FloatArray]:
-        """Return the cost of a loss and a time, as motions know it that all records share."""
+        """Return the cost of a loss and a time, by motions that all records share."""
         start = np.append(law.make_starting_parameters(duration, values, change), begin)
         rest = [0, len(start) - 2, len(start) - 1]
         optimum = problem(law.fix_loss(values), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
@@ -328,7 +328,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
 
 def _valleys(cost: FloatArray) -> list[int]:
-    """Return the entries of a table that none of their neighbours beats, the best first."""
+    """Return the local minima of a table, the best first."""
     around = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
     beaten = np.zeros(cost.shape, dtype=bool)
@@ -342,7 +342,7 @@ def _valleys(cost: FloatArray) -> list[int]:
 def _estimate_law_errors(
     window: _NearHit, name: str, best: Optimum, optima: Sequence[Optimum]
 ) -> _LawOptimum:
-    """Return a law with what its residual says of its noise, and so of its parameters."""
+    """Return a law with noise and parameter errors by its residual."""
     hit = window.simulate_collision(LAWS[name], best.theta)
     seen = window.sample_collision(hit, float(best.theta[-1]))
     model = seen.value
@@ -359,7 +359,7 @@ def _estimate_law_errors(
 
 
 def _rounding(model: FloatArray) -> float:
-    """Rms that integration and interpolation leave."""
+    """Return the rms error of integration and interpolation."""
     return _ROUNDING * float(np.ptp(model))
 
 
@@ -387,7 +387,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
     ]
 
     def ends(level: float) -> tuple[FloatArray, FloatArray]:
-        """Of all slices together, as parts of the value; of a loss, and of all others."""
+        """Return the limits by all slices, over the value."""
         reach = optimum.estimate.quantile(level)
         group = []
         for root, what in derived:
@@ -426,7 +426,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
 
 
 def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
-    """Of all valleys that the record does not rule out.
+    """Return the limits over all minima that the record does not reject.
 
     A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
     """
@@ -445,7 +445,7 @@ def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
 
 
 def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
-    """Return each number that a law's parameters give, by name, with its unit."""
+    """Return each number by the parameters of a law, by name, with its unit."""
     contact, hit = law.contact(theta, window.mass), window.simulate_collision(law, theta)
     radius = window.test.indenter.radius
     entries: dict[str, tuple[float, str]] = {"k": (contact.k, f"N/m^{contact.exponent:g}")}

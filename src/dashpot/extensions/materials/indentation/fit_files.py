@@ -20,7 +20,7 @@ def indent_file(
     law: ImpactLawAsked = "auto",
     options: ReadOptions | None = None,
 ) -> IndentationFit:
-    """Find what the largest contact in a file says of the surface.
+    """Fit the contact law of a surface to the largest contact in a file.
 
     Parameters
     ----------

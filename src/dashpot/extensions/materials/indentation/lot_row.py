@@ -15,7 +15,7 @@ from dashpot.registry import LotSpecimen
 def build_lot_row(
     file: str | Path, lot_specimen: LotSpecimen
 ) -> tuple[IndentationFit, dict[str, Any]]:
-    """Return what a hit says of the surface, and that as the columns of a row.
+    """Return the contact law of a hit, and its columns of a lot row.
 
     Raises
     ------

@@ -9,7 +9,7 @@ from dashpot.report.result_page import KindPage, Topic, group, lights, sources_b
 
 
 def page(indentation_fit: IndentationFit) -> KindPage:
-    """Return what the page of a contact holds."""
+    """Return the page of a contact."""
     law = {"law_residual_small", "parameters_determined", "laws_agree", "indentation_shallow"}
     remainder = f"{round_to_error(100 * indentation_fit.residual, digits=2)} % left"
     return KindPage(

@@ -105,7 +105,7 @@ class RodModulus(EqualByValue):
         return tuple(size * getattr(self, f"by_{name}") for name, size in sizes if size)
 
     def only(self, lines: BoolArray | IndexArray) -> RodModulus:
-        """Return the same at some of its lines."""
+        """Return the modulus at some of its lines."""
         per_line = [
             attribute.name for attribute in fields(self) if attribute.name.startswith(_PER_LINE)
         ]
@@ -113,5 +113,5 @@ class RodModulus(EqualByValue):
 
     @property
     def usable(self) -> BoolArray:
-        """The lines in the band."""
+        """Which lines lie in the usable band."""
         return np.asarray((self.frequency >= self.band[0]) & (self.frequency <= self.band[1]))

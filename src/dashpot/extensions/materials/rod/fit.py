@@ -104,7 +104,7 @@ def _order(fit: Fit) -> int | Literal["auto"]:
 
 
 def _average_lines(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:
-    """Return means over a twenty-fourth of an octave, by what each line is worth."""
+    """Return weighted means over a twenty-fourth of an octave."""
     part = np.floor(_PER_OCTAVE * np.log2(lines.frequency / lines.frequency[0]))
     first = np.flatnonzero(np.diff(part, prepend=-1.0))
     # scatter and all lines' common errors together: a line of greater error says less

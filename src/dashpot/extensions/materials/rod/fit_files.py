@@ -95,7 +95,7 @@ class Rod(HasVerdict, Serialisable):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Of the FRF, of the inversion, and of the fit."""
+        """Checks of FRF, inversion and fit."""
         # of an FRF without coherence the lines themselves show how they scatter
         seen = tuple(check for check in self.frf.checks if check.name != line_errors_stated.name)
         checks = (*seen, *self.modulus.checks)
@@ -111,7 +111,7 @@ class Rod(HasVerdict, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """Verdict, with the modulus of the usable band."""
         low, high = self.modulus.band
         return verdict(
             self.checks, headline=f"from {low:.3g} to {high:.3g} Hz the modulus is known to 10 %"
@@ -119,7 +119,7 @@ class Rod(HasVerdict, Serialisable):
 
     @property
     def shape(self) -> dict[str, Any]:
-        """Which shape, and its lengths."""
+        """Shape and lengths of the rod."""
         return {"kind": type(self.part).__name__.lower(), **to_plain_value(self.part)}
 
     @property
@@ -131,7 +131,7 @@ class Rod(HasVerdict, Serialisable):
 
     @property
     def band(self) -> tuple[float, float] | None:
-        """Where the modulus is known; None if nowhere."""
+        """Band in which the modulus is known, Hz; None without one."""
         return self.modulus.band if self.modulus.usable.any() else None
 
 
@@ -176,7 +176,7 @@ def rod_under(
     poisson: float | None = None,
     specimen: Specimen | None = None,
 ) -> Rod:
-    """Find the modulus of a rod's material from the FRF of the mass on it, judged.
+    """Find the modulus of a rod's material from the FRF of the mass on it, with its checks.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def rod_under(
 
 
 def _part(rod: RodChoices) -> Disc | Block:
-    """Return its shape; the last length is the one along it."""
+    """Return the shape of the rod; its last length is the axial one."""
     if (rod.disc is None) == (rod.block is None):
         raise DataError(
             "a rod's shape turns motion into a modulus: give "

@@ -13,7 +13,7 @@ from dashpot.report.solid_and_frf_pages import OF_LOSS, OF_REST, make_solid_grou
 
 
 def page(rod: Rod) -> KindPage:
-    """Return what the page of a rod holds."""
+    """Return the page of a rod."""
     of = rod.modulus
     low, high = of.band
     usable = bool(of.usable.any())

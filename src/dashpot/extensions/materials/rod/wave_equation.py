@@ -137,7 +137,7 @@ class _Setup:
 def _remove_sensor_offset(
     modulus: RodModulus, measured: FRF, rod: _Setup
 ) -> tuple[RodModulus, Check]:
-    """The modulus without the gain and phase that sensors show at rest, and what they show."""
+    """Return the modulus corrected for gain and phase of the sensors, and these."""
     errors, whole = modulus.errors, 0j
     values = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
     seen_first = _estimate_rest_offset(modulus, measured, rod.ratio)
@@ -168,7 +168,7 @@ def _remove_sensor_offset(
 def _invert_lines(
     measured: FRF, rod: _Setup, errors: RodErrors, *, relative_sensor: bool
 ) -> RodModulus:
-    """E* line by line, and all that is asked of its lines."""
+    """Return E* line by line, with its errors, usable lines and checks."""
     part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.quantity.over_base
     omega = 2 * np.pi * measured.frequency
     y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
@@ -244,7 +244,7 @@ def _compute_glue_sensitivity(
 def _estimate_errors_and_band(
     modulus: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
 ) -> RodModulus:
-    """With its errors, the band in which they are small, and what else limits it."""
+    """Return the modulus with its errors, its usable band and its checks."""
     E, storage, loss = modulus.modulus, modulus.storage, modulus.loss_factor
     changes = [E * values for values in spread]
     storage_sd = np.sqrt(sum(change.real**2 for change in changes))
@@ -302,7 +302,7 @@ def _scatter(lines: ComplexArray) -> FloatArray:
 
 
 def _across(part: Disc | Block) -> float:
-    r"""Return what the inertia of the bulging takes off a modulus, over k^2 (Rayleigh).
+    r"""Return the decrease of the modulus by lateral inertia, over k^2 (Rayleigh).
 
     .. math:: \nu^2 I_p / A, \qquad \nu = 1/2
     """
@@ -315,7 +315,7 @@ _Equation = Callable[[ComplexArray, float], tuple[ComplexArray, ComplexArray, Co
 
 
 def _base(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """1/T, and its derivatives by w = z^2 and by M/m."""
+    """Return 1/T, and its derivatives by w = z^2 and by M/m."""
     z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
     sine, cosine = np.sin(z), np.cos(z)
     by_z = -sine - ratio * (sine + z * cosine)
