@@ -13,7 +13,6 @@ covariance, and the stated speeds, so that all tests have one likelihood.
 from __future__ import annotations
 
 from collections.abc import Sequence
-
 from functools import cached_property
 
 import numpy as np
