@@ -125,7 +125,7 @@ def test_a_section_is_what_was_tested_over_its_length():
     )
     slope = (section.force(x + 1e-7) - section.force(x - 1e-7))[1:3] / 2e-7
     assert slope == pytest.approx(section.solid.k_inf * section.factor(x[1:3]), rel=1e-6)
-    with pytest.raises(DataError, match="was tested is not known"):
+    with pytest.raises(DataError, match="specimen of seal is not known"):
         SealSection.from_fit(altered(fit, specimen=Specimen()))
 
 

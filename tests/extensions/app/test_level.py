@@ -102,7 +102,7 @@ def test_levels_are_fitted_as_by_the_command(store, ids, names, more, shown):
     [
         (["frf0.csv"], {"levels": ["0.1N"]}, "no mass is given"),
         (["frf0.csv"], {"levels": ["0.1"], "mass": "104g"}, "has no unit"),
-        (["frf0.csv"], {"levels": ["0.1N", "1N"], "mass": "104g"}, "1 FRFs, 2 levels"),
+        (["frf0.csv"], {"levels": ["0.1N", "1N"], "mass": "104g"}, "1 FRFs, 2 amplitudes"),
         (["frf0.csv"], {"levels": ["0.1N"], "mass": "104g", "at": ["1kg"]}, "unit of force"),
         (["payne.csv"], {"law": "linear"}, "expected one of auto, factor, additive, cubic"),
         (["payne.csv", "loops.csv"], {}, "one amplitude sweep at a time"),

@@ -79,7 +79,7 @@ def test_fit_reports_forces_per_piece_without_a_length(folder):
     assert read_result(folder, "unclocked.csv")["specimens"][0]["cycles"][0]["speed"] is None
 
 
-def test_fit_reports_pieces_tested_at_other_speeds(folder):
+def test_fit_reports_specimens_tested_at_other_speeds(folder):
     found = read_result(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
     assert "speed" in next(
         c["message"] for c in found["checks"] if c["name"] == "specimens_tested_alike"
