@@ -138,3 +138,16 @@ def test_fit_asks_for_a_file():
     assert "FILE..." in did("fit", code=2).output
     with pytest.raises(dp.DashpotError, match="no file"):
         hyperelastic_files({})
+
+
+@pytest.mark.parametrize(("clocked", "says"), [(True, "at the rate of the tests, 0.05 1/s"),
+                                               (False, "at an unknown rate")])  # fmt: skip
+def test_fit_says_at_which_rate_the_law_holds(tmp_path, clocked: bool, says: str) -> None:
+    strain = np.linspace(0, 0.5, 200)
+    stress = 2 * 0.3 * (1 + strain - (1 + strain) ** -2)
+    head = f"{'time [s],' * clocked}strain [1],stress [MPa]\n"
+    columns = [*([strain / 0.05] if clocked else []), strain, stress]
+    rows = "\n".join(",".join(f"{cell:.8g}" for cell in row) for row in zip(*columns, strict=True))
+    (tmp_path / "a.csv").write_text(head + rows + "\n", "utf-8")
+    told = did("fit", tmp_path / "a.csv", "--test", "uniaxial")
+    assert f", {says}\n" in told.stdout

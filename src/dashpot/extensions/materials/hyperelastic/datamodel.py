@@ -248,6 +248,11 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         )
 
     @property
+    def loading_rate(self) -> str:
+        """At which rate of strain the law holds, as text."""
+        return self._speed.partition(":")[0].removeprefix(", ")
+
+    @property
     def _speed(self) -> str:
         """Strain rate of the law; at rest where relaxation was removed."""
         if self.relaxation is not None:

@@ -19,7 +19,7 @@ def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:
         f"  {source.file}: {note}" for source in hyperelastic_fit.sources for note in source.notes
     ]  # fmt: skip
     lines = [
-        f"  law: {hyperelastic_fit.law.kind}",
+        f"  law: {hyperelastic_fit.law.kind}, {hyperelastic_fit.loading_rate}",
         *facts(hyperelastic_fit.found),
         *table(tests),
         format_bic_differences(hyperelastic_fit.orders),
