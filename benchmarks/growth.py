@@ -35,16 +35,27 @@ SETTLED = 8
 """Beats after which a folder of still files is idle."""
 
 
+RUN = """
+import resource, subprocess, sys
+quiet = subprocess.DEVNULL
+code = subprocess.run([sys.executable, "-m", "dashpot", *sys.argv[1:]], stdout=quiet, stderr=quiet)
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(1e3 * (used.ru_utime + used.ru_stime), used.ru_maxrss / 1024)
+sys.exit(code.returncode)
+"""
+"""Run a command from a small process: the peak of a child is at least that of its parent."""
+
+
 def run_dashpot(words: Sequence[str], folder: Path) -> tuple[float, float]:
     """Return the CPU time, ms, and the peak of memory, MB, of a command that succeeds."""
-    command = [sys.executable, "-m", "dashpot", *words]
-    quiet = subprocess.DEVNULL
-    process = subprocess.Popen(command, cwd=folder, env=ENVIRONMENT, stdout=quiet, stderr=quiet)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise RuntimeError(f"dashpot {' '.join(words)}: exit status {process.returncode}")
-    return 1e3 * (usage.ru_utime + usage.ru_stime), usage.ru_maxrss / 1024
+    done = subprocess.run(
+        [sys.executable, "-c", RUN, *words],
+        check=False, capture_output=True, text=True, cwd=folder, env=ENVIRONMENT,
+    )  # fmt: skip
+    if done.returncode:
+        raise RuntimeError(f"dashpot {' '.join(words)}: exit status {done.returncode}")
+    cpu, memory = map(float, done.stdout.split())
+    return cpu, memory
 
 
 def write_record(path: Path, rows: int) -> None:
