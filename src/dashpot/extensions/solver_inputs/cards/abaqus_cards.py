@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from dashpot.base import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.extensions.solver_inputs.cards.card import (
     ViscoelasticCard,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import FitError, ReadError
 from dashpot.base.number_format import format_band

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from dashpot.base import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.extensions.solver_inputs.cards.card import (
     ViscoelasticCard,

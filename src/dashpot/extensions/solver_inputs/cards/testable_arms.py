@@ -11,10 +11,9 @@ not in it: ``dashpot plan`` has that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.numerics.inference.model_order import is_well_determined

@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from dashpot.base import dataclass
 from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import ExportError
 from dashpot.base.serialisation import Serialisable

@@ -16,11 +16,11 @@ so the other parameters follow it as the test demands, and their own covariance 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, get_choice_values
