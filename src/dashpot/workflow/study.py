@@ -304,7 +304,7 @@ class FittedTests:
         )
 
     @cached_property
-    def unmeasured(self) -> StiffnessBounds:
+    def unmeasured_arm_limits(self) -> StiffnessBounds:
         """Limits of the stiffness over every spectrum that the tests do not exclude."""
         return unseen_arm_band(self.fit, self.tests, STIFFNESS_LINES)
 
@@ -415,7 +415,7 @@ def characterise(
         mass_inferred=mass is None and on is not None,
         impact=impact,
         measured=measured,
-        unmeasured=fitted.unmeasured,
+        unmeasured=fitted.unmeasured_arm_limits,
         parameters=parameter_band(chosen, STIFFNESS_LINES),
         checks=(*checks, *response.untested, *noted),
         other_tests=(*every[:first], *every[first + 1 :]),

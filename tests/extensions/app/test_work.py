@@ -121,7 +121,7 @@ def test_another_mass_leaves_the_fit_of_the_tests(store, page_job, monkeypatch):
     jobs = [job_of(page_job | {"mass": mass}, store.folder) for mass in ("114.5g", "115g")]
     first, second = map(result_cache.study, jobs)
     assert len(fitted) == 1
-    assert first.unseen is second.unseen
+    assert first.unmeasured is second.unmeasured
     fresh = workflow.run(jobs[1])
     assert to_json(second) == to_json(fresh)
     result_cache.study(job_of(page_job | {"mass": "115g", "arms": 3}, store.folder))
