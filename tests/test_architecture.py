@@ -97,7 +97,6 @@ def test_names_given_to_load_function_resolve():
             assert callable(getattr(import_module(f"dashpot.{module}"), name))
     records = {f"datamodel/{name}.py" for name in ("frf", "relaxation", "vibration_tests")}
     rooms = {"base/result_mixins.py", "plot/picture.py", "extensions/materials/csr/datamodel.py"}
-    rooms |= {"datamodel/structure.py"}
     assert set(offered.values()) == rooms | records
     by_word = {
         file.relative_to(ROOT / "src" / "dashpot").as_posix()

@@ -143,4 +143,4 @@ def test_the_limit_moves_with_temperature_and_stiffness(results):
         b_t * ends[0].compute_stiffness(cold.model),
         rtol=1e-3,
     )
-    assert ends[1].time == pytest.approx(ends[0].time * cold.temperatures.law.a_t(288.15))
+    assert ends[1].end_time == pytest.approx(ends[0].end_time * cold.temperatures.law.a_t(288.15))

@@ -47,7 +47,7 @@ WRITTEN = {
     },
     **{
         target: lambda target=target: TARGETS[target](
-            MODEL, units="SI", **({"modulus": 1e6} if target == "radioss" else {})
+            MODEL, units="SI", **({"modulus": 1e6} if target in {"radioss", "felupe"} else {})
         ).encode()
         for target in TARGETS
     },

@@ -99,6 +99,8 @@ EXTENSION = Extension(
     solver_inputs=(
         SolverInput("nastran", "dashpot.export.decks.nastran", order=0, synonyms=("optistruct", "msc-nastran", "nx-nastran")),
         SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
+        SolverInput("statespace", "dashpot.export.decks.statespace", order=8, synonyms=("state-space", "octave", "matlab")),
+        SolverInput("csv", "dashpot.export.decks.csv", order=9),
     ),
     fits=(
         FitRow(

@@ -113,12 +113,12 @@ def test_paper_reproduction_lists_every_statement_with_its_value(made):
 
 def test_paper_statement_reports_a_deviation():
     row = paper.Statement("figure", "Fig. 6", "12.71 Hz", "13 Hz", difference=0.29, tolerance=5e-3)
-    assert row.holds is False
+    assert row.within_interval is False
     just = paper.Statement(
         "figure", "Fig. 6", "12.71 Hz", "12.715 Hz", difference=5e-3, tolerance=5e-3
     )
-    assert just.holds is True
-    assert paper.Statement("unsaid", "m", "not given", "104 g").holds is None
+    assert just.within_interval is True
+    assert paper.Statement("unsaid", "m", "not given", "104 g").within_interval is None
 
 
 @pytest.mark.parametrize(

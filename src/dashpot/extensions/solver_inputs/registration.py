@@ -26,8 +26,6 @@ EXTENSION = Extension(
         SolverInput("calculix", "dashpot.extensions.solver_inputs.calculix", order=5, synonyms=("ccx",)),
         SolverInput("opensees", "dashpot.extensions.solver_inputs.opensees", order=6, synonyms=("openseespy", "xara")),
         SolverInput("adams", "dashpot.extensions.solver_inputs.adams", order=7),
-        SolverInput("statespace", "dashpot.extensions.solver_inputs.statespace", order=8, synonyms=("state-space", "octave", "matlab")),
-        SolverInput("csv", "dashpot.extensions.solver_inputs.csv", order=9),
         SolverInput("fmu", "dashpot.extensions.solver_inputs.fmu", order=10, synonyms=("fmi",)),
         SolverInput("modelica", "dashpot.extensions.solver_inputs.modelica", order=11),
         SolverInput("felupe", "dashpot.extensions.solver_inputs.felupe", order=12),

@@ -206,7 +206,7 @@ def test_arms_are_those_of_the_solid() -> None:
 
 def test_what_makes_no_sense_is_refused() -> None:
     for choice in ({"method": "hold"}, {"elastic": "nonlinear"}, {"model": "fractional"}):
-        with pytest.raises(FitError, match="linear solid with arms: leave out --method"):
+        with pytest.raises(FitError, match="linear model with arms: leave out --method"):
             dp.fit(record(), **choice)
     with pytest.raises(FitError, match=r"shifted to no other: leave out --reference"):
         dp.fit(record(), reference="0degC")

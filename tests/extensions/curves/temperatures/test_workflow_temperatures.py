@@ -200,7 +200,7 @@ def test_temperature_figure_draws_every_test_with_one_model(bench, pair_fit):
     picture = dp.plot.temperatures(pair_fit, records)
     forces, shifts = (strip[0] for strip in picture.strips)
     labels = {mark.label for mark in forces.marks}
-    assert {"0 °C", "23 °C", "one solid"} <= labels
+    assert {"0 °C", "23 °C", "one model"} <= labels
     assert shifts.title.startswith("shift factors")
     with pytest.raises(dp.DataError, match="one temperature"):
         dp.plot.temperatures(fit(records[0], arms=1), records)
