@@ -563,7 +563,7 @@ def test_the_numbers_can_be_taken_along_in_full_precision(whole):
 
 def test_the_resonance_is_read_in_every_way_the_record_supports(whole):
     text = Page(whole).text
-    for way in ("Nyquist circle", "half-power width", "decay", "poles of a record"):
+    for way in ("circle fit", "half-power width", "logarithmic decrement", "rational-fraction fit"):
         assert f"measured: {way}" in text
     for mode in S.measured.modes(method="circle"):
         assert with_error(mode.frequency, mode.frequency_se) in text

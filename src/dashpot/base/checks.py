@@ -134,7 +134,7 @@ class Check(Serialisable):
         return f"{self.message_with_remedy} ({option})" if option else self.message_with_remedy
 
     def with_location(self, where: str) -> Check:
-        """The check as one of several things that were asked the same says it: "in test 2"."""
+        """Return the check with a location, such as "in test 2", after its message."""
         return replace(
             self, message=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.message)}"
         )
@@ -173,7 +173,7 @@ class Verdict(Serialisable):
         return tuple(check.name for check in self.failed_checks)
 
     def is_milder_than(self, other: Verdict) -> bool:
-        """Whether it holds less against the result."""
+        """Whether this verdict restricts the use less than another."""
         return _CALMEST.index(self.use) < _CALMEST.index(other.use)
 
     def __str__(self) -> str:
@@ -248,7 +248,7 @@ class HasChecks:
 
     @property
     def verdict(self) -> Verdict:
-        """What to make of it."""
+        """The verdict over `checks`."""
         return verdict(self.checks, headline=self.headline)
 
 

@@ -82,7 +82,7 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             type=Scoped(File()),
             multiple=True,
             metavar="FILE",
-            help="Answers saved by 'inspect --save'.",
+            help="Settings saved by 'inspect --save'.",
         ),
         *build_options(ReadOptions, *text, into="options"),
         *build_options(ReadOptions, *part, into="options"),

@@ -41,7 +41,7 @@ _SHORT = (
   dashpot inspect seal_8mm.csv
   dashpot inspect raw.txt --column force=Kraft --units force=N --save lab.toml
 
-The last line names the command that comes next. Answers saved with --save are
+The last line names the command that comes next. Settings saved with --save are
 given to every other command by --profile lab.toml, or hammer*.csv:lab.toml for
 some files alone.""",
     options_of.files("FILE...", least=0),

@@ -179,7 +179,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
         Of :math:`|K^*|` and :math:`\eta = K''/K'`, over every spectrum that the test does not
         reject, and no less than what the fit misses of the record's own lines
-        (``records.band_error.BandError``). Where that was not asked, by the
+        (``datamodel.bounds.BandError``). Where that was not asked, by the
         covariance of the arms, and by the limits at the end of the hold where they are wider;
         infinite where none is known.
         """
@@ -614,14 +614,16 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return replace(scale_stiffness(self, factor, step), unit="N/m")
 
 
-def scale_stiffness(fit: Fit, count: float, step: Step) -> Fit:
-    """Return a fit of which every stiffness, and its error, is `count` times as large."""
-    scale = np.array([1.0 if name.startswith(SHAPE) else count for name in fit.estimate.parameters])
+def scale_stiffness(fit: Fit, factor: float, step: Step) -> Fit:
+    """Return a fit of which every stiffness, and its error, is `factor` times as large."""
+    scale = np.array(
+        [1.0 if name.startswith(SHAPE) else factor for name in fit.estimate.parameters]
+    )
     other = fit.evidence.alternative
     return replace(
         fit,
-        solid=count * fit.solid,
-        elastic_law=None if fit.elastic_law is None else count * fit.elastic_law,
+        solid=factor * fit.solid,
+        elastic_law=None if fit.elastic_law is None else factor * fit.elastic_law,
         temperatures=None if fit.temperatures is None else fit.temperatures.times(scale),
         estimate=replace(
             fit.estimate.scale(scale),
@@ -637,8 +639,8 @@ def scale_stiffness(fit: Fit, count: float, step: Step) -> Fit:
             checks=fit.checks,
             end_of_hold=None
             if fit.evidence.end_of_hold is None
-            else fit.evidence.end_of_hold * count,
-            alternative=None if other is None else replace(other, solid=count * other.solid),
+            else fit.evidence.end_of_hold * factor,
+            alternative=None if other is None else replace(other, solid=factor * other.solid),
             band_error=fit.evidence.band_error,
         ),
         provenance=replace(fit.provenance, steps=(*fit.steps, step)),

@@ -93,7 +93,7 @@ def build_fit(
 
     Parameters
     ----------
-    estimate : FoundSolid
+    estimate : SolidEstimate
     evidence : Evidence
         Its checks in the order in which they are shown, those of the records first.
     provenance : Provenance

@@ -141,7 +141,7 @@ class RelaxationData:
         :math:`1/\sqrt S`, 1/N, with S the power of the residuals in the band of the arms.
     kappa : float
         :math:`S/s^2`: so many samples say the same thing.
-    terms : Terms
+    terms : NuisanceTerms
         What is known of private columns; the others are free.
     answer : GeneralizedMaxwell
         The solid whose force is late, and whose size the depth decides.
@@ -153,7 +153,7 @@ class RelaxationData:
         Sum of squares that the fit leaves of every sample, in units of the noise.
     moved : ThermalShift or None
         How the solid that is asked about lies at the temperature of the test.
-    unseen : Unseen or None
+    unseen : UnmeasuredEffects or None
         Doubts beside those that have a column of their own.
     drift : Prior
         As the fit that is asked about held it, N/s; `terms` are those of the doubtful rig.

@@ -292,8 +292,10 @@ def fit(
     refuse_shifts("the tests are", replace(options, reference=None) if here else options)
     if law == "nonlinear":
         _refuse_history(records)
-        shifted = _fit_hold_then_ramp(records, _law_of(records, law, options.count), options.count)
-        return _with_law(shifted, law)
+        nonlinear_fit = _fit_hold_then_ramp(
+            records, _law_of(records, law, options.count), options.count
+        )
+        return _with_law(nonlinear_fit, law)
     try:
         return _with_law(_fit_one_temperature(records, design, options), law)
     except FitError as error:
@@ -617,10 +619,10 @@ def _load_cells(
                 )
         return results
 
-    inf = np.inf if end is None else end.beyond
+    beyond_hold = np.inf if end is None else end.beyond
     answers = [
         ramp_checks.offset_plausible(away("offset")),
-        ramp_checks.drift_plausible(away("drift"), inf),
+        ramp_checks.drift_plausible(away("drift"), beyond_hold),
     ]
     late = [
         (value(name), estimate.standard_error(name), priors(record).delay.sd)

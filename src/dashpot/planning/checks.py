@@ -11,7 +11,7 @@ from dashpot.planning.expected_errors import Pulse, RecordNeed
 def loss_factor_determined(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
     """The planned test determines the loss factor well enough."""
     return Finding(
-        f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)}; "
+        f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)} (1 SD); "
         f"{format_relative_sd(wanted)} is "
         "wanted",
         sd,

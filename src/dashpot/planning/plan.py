@@ -136,7 +136,7 @@ def _ramp_advice(
     return (
         f"The loss factor at {at:g} Hz would be known to "
         f"{format_relative_sd(expected.loss_factor_sd)} "
-        f"only.{none} {sentence(', or '.join(ways))}"
+        f"(1 SD) only.{none} {sentence(', or '.join(ways))}"
     )
 
 

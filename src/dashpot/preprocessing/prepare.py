@@ -76,7 +76,9 @@ def prepare(
     machine: Machine | None = None,
     judged: bool = True,
 ) -> RampHold:
-    r"""Find the ramp and the hold, the contact and the tare; change nothing else.
+    r"""Return a test with its ramp and hold found, tared and counted from first contact.
+
+    What the machine is known to add, such as its deflection or hum, is taken off.
 
     Everything is read from the record: which way is compression, where the displacement
     ramps and rests, where the force leaves its baseline. What was done is kept in ``steps``,
@@ -626,8 +628,8 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     if record.force_noise > 0:
         force, _ = denoise_values(force, record.force_noise)
     pressed = record.displacement > 0
-    indices = np.where(pressed, machine.compliance * (force - preload), 0.0)
-    sank = _mean(record.time[record.hold], indices[record.hold])
+    deflection = np.where(pressed, machine.compliance * (force - preload), 0.0)
+    sank = _mean(record.time[record.hold], deflection[record.hold])
     if not sank < record.depth:
         raise DataError(
             f"a machine of {format_quantity(machine.compliance, 'um/N')} gives "
@@ -638,12 +640,12 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
         )
     return replace(
         record,
-        displacement=record.displacement - indices,
-        plate=None if record.plate is None else record.plate - indices,
+        displacement=record.displacement - deflection,
+        plate=None if record.plate is None else record.plate - deflection,
         depth=record.depth - sank,
         preload=preload,
         machine=machine,
-        machine_deflection=indices,
+        machine_deflection=deflection,
     )
 
 

@@ -401,9 +401,9 @@ def _solid(recommendation: Recommendation) -> str:
         arms = f"a springpot of slope {round_to_error(fit.solid.alpha)} beside it"
     tests = "both tests" if recommendation.joint else "the relaxation test"
     return (
-        f"One seal behaves as a spring of {_format_k_inf(fit)} with {arms}. At once it "
-        f"has {format_with_error(fit.model.k_0, 'N/mm')}. The valid band of {tests} is "
-        f"{hertz(fit.band)}."
+        f"One seal behaves as a spring of {_format_k_inf(fit)} with {arms}. Its "
+        f"instantaneous stiffness is {format_with_error(fit.model.k_0, 'N/mm')}. The valid band "
+        f"of {tests} is {hertz(fit.band)}."
     )
 
 

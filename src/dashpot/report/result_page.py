@@ -95,7 +95,7 @@ class KindPage:
     note : str
         What "from" and "to" are, and what an empty cell means.
     sources : tuple of Source
-    folds : tuple of Fold
+    folds : tuple of CollapsibleSection
     name : str
         Of the document, without its ending; by default as its schema is called.
     """

@@ -342,11 +342,11 @@ def resonance(study: Study) -> TextTable | None:
     if c is None or measured is None or study.mass is None:
         return None
     ways = {
-        "rational": "poles of a record of this length",
-        "circle": "Nyquist circle",
+        "rational": "rational-fraction fit of the poles",
+        "circle": "circle fit",
         "half-power": "half-power width",
-        "decrement": "decay",
-        "peak": "highest line and its neighbours",
+        "decrement": "logarithmic decrement",
+        "peak": "peak picking",
     }
     rows = [
         (f"measured: {message}", *_mode_cells(measured, way, c)) for way, message in ways.items()
@@ -444,8 +444,8 @@ def make_change_table(joint: Fit | None) -> TextTable | None:
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = (
         "",
-        "relaxation alone, ± noise",
-        "both tests, ± noise",
+        "relaxation alone, ± SE of noise",
+        "joint model, ± SE of noise",
         "change",
         "in SE of relaxation alone",
     )

@@ -278,7 +278,9 @@ def _format_parameter_changes(fit: Fit) -> list[str]:
     """Return what a further test changed, one parameter a row."""
     if not fit.evidence.parameter_changes:
         return []
-    rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
+    rows = [
+        ["  parameter", "before, ± SE of noise", "after, ± SE of noise", "change, in SE before"]
+    ]
     for item in fit.evidence.parameter_changes:
         before = "-" if item.was is None else _with_limit(item.was)
         by = (
@@ -420,7 +422,7 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     lines = [f"{on}: {does} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"]
     if prediction.height_between is not None:
         between = number_format.interval(*prediction.height_between)
-        lines.append(f"  by the errors of the fit {between} {prediction.frf.read} there")
+        lines.append(f"  95 % limits there {between} {prediction.frf.read}")
     if prediction.isolation is not None:
         lines.append(f"  the mass moves less than its base above {prediction.isolation:.5g} Hz")
     if prediction.random is not None:

@@ -371,8 +371,8 @@ def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
         away = np.abs(off(p)) > _THERE * np.abs(mass * p**2)
         if not away.any():
             break
-        change = p - off(p) / (2 * mass * p + model.slope_at(p))
-        p = np.where(away & np.isfinite(change), change, p)
+        updated = p - off(p) / (2 * mass * p + model.slope_at(p))
+        p = np.where(away & np.isfinite(updated), updated, p)
     still = np.abs(off(p)) <= _CLOSE * np.abs(mass * p**2)
     values = p[still & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
     first = [

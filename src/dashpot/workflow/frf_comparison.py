@@ -117,7 +117,7 @@ class FRFComparison(HasVerdict, Serialisable):
         True if the mass was taken from the measured FRF, so that the frequency proves nothing.
     noted : tuple of Check
         What the FRF and the mass of the seals say beside the comparison's own checks.
-    at_rest : AtRest
+    at_rest : StaticEquilibrium
         Where the mass rests, and what secant and tangent make of it.
     interval : (array, array)
         Lines, Hz, and limits of the predicted accelerance by standard errors alone, 1/kg.
@@ -127,7 +127,7 @@ class FRFComparison(HasVerdict, Serialisable):
         How many carry the block.
     in_sample : bool
         The fit was made from this very record: its agreement tests nothing.
-    unmeasured : LeftOut or None
+    unmeasured : LeaveOneOut or None
         Of such a fit: how well hits that were left out in turn are predicted, if the relaxation
         record is at hand.
 
@@ -194,7 +194,7 @@ class FRFComparison(HasVerdict, Serialisable):
     def _circular(self) -> str:
         """Return what a comparison with the hits that were fitted shows."""
         off = 100 * self.comparison.frequency_error
-        message = f"The peak is off by {off:+.2g} %. No test"
+        message = f"The peak frequency is off by {off:+.2g} %. No test"
         first = f"{message}, because the fit was made from these hits."
         if self.unmeasured is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."

@@ -241,13 +241,13 @@ class Prediction(HasVerdict, Serialisable):
         Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
     at_edge : bool
         That magnitude stands at an end of the band: it is no peak.
-    limited : Limited
+    limited : ResponseLimits
     checks : tuple of Check
         Where the mass rests, whether the peak is informed, those of the fit, and what the mass
         of the seals does.
     verdict : Verdict
         What to make of it.
-    at_rest : AtRest
+    at_rest : StaticEquilibrium
         Where the mass rests, and what secant and tangent make of it.
     alternative : RivalModes or None
     of_part : bool

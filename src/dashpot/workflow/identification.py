@@ -93,10 +93,10 @@ class Identified(HasVerdict, Serialisable):
     Attributes
     ----------
     fit : Fit
-    direct : Direct
+    direct : DirectStiffness
     noted : tuple of Check
         What the FRF and the mass of the seals say beside the fit's own.
-    at_rest : AtRest
+    at_rest : StaticEquilibrium
         Where the mass rests on it.
     vibration : ImpactResult or None
         The modes of what was measured, where nothing else was fitted.

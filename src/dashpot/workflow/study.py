@@ -139,13 +139,13 @@ class Study(Plottable, Serialisable):
         Relaxation and FRF fitted together.
     joint_prediction : FRF or None
     joint_comparison : Comparison or None
-    unmeasured : StiffnessBand or None
+    unmeasured : StiffnessBounds or None
         The widest stiffness and loss over all spectra that the relaxation test cannot reject.
-    parameters : StiffnessBand or None
+    parameters : StiffnessBounds or None
         What the standard errors of `fit` alone allow: the formal band.
     direct : DynamicStiffness or None
         Stiffness of one seal straight from the measured FRF, without a model of it.
-    static_equilibrium : AtRest or None
+    static_equilibrium : StaticEquilibrium or None
         Where the mass rests on the seals, and what secant and tangent make of it.
     frf_band : FRFBand or None
         Both kinds of ignorance as limits of the predicted accelerance.

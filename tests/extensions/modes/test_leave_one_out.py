@@ -43,7 +43,7 @@ def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
     found = compared(files)
     assert found["in_sample"] is True
     assert found["unmeasured"] is None
-    assert found["verdict"]["message"].startswith("The peak is off by ")
+    assert found["verdict"]["message"].startswith("The peak frequency is off by ")
     assert "No test, because the fit was made from these hits." in found["verdict"]["message"]
 
 

@@ -32,7 +32,7 @@ class LevelPrediction(Prediction):
 
     Attributes
     ----------
-    levels : tuple of AtLevel
+    levels : tuple of LevelResonance
         By a sweep.
     sweep : SweptPart or None
         The sweep behind them.

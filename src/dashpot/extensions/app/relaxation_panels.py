@@ -32,10 +32,10 @@ def upon_panels(
 
     Parameters
     ----------
-    first : DrawnFit
+    first : PlottedFit
         A band in its own colour.
     prepared : RampHold
-    second : DrawnFit, optional
+    second : PlottedFit, optional
         Drawn thin beside it.
     whole : RampHold, optional
         The same test to its last sample, where the hold of `prepared` is cut.

@@ -146,7 +146,7 @@ class OfQuantity(Serialisable):
     limits : Limits or None
     capability : dict
         Of each lot with two seals, where there are limits.
-    judged : tuple of Decided
+    judged : tuple of SealDecision
         Of each seal, where there are limits.
     """
 

@@ -52,7 +52,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
     entry : Entry
     hashes : sequence of str
         What the contents of its file, and of its hammer's, hashed to when the batch began.
-    choices : BatchChoices
+    choices : BatchOptions
     """
     entries = empty(entry, "", choices)
     if entry.mass is None:

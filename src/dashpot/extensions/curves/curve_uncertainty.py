@@ -74,7 +74,7 @@ class CurveData:
         Degrees of freedom of the noise.
     common : array, shape (n, d)
         What rows have in common, in units of the noise.
-    terms : Terms
+    terms : NuisanceTerms
         What is known of the other fixed columns, and unseen in those of the solid.
     """
 

@@ -276,7 +276,7 @@ def dense_spectrum_if_needed(
     few : Fit
     error : array, shape (n,)
         Its relative errors on every value of the curves.
-    origin : Superposition or AsMeasured
+    origin : Superposition or UnshiftedCurve
         Of several temperatures: then :func:`shared_spectrum_if_needed`.
     spectrum : callable
         Fits the dense spectrum of one temperature.

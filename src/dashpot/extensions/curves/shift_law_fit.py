@@ -101,7 +101,7 @@ class ShiftLawFit:
         Of them; widened by D/dof where the law misses the shifts by more than their errors.
     scores : tuple of LawScore
         Of every law that was tried, the best BIC first.
-    odd : OddOne or None
+    odd : ShiftOutlier or None
         The one temperature off the law of all others; None if there is none, or too few others.
     """
 

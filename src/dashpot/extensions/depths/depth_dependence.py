@@ -52,7 +52,7 @@ class DepthLaw:
     ----------
     law : ElasticLaw
         Relaxed force against compression.
-    by_depth : tuple of AtDepth
+    by_depth : tuple of DepthStiffness
         Each test's secant stiffnesses, shallowest first.
     separable : Check
         Whether the shape of relaxation is the same at every depth; the value is the

@@ -110,7 +110,7 @@ class Coefficient(Serialisable):
     name, unit : str
     printed, noise_free, quantised : float
         Of the paper; by eq. (5) from the ideal record; from that in steps of 1/1280 N.
-    full, hold : Fact
+    full, hold : ReportedValue
         From the virtual rig, with the interval: by the whole history, and by the hold alone as
         the paper does it.
     """

@@ -70,7 +70,7 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     ----------
     kind, by : str
         The name of the plug-in; its package and version.
-    found : tuple of Fact
+    found : tuple of ReportedValue
     checks : tuple of Check
     notes : tuple of str
     sources : tuple of Source

@@ -44,7 +44,7 @@ class HistoryLine:
         What was done, when (UTC), by whom.
     job : dict
         The document of the :class:`~dashpot.workflow.job.Job`.
-    inputs, outputs : tuple of Listed
+    inputs, outputs : tuple of FileEntry
     software : dict
         Version by name.
     previous, hash : str

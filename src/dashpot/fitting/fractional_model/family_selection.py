@@ -310,8 +310,8 @@ class FamilySelection:
 
     Attributes
     ----------
-    best : Chosen
-    arms : Chosen
+    best : SelectedModel
+    arms : SelectedModel
         The solid with arms, taken or not.
     other : Other or None
         None where arms alone were asked for.
@@ -433,7 +433,7 @@ def with_linear_fractional(bent: Fit, residuals: Sequence[FloatArray], fit: Frac
     bent : Fit
     residuals : sequence of array
         What it leaves of each test, up to the end of the hold, N.
-    fit : ChosenElement
+    fit : FractionalFit
         Of the same tests.
     """
     pairs = [

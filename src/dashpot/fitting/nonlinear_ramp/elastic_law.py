@@ -107,9 +107,9 @@ class RampLaw:
         Of the parameters of `model` and then of the law's shape at its knots.
     hold : Hold
         What the holds say without their ramps.
-    soundness : tuple of Soundness
+    soundness : tuple of LinearFitQuality
         Of each record under the linear law with the full weight of its ramp.
-    followed : Followed
+    followed : RampHoldOptimum
         The optimum of the law, and what it leaves.
     scores : tuple of ElasticLawScore
         The laws tried, the linear one first.

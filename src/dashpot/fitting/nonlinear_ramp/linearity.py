@@ -174,9 +174,9 @@ class LinearityResult(NamedTuple):
     ----------
     first : First
         Arms, up to the number asked for.
-    element : ChosenElement or None
+    element : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.
-    judged : Soundness or None
+    judged : LinearFitQuality or None
         Of the record that a linear solid explains worst; None where no ramp is judged.
     """
 
@@ -297,7 +297,7 @@ class DelayedMotion(NamedTuple):
 
     Attributes
     ----------
-    holds : Holds
+    holds : HoldBlocks
     data : FitData
     lags : tuple of float
         By how much each motion was made late, s: 0 as recorded.

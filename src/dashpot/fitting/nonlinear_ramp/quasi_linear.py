@@ -60,7 +60,7 @@ class DownsampledRows:
         Compression held in each record, m.
     noise : tuple of float
         Scatter of each record's force from sample to sample, N.
-    known : tuple of Priors
+    known : tuple of LoadCellPriors
         Of each record's nuisance terms.
     """
 
@@ -213,7 +213,7 @@ class QuasiLinear:
 
     Attributes
     ----------
-    rows : ThinnedRows
+    rows : DownsampledRows
     knots : array, shape (P,)
         m, from 0 to the deepest compression.
     weights : array, shape (P,)

@@ -75,7 +75,7 @@ class ConvolvedMotion(EqualByValue):
         What is rounding of the energy of an arm without decay: a part of all steps' energy.
     start, count, step
         First sample of the window, samples up to its end, sample interval in s.
-    steps : Steps or None
+    steps : MotionSteps or None
         The steps themselves, and their correlation.
     """
 

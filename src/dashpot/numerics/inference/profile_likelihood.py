@@ -307,7 +307,7 @@ def profiles(
     stack : Stack
         The data of the fit, in rows that do not depend on tau.
     optimum : Solution
-    targets : sequence of Profiled
+    targets : sequence of ProfileTarget
     limit : float
         A walk ends where the deviance exceeds this, or where the data say no more: at the edge
         of their window, or where a stiffness has grown out of all proportion.

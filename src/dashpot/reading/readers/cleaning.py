@@ -365,7 +365,7 @@ def interpolate_to_force_clock(loaded: LoadedColumns, ratio: float = 1.0) -> Loa
 
     Parameters
     ----------
-    loaded : Loaded
+    loaded : LoadedColumns
         Time of the force, displacement, force, time of the displacement.
     ratio : float
         The unit of the displacement's time in that of the force's.

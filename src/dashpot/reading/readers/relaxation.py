@@ -82,7 +82,7 @@ def load_signals(
 
     Parameters
     ----------
-    file : Opened
+    file : OpenedFile
     chosen : sequence of Channel
         The time unless a rate is given, what moves, what pushes.
     clocks : sequence of Channel

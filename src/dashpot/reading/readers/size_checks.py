@@ -317,7 +317,7 @@ def refuse_sizes_of_rubber(
 
     Parameters
     ----------
-    file : Opened
+    file : OpenedFile
     stretched, stressed : Channel
         Of strain or stretch, and of stress.
     strain : array, shape (n,), or None

@@ -65,7 +65,7 @@ class BatchFit(FrozenArrays):
     sse : array, shape (R,)
         Sum of squared residuals, N^2.
     status : tuple of Status, length R
-    errors : ManyErrors or None
+    errors : BatchErrors or None
         Standard errors, where they were asked for.
     """
 

@@ -75,7 +75,7 @@ class MultiTemperatureFit(NamedTuple):
     Attributes
     ----------
     best : ThermalOptimum
-    knowledge : Knowledge
+    knowledge : JointCovariance
     """
 
     best: ThermalOptimum
@@ -136,7 +136,7 @@ def fit_thermal(
 
     Parameters
     ----------
-    tests : sequence of Own
+    tests : sequence of SingleTemperatureTest
     options : FitOptions
         Without intervals, and with a number of arms, the optimum alone is returned, without errors,
         checks or bounds.

@@ -30,7 +30,7 @@ class ThermalOptimum(NamedTuple):
 
     Attributes
     ----------
-    tests : tuple of Own
+    tests : tuple of SingleTemperatureTest
         With the columns of a seal that warms.
     joint : JointTests
     tried : tuple of OrderCandidate

@@ -87,7 +87,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     ----------
     specimens : tuple of CLD
         One a file.
-    scatter : tuple of PieceStatistics
+    scatter : tuple of SpecimenStatistics
         Of two or more specimens.
     capability : ProcessCapability or None
         Of the force at the nominal compression between its limits.

@@ -103,7 +103,7 @@ class DropImpact(EqualByValue, Serialisable):
     ----------
     name : str
         Of its file, and its number there.
-    speed : Fact
+    speed : ReportedValue
         Impact speed, m/s.
     peak, compression, contact, rebound, lost_part : float
         Largest force, N, and compression, m; time in contact, s; release speed over impact speed,
@@ -142,7 +142,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     ----------
     frequency : float
         Of the loss factor, Hz: a contact is half a cycle.
-    found : tuple of Fact
+    found : tuple of ReportedValue
         The loss factor, and the arm.
     hits : tuple of DropImpact
     mass : float

@@ -249,7 +249,7 @@ class _FittedImpacts:
         speeds = np.array([hit.speed.value for hit in hits])
         finite = np.isfinite(problem.stated_speeds)
         off = np.abs(speeds / problem.stated_speeds - 1)[finite] / problem.speed_sd
-        differences = [hit.rest / hit.contact for hit in problem.hits if hit.rest is not None]
+        rest_over_contact = [hit.rest / hit.contact for hit in problem.hits if hit.rest is not None]
         ratios = [hit.ratio for hit in problem.hits if hit.ratio is not None]
         samples = min(hit.contact / float(hit.time[1] - hit.time[0]) for hit in hits)
         return (
@@ -264,7 +264,7 @@ class _FittedImpacts:
                 None if elastic_law else float(speeds.max() / speeds.min())
             ),
             checks.impact_speeds_agree(float(off.max()) if len(off) else None),
-            checks.impacts_separated(min(differences, default=None)),
+            checks.impacts_separated(min(rest_over_contact, default=None)),
             checks.impact_mass_agrees(
                 max(ratios, key=lambda number: abs(number - 1), default=None)
             ),

@@ -38,7 +38,7 @@ class DropPrediction(EqualByValue, HasVerdict, Serialisable):
         kg.
     seals : float
         Number of specimens side by side.
-    answers : tuple of Fact
+    answers : tuple of ReportedValue
     motion : ImpactMotion
         By time steps.
     checks : tuple of Check

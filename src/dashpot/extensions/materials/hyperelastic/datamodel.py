@@ -178,7 +178,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     Attributes
     ----------
     law : Hyperelastic
-    found : tuple of Fact
+    found : tuple of ReportedValue
         Its constants and what follows of them, with their 95 % intervals.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.

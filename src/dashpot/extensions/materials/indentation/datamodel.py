@@ -126,7 +126,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     law : str
         ``"kelvin-voigt"``, ``"hertz"``, ``"hertz-kelvin-voigt"`` or ``"hertz-maxwell"``.
     contact : ContactLaw
-    found : tuple of Fact
+    found : tuple of ReportedValue
         The law's parameters, then what follows: modulus, restitution, and what the body did.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.

@@ -193,7 +193,7 @@ class ClosingAnalysis:
     door : ClosingDoor
     speed : float
         At the edge where it began, m/s.
-    march : March
+    march : ClosingHistory
         Every step of it.
     terms : tuple of Share
     minimum : float

@@ -169,7 +169,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         Where the force acts.
     frfs : tuple of (str, FRF, FRF)
         The name of a point, its FRF with the seal and without.
-    random : tuple of Shaken
+    random : tuple of BaseResponse
     checks : tuple of Check
     """
 
