@@ -138,7 +138,8 @@ export function job() {
 
 /** The solids that can be held against each other, each by what it is of. */
 export function solids() {
-  const many = state.files.filter(isTest).length > 1, cut = Object.keys(state.job.time_limits).length > 0;
+  const many = state.files.filter(isTest).length > 1,
+    cut = Object.keys(state.job.time_limits).length > 0;
   return state.files.filter(isTest).flatMap((one) => {
     const own = (/** @type {string} */ words) => many ? `${one.name}, ${words}` : words;
     const found = [[`fit ${one.id}`, own("relaxation alone")]];
@@ -216,7 +217,9 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
         a.time_limits[one] !== b.time_limits[one]
       );
       for (const one of moved) {
-        const at = b.time_limits[one] === undefined ? "as found" : `${+b.time_limits[one].toFixed(4)} s`;
+        const at = b.time_limits[one] === undefined
+          ? "as found"
+          : `${+b.time_limits[one].toFixed(4)} s`;
         words.push(`${one === "onset" ? "contact" : one.replace("_", " ")} ${at}`);
       }
     } else if (name === "hammer") {

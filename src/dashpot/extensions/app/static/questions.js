@@ -82,7 +82,9 @@ export function live(/** @type {string} */ end) {
     $("beside").innerHTML = head.beside;
     heals(now);
     placeHandles(head.time_limits);
-    const [at, was] = [head.time_limits, found.time_limits].map((time_limits) => `${time_limits[end].toFixed(3)} s`);
+    const [at, was] = [head.time_limits, found.time_limits].map((time_limits) =>
+      `${time_limits[end].toFixed(3)} s`
+    );
     const [name, k] = head.end, [before, k0] = found.end;
     const far = `${ENDS[end]} ${at}, was ${was}. ${name} ${k}, was ${
       name === before ? "" : `${before} `

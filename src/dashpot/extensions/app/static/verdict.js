@@ -151,7 +151,13 @@ function wordOf(/** @type {Judged} */ head) {
 /** What is to be said in place of the answer; nothing where that is whole, and of all files. */
 function instead() {
   /** @type {(message: string, cure?: Cure) => Said} */
-  const open = (message, cure) => ({ word: called, message, colour: "open", cure, lights: lights() });
+  const open = (message, cure) => ({
+    word: called,
+    message,
+    colour: "open",
+    cure,
+    lights: lights(),
+  });
   const { fit, file } = refused, out = leftOut();
   if (away) {
     const message = "This session is open in another tab, so this one is read only.";
@@ -159,13 +165,15 @@ function instead() {
     return { ...open(message, cure), word: "Open elsewhere", lights: [] };
   }
   if (fit && GONE.test(fit.said)) {
-    const message = `The program that computes has ended. These numbers are of ${known.at}, and may ` +
+    const message =
+      `The program that computes has ended. These numbers are of ${known.at}, and may ` +
       "not be what the files say now. Start it again, and go on with the last session.";
     return said("Connection lost", { ...fit, said: message });
   }
   if (fit?.cure.act === "all-hits") {
     const hits = state.job.hammer.reject.length;
-    const message = `All ${hits} hits are rejected, so no response is measured. Accept three or more.`;
+    const message =
+      `All ${hits} hits are rejected, so no response is measured. Accept three or more.`;
     return said("Do not use: no hit is left", { ...fit, said: message });
   }
   if (fit) return said("Do not use", fit);
