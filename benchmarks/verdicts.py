@@ -721,7 +721,7 @@ def claimed(found: dp.Fit, solid: dp.GeneralizedMaxwell, truth: Solid | Seal) ->
     """The verdict, and the largest error over the band, over what is said of it."""
     lines = np.geomspace(*found.band, 60)
     errors = gaps.off(truth, lines, solid.complex_stiffness(omega=2 * np.pi * lines))
-    error = max(e / c for e, c in zip(errors, found.error_in_band, strict=True))
+    error = max(e / c for e, c in zip(errors, found._error_in_band, strict=True))
     return {**_said(found.verdict), "error": float(error), "allowed": 1.0}
 
 

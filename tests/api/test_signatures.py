@@ -108,3 +108,8 @@ def test_wrong_keyword_is_refused_with_the_nearest(
     with pytest.raises(dp.DashpotError, match=message) as raised:
         call(test)
     assert " _" not in str(raised.value)
+
+
+def test_a_fit_shows_few_public_attributes():
+    fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    assert len([name for name in dir(fit) if not name.startswith("_")]) <= 35

@@ -64,11 +64,11 @@ def test_a_shell_shows_a_few_lines(nouns, name):
 
 def test_a_long_description_is_cut():
     class Long(HasSummary):
-        summary_lines = tuple(f"line {i}" for i in range(40))
+        _summary_lines = tuple(f"line {i}" for i in range(40))
 
     assert len(repr(Long()).splitlines()) == LINES
     assert repr(Long()).endswith("\n...")
-    Long.summary_lines = Long.summary_lines[:LINES]
+    Long._summary_lines = Long._summary_lines[:LINES]
     assert repr(Long()).endswith(f"line {LINES - 1}")
 
 
@@ -150,7 +150,7 @@ def test_every_class_with_a_summary_has_a_table() -> None:
     given = {
         kind
         for kind in offered
-        if kind.table_columns is not HasSummary.table_columns
+        if kind._table_columns is not HasSummary._table_columns
         or frame.dispatch(kind) is not frame.dispatch(object)
     }
     facts = {

@@ -249,7 +249,7 @@ def test_in_parallel_doubles_stiffness_and_error() -> None:
     assert two.model == 2 * one.model
     assert two.standard_error["k"] == pytest.approx([2 * se for se in one.standard_error["k"]])
     assert two.standard_error["tau"] == pytest.approx(one.standard_error["tau"])
-    assert two.steps[-1].message == f"2 in parallel of fit {one.identity}"
+    assert two.steps[-1].message == f"2 in parallel of fit {one._identity}"
 
 
 def test_what_was_taken_out_of_the_motion_is_a_step() -> None:

@@ -140,5 +140,5 @@ def test_a_verdict_is_no_surer_of_the_stiffness_than_the_limits_at_the_end_of_th
     k = float(found.model.relaxation(40.0))
     end = EndOfHold(40.0, (0.95 * k, 1.05 * k), (0.9 * k, k), (0.0, k), 0.1 * k)
     told = replace(found, estimate=exact, evidence=replace(found.evidence, end_of_hold=end))
-    assert told.error_in_band[0] == pytest.approx(0.05)
+    assert told._error_in_band[0] == pytest.approx(0.05)
     assert "the stiffness is known to ±5 %" in told.verdict.message

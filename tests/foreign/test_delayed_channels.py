@@ -135,7 +135,7 @@ def test_a_load_of_two_samples_claims_no_loss_between_samples(late):
     truth = k_inf + (k * s_lines * tau / (1 + s_lines * tau)).sum(1)
     K = found.model.complex_stiffness(omega=s_lines[:, 0].imag)
     off = (K.imag / K.real) / (truth.imag / truth.real) - 1
-    assert np.abs(off).max() <= found.error_in_band[1]
+    assert np.abs(off).max() <= found._error_in_band[1]
 
 
 def test_creep_fit_uses_the_stated_clock_error():

@@ -19,7 +19,7 @@ def off_its_claim(found: dp.Fit, one: Curve) -> float:
     """The largest error over the band, over what the fit says of it."""
     lines = np.geomspace(*found.band, 60)
     errors = off(one.solid, lines, found.solid.complex_stiffness(omega=2 * np.pi * lines))
-    return max(error / claim for error, claim in zip(errors, found.error_in_band, strict=True))
+    return max(error / claim for error, claim in zip(errors, found._error_in_band, strict=True))
 
 
 @pytest.mark.parametrize("kind", KINDS)

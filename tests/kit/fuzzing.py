@@ -87,7 +87,7 @@ def hold(path: Path) -> None:
     with tempfile.TemporaryDirectory() as folder, contextlib.suppress(DashpotError):
         with zipfile.ZipFile(path) as packed:
             packed.extractall(folder)
-        verification.verify(project.open_project(folder), page=lambda study: study.fit.identity)
+        verification.verify(project.open_project(folder), page=lambda study: study.fit._identity)
 
 
 TASKS: dict[str, Callable[[Path], None]] = {

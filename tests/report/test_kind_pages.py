@@ -221,7 +221,7 @@ def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer
     (name,) = [one for one in held_in(html(found)) if one not in {"numbers.json"}]
     kept = from_json(held_in(html(found))[name])
     assert kept.verdict.use == found.verdict.use == "do not use"
-    assert kept.identity == S.fit.identity
+    assert kept._identity == S.fit._identity
     calm = Identified(S.fit, DirectStiffness(S.direct), (), S.static_equilibrium)
     assert calm._saved_result is S.fit
 

@@ -70,7 +70,7 @@ def project_files() -> dict[str, bytes]:
         job = Job(str(Path(place) / "a.csv"), reading=ReadOptions(units={"force": "N"}))
         for seals in (1.0, 2.0):
             made, many = project.create(folder), replace(job, seals=seals)
-            project.record(made, many, page=lambda study: study.fit.identity)
+            project.record(made, many, page=lambda study: study.fit._identity)
         files = (path for path in folder.rglob("*") if path.is_file())
         return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 

@@ -242,14 +242,14 @@ class HasChecks:
     checks: tuple[Check, ...]
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The number that its reader came for and where it holds, in a sentence."""
         raise NotImplementedError
 
     @property
     def verdict(self) -> Verdict:
         """The verdict over `checks`."""
-        return verdict(self.checks, headline=self.headline)
+        return verdict(self.checks, headline=self._headline)
 
 
 def status_of(checks: Iterable[Check], entries: Mapping[Status, bool] | None = None) -> Status:

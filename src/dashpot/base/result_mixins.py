@@ -69,16 +69,16 @@ class Printable:
 class HasSummary(Printable):
     """Result with a summary of a few lines and a table of its numbers.
 
-    The dataclass that inherits it is declared ``repr=False`` and has `summary_lines`.
+    The dataclass that inherits it is declared ``repr=False`` and has `_summary_lines`.
     """
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary that a Python shell prints, line by line."""
         raise NotImplementedError
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Numbers as columns, the first of them their index.
 
         None in place of numbers that it does not have; nothing at all where its facts are its
@@ -87,7 +87,7 @@ class HasSummary(Printable):
         return {}
 
     def __repr__(self) -> str:
-        lines = "\n".join(self.summary_lines).split("\n")
+        lines = "\n".join(self._summary_lines).split("\n")
         cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
         return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
 
@@ -139,6 +139,6 @@ class HasVerdict(Plottable):
         return ()
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict."""
         return (str(self.verdict),)

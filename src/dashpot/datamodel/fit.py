@@ -80,7 +80,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     schema = "dashpot/fit@2"
     _keys = (
-        Key("id", "identity"),
+        Key("id", "_identity"),
         "status",
         "ok",
         Key("message", "status.value"),
@@ -149,10 +149,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the fit, by the gravest check that failed."""
-        return verdict(self.checks, headline=self.headline)
+        return verdict(self.checks, headline=self._headline)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """Errors of stiffness and loss factor in the band, as text; empty without a band."""
         if not self.band[1] > 0:
             return ""
@@ -164,7 +164,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         shifts = () if self.temperatures is None else self.temperatures.shifts
         if self.method == "full" and 1 < len(shifts) < CONTRADICT:
             text = "Test at a third temperature: two cannot show arms that shift apart."
-        stiffness, loss_factor = self.error_in_band
+        stiffness, loss_factor = self._error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
             return f"{sentence(within)} {text}"
         of = "modulus" if self.unit == "Pa" else "stiffness"
@@ -174,7 +174,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return f"{sentence(how)} {text}"
 
     @property
-    def error_in_band(self) -> tuple[float, float]:
+    def _error_in_band(self) -> tuple[float, float]:
         r"""Largest 95 % error of stiffness and of loss factor in the band, each over its value.
 
         Of :math:`|K^*|` and :math:`\eta = K''/K'`, over every spectrum that the test does not
@@ -267,8 +267,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         a_t, b_t = float(shifts.law.a_t(kelvin)), shifts.b_t(kelvin)
         step = Step(
             "temperature",
-            (("temperature_K", repr(kelvin)), ("of", self.identity)),
-            f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self.identity}",
+            (("temperature_K", repr(kelvin)), ("of", self._identity)),
+            f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self._identity}",
         )
         scaled = scale_stiffness(self, b_t, step)
 
@@ -514,7 +514,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return self.provenance.specimen
 
     @property
-    def identity(self) -> str:
+    def _identity(self) -> str:
         """Sixteen hexadecimal digits that name this result: of its solid, method and raw files.
 
         Decks and reports carry it, so that each can be traced to the fit it came from.
@@ -528,7 +528,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return hashlib.sha256(repr(stands_for).encode()).hexdigest()[:16]
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the solid, and how the optimiser ended."""
         return (
             str(self.verdict),
@@ -544,8 +544,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         length = None if self.specimen.length is None else count * self.specimen.length
         step = Step(
             "parallel",
-            (("count", f"{count:g}"), ("of", self.identity)),
-            f"{count:g} in parallel of fit {self.identity}",
+            (("count", f"{count:g}"), ("of", self._identity)),
+            f"{count:g} in parallel of fit {self._identity}",
         )
         scaled = scale_stiffness(self, count, step)
         specimen = replace(self.specimen, length=length)
@@ -569,10 +569,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
         factor = float(self.elastic_law.factor(compression))
         step = Step(
             "compression",
-            (("compression_m", repr(compression)), ("of", self.identity)),
+            (("compression_m", repr(compression)), ("of", self._identity)),
             f"tangent at {format_quantity(compression, 'mm')}, {factor:.4g} times the secant of "
             "fit "
-            f"{self.identity}",
+            f"{self._identity}",
         )
         return replace(scale_stiffness(self, factor, step), solid=tangent, elastic_law=None)
 
@@ -609,7 +609,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         step = Step(
             "part",
             (("factor_m", repr(factor)), ("shape", repr(shape) if drawn else "given")),
-            f"{factor:.5g} m times the modulus of fit {self.identity}",
+            f"{factor:.5g} m times the modulus of fit {self._identity}",
         )
         return replace(scale_stiffness(self, factor, step), unit="N/m")
 
@@ -785,9 +785,9 @@ def apply_elastic_law(
         factor = stiffness / fit.model.k_inf
     step = Step(
         "elastic law",
-        (("depth_m", repr(law.depth)), ("of", fit.identity)),
+        (("depth_m", repr(law.depth)), ("of", fit._identity)),
         f"elastic law of compression load deflection to {format_quantity(law.depth, 'mm')}: "
-        f"stiffnesses there {factor:.4g} times the secant of fit {fit.identity}",
+        f"stiffnesses there {factor:.4g} times the secant of fit {fit._identity}",
     )
     scaled = scale_stiffness(fit, factor, step)
     return replace(

@@ -265,12 +265,12 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift, units=SI)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The response over frequency, and how well it is known."""
         return collect_arrays(self, frequency="Hz", value=self.unit, coherence="", sd=self.unit)
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
         top = int(size.argmax())

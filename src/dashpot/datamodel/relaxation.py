@@ -112,7 +112,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
         return ready
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Displacement and force over time."""
         return collect_arrays(self, time="s", displacement="m", force="N")
 
@@ -122,7 +122,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
         return quantum(self.displacement)
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the record and its range."""
         return (
             describe_record_source(self.source, len(self.time)),
@@ -266,12 +266,12 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         require_positive(depth=self.depth, unit=" m", expected="a compression > 0")
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Displacement and force over time."""
         return collect_arrays(self, time="s", displacement="m", force="N")
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the record, its ramp and hold, and notes of the preparation."""
         failed = (f"  {check.name}: {check.message}" for check in self.checks if check.failed)
         return (

@@ -71,7 +71,7 @@ class ShakenTest(EqualByValue, HasSummary):
             raise DataError(f"order = {self.order!r}; expected 0, 1 or 2")
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The motions of base and mass over time, and the number of the record."""
         time = np.arange(len(self.base)) / self.rate
         return {
@@ -80,7 +80,7 @@ class ShakenTest(EqualByValue, HasSummary):
         }  # fmt: skip
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the record, and the amplitude of the base."""
         source = self.source[0] if len(self.source) == 1 else None
         return (
@@ -179,7 +179,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
                 )
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Force and accelerations over time, and the number of the record."""
         pairs = zip(self.channels, self.acceleration, strict=True)
         return {
@@ -190,7 +190,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         }
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the records and their channels."""
         single_source = self.source[0] if len(self.source) == 1 else None
         files = ", ".join(source.file for source in self.source)

@@ -229,7 +229,7 @@ class NonlinearFit(Protocol):
     @property
     def amplitudes(self) -> tuple[float, float]: ...  # noqa: D102
     @property
-    def identity(self) -> str: ...  # noqa: D102
+    def _identity(self) -> str: ...
     @property
     def band(self) -> tuple[float, float]: ...  # noqa: D102
     @property
@@ -243,7 +243,7 @@ class NonlinearFit(Protocol):
     @property
     def verdict(self) -> Verdict: ...  # noqa: D102
     @property
-    def headline(self) -> str: ...  # noqa: D102
+    def _headline(self) -> str: ...
 
 
 Exportable: TypeAlias = Solid | Fit | NonlinearFit
@@ -490,7 +490,7 @@ class Deck:
             return None
         # the fit's own checks are counted, as its text counts them
         failed = tuple(check for check in informed if check.failed)
-        return verdict((*self.fit.checks, *failed), headline=self.fit.headline)
+        return verdict((*self.fit.checks, *failed), headline=self.fit._headline)
 
     def _format_header_lines(self) -> list[str]:
         units, specimen = self.units, self.specimen
@@ -577,7 +577,7 @@ class Deck:
             lines.append("source: a model in memory; no file is known to stand behind it")
             lines += scaled
         else:
-            lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
+            lines.append(f"fit: {', '.join([self.fit._identity, *scaled])}")
             lines += [f"source: {source.file} sha256 {source.sha256}" for source in self.fit.source]
             if any(source.simulated for source in self.fit.source):
                 lines.append("SIMULATED: the test behind this input was simulated")

@@ -120,7 +120,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
 
     Where they are so at no line, a check says it; where no error is known nothing is claimed.
     """
-    if not WELL_KNOWN < fit.error_in_band[1] < np.inf:
+    if not WELL_KNOWN < fit._error_in_band[1] < np.inf:
         return fit
     estimate = fit.estimate
 

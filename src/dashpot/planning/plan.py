@@ -273,7 +273,7 @@ class Plan(HasChecks, Serialisable):
     arms: tuple[ExpectedArm, ...] = ()
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """How well the loss factor would be known."""
         sd = format_relative_sd(self.expected.loss_factor_sd)
         return f"this test would give the loss factor at {self.at:g} Hz to {sd}"

@@ -121,7 +121,7 @@ def prediction_page(prediction: Prediction) -> KindPage:
     return KindPage(
         about=f"prediction of {weight}",
         strip=(*format_specimen_header(prediction.fit.specimen), ("Mass", weight),
-               ("Valid band", hertz(prediction.fit.band)), ("Fit", prediction.fit.identity[:8])),
+               ("Valid band", hertz(prediction.fit.band)), ("Fit", prediction.fit._identity[:8])),
         lights=lights(prediction.checks, Topic("Test"),
                       Topic("Peak", _PEAK, f"{round_to_error(hz, digits=4)}{NBSP}Hz"),
                       Topic("Rest", {"compression_tested"}, "within the depth tested")),
@@ -239,7 +239,7 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
         *format_specimen_header(fit.specimen),
         *_make_condition_cells(fit),
         ("Valid band", hertz(fit.band)),
-        ("Fit", fit.identity[:8]),
+        ("Fit", fit._identity[:8]),
     ]
     return KindPage(
         about="master curve" if shifts is not None and material else _format_test_name(fit),

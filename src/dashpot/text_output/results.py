@@ -320,7 +320,8 @@ def _orders(fit: Fit) -> list[str]:
     if len(fit.evidence.orders) < 2:
         return []
     best = min(order.bic for order in fit.evidence.orders)
-    rows = [["  arms", "SSE", "BIC - best", "all arms significant"]]
+    squares = "chi-square" if fit.estimate.residual.unit == "sd" else "SSE"
+    rows = [["  arms", squares, "BIC - best", "all arms significant"]]
     rows += [
         [
             f"  {order.arms}{' <' if order.arms == fit.model.arms else ''}",

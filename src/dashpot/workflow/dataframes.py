@@ -69,8 +69,8 @@ def library(name: str) -> Any:
 @singledispatch
 def frame(result: object) -> UnitFrame:
     """Return the numbers of a result as columns: its own series, or its facts."""
-    if isinstance(result, HasSummary) and result.table_columns:
-        return _frame(**result.table_columns)
+    if isinstance(result, HasSummary) and result._table_columns:
+        return _frame(**result._table_columns)
     if isinstance(result, HasVerdict | HasReportedValues) and result.facts:
         return _build_facts_frame(result.facts)
     raise DataError(f"a {type(result).__name__} is no table")

@@ -164,9 +164,9 @@ class FRFComparison(HasVerdict, Serialisable):
     unmeasured: LeaveOneOut | None = None
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Measured and predicted, line by line."""
-        return self.comparison.table_columns
+        return self.comparison._table_columns
 
     @property
     def checks(self) -> tuple[Check, ...]:

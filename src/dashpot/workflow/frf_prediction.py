@@ -311,9 +311,9 @@ class Prediction(HasVerdict, Serialisable):
         return tuple(fact for mode in self.modes for fact in mode.facts)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The response over frequency."""
-        return self.frf.table_columns
+        return self.frf._table_columns
 
     @property
     def limits(self) -> FRFBounds | None:

@@ -136,7 +136,7 @@ class Identified(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the fit."""
-        return verdict(self.checks, headline=self.fit.headline)
+        return verdict(self.checks, headline=self.fit._headline)
 
 
 def identify_files(

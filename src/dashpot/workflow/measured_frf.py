@@ -304,7 +304,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
         return tuple(fact for mode in self for fact in mode.facts)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The modes as a table."""
         columns = collect_columns(
             self, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
@@ -312,7 +312,7 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
         return {"mode": (np.arange(1, len(self) + 1), ""), **columns}
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, and each mode."""
         rows = (mode.facts for mode in self)
         return (

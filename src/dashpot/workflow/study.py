@@ -198,7 +198,7 @@ class Study(Plottable, Serialisable):
     other_tests: tuple[RampHold, ...] = ()
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the mass, the solid, and the peaks."""
         solid = self.fit if self.joint is None else self.joint
         agreed = self.comparison if self.joint is None else self.joint_comparison
@@ -266,7 +266,7 @@ class Study(Plottable, Serialisable):
             return paragraph(where, self.joint_comparison.resonance_match)
         if self.joint is None and self.comparison is not None:
             return self.comparison.message
-        return (self.joint or self.fit).headline
+        return (self.joint or self.fit)._headline
 
 
 @dataclass(frozen=True, eq=False)

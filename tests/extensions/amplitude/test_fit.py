@@ -183,7 +183,7 @@ class TestSweep:
                 )
                 unseen = found.k3_detection_limit * Xs.max() ** 2
                 assert abs(k3) < unseen < 6 * abs(k3)
-                assert "No cubic spring is seen. One of up to" in " ".join(found.summary_lines)
+                assert "No cubic spring is seen. One of up to" in " ".join(found._summary_lines)
         found = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
         assert found.k3 > 0
         assert found.k3_detection_limit == 0
@@ -346,7 +346,7 @@ class TestLevels:
         heavier = (replace(found, mass=1.3 * MASS) for found in (one, other))
         here, there = (resonance_at_level(found, 0.05)[0] for found in heavier)
         assert there / here - 1 == pytest.approx(0.005, abs=1e-3)
-        assert "that of another mass moves by 0.5 %" in " ".join(one.summary_lines)
+        assert "that of another mass moves by 0.5 %" in " ".join(one._summary_lines)
 
     def test_a_linear_truth_needs_no_sliders(self):
         def nothing(X):
@@ -356,7 +356,7 @@ class TestLevels:
             found = fit_levels(three(nothing, seed=seed), LEVELS, mass=MASS)
             assert found.rate_independent == (), seed
             assert "no change with amplitude is seen" in " ".join(
-                found.summary_lines + tuple(c.message for c in found.checks)
+                found._summary_lines + tuple(c.message for c in found.checks)
             )
 
     @pytest.mark.parametrize(("said", "use"), [(True, "use"), (False, "do not use")])

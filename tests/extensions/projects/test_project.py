@@ -35,7 +35,7 @@ WRITES = 11
 
 def page(study) -> str:
     """A report that takes no time: what a project keeps of it is that it is there."""
-    return f"<title>{study.fit.identity}</title>"
+    return f"<title>{study.fit._identity}</title>"
 
 
 STUDIES = {}

@@ -106,13 +106,13 @@ class AmplitudeSweep(EqualByValue, HasSummary):
             )
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Storage and loss over amplitude."""
         unit, of = self.unit, "m" if self.of == "m" else "1"
         return collect_arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
         tones = ", ".join(f"{item:.4g}" for item in np.unique(self.frequency))
         return (
@@ -263,7 +263,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return dict(self.orders)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
         unit, of = get_display_unit(self.unit), get_display_unit(self.of)
         low, high = (convert_to_unit(amplitude, of) for amplitude in self.amplitudes)
@@ -277,7 +277,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The numbers of the law."""
         unit, long = self.unit, self.of == "m"
         units = {
@@ -293,7 +293,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         }
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         lines, error = [str(self.verdict)], dict(self.se)
         unit, of = get_display_unit(self.unit), get_display_unit(self.of)

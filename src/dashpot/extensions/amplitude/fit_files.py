@@ -78,18 +78,18 @@ class AmplitudeResult(HasVerdict, Serialisable):
     records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """As of the fit; of hits each with its motion, resonance and damping."""
         if isinstance(self.fit, HitLevels):
             return collect_columns(
                 self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
             )
-        return self.fit.table_columns
+        return self.fit._table_columns
 
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, headline=self.fit.headline)
+        return verdict(self.checks, headline=self.fit._headline)
 
     @property
     def source(self) -> tuple[Source, ...]:

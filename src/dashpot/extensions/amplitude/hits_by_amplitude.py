@@ -64,7 +64,7 @@ class HitLevels(HasChecks, Serialisable):
         return self.trend.amplitudes
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """By how much stiffness and damping change as the motion doubles, and where."""
         low, high = self.amplitudes
         return (
@@ -75,7 +75,7 @@ class HitLevels(HasChecks, Serialisable):
         )
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the trend, and what it could have found."""
         trend = self.trend
         low, high = self.amplitudes

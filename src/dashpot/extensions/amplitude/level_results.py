@@ -146,7 +146,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     at: tuple[PeakAtLevel, ...] = ()
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """What stands side by side: the spring at rest, arms, sliders and a cubic spring."""
         no, solid = math.nan, self.solid
         arms = zip(solid.k, solid.tau, strict=True)
@@ -222,7 +222,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
 
     @property
-    def identity(self) -> str:
+    def _identity(self) -> str:
         """The FRFs that it was fitted to, by which a solver input names it."""
         levels = ", ".join(f"{level:.4g}" for level in self.levels)
         return (
@@ -265,7 +265,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return np.asarray((low <= X) & (high >= X))
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """By how much the stiffness changes with amplitude, and where the lines cover it."""
         low, high = self.amplitudes
         ends = self.stiffness(
@@ -280,7 +280,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, and what moves with amplitude by how much."""
         low, high = self.amplitudes
         middle = np.pi * (self.band[0] + self.band[1])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def levels(value: AmplitudeResult) -> Text:
     """Return the dependence on amplitude, and the resonance at each requested force."""
-    lines = [f"  {line}" for line in value.fit.summary_lines[1:]]
+    lines = [f"  {line}" for line in value.fit._summary_lines[1:]]
     if value.loss_per_lag is not None:
         lines.append(
             f"  A delay of 1 ms between the channels would add {1e-3 * value.loss_per_lag:.2g} to "

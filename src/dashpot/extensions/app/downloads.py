@@ -72,10 +72,10 @@ def _solid(request: Mapping[str, Any], job: Job) -> Fit:
         if request.get("joint") is True
         else result_cache.fit_job(result_cache.select_fit_choices(job), True, None)
     )
-    shown = request.get("solid", fit.identity)
-    if shown != fit.identity:
+    shown = request.get("solid", fit._identity)
+    if shown != fit._identity:
         raise DataError(
-            f"the page shows another model ({shown}) than its choices give ({fit.identity}): "
+            f"the page shows another model ({shown}) than its choices give ({fit._identity}): "
             "wait until it is judged"
         )
     return fit

@@ -564,7 +564,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
         mark = max(marks, key=first_screen.ORDER.index)
         rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
     unit = reported_values["k_inf"].word
-    return render_template("arms", rows=rows, unit=unit, of=fit.identity)
+    return render_template("arms", rows=rows, unit=unit, of=fit._identity)
 
 
 def _plus_minus(fact: ReportedValue) -> str:
@@ -583,7 +583,7 @@ def solid_table(fit: Fit) -> str:
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
             f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
         )
-    return term_table("Model of one seal", new_terms, more, of=fit.identity)
+    return term_table("Model of one seal", new_terms, more, of=fit._identity)
 
 
 def term_table(title: str, terms: Sequence[Term], more: str = "", *, of: str = "") -> str:

@@ -81,7 +81,7 @@ class LotComparison(HasChecks, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """How many quantities differ, and by how much the one does that chance explains least."""
         comparisons = [comparison for comparison in self.differences if not comparison.shared]
         if not comparisons:

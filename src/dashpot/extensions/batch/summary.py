@@ -276,7 +276,7 @@ class Summary(HasChecks, Serialisable):
         return (self.main, *self.others)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
         fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
         how = f"{fitted} of {files} files were fitted"

@@ -77,7 +77,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The mode under each mass, and the stiffness of the seals there."""
         of = self.together
         return {
@@ -97,7 +97,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
         return tuple(MassModes(mass, modes.band, modes.modes) for mass, modes in masses)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The resonance under each mass."""
         pairs = zip(self.together.masses, self.together.modes, strict=True)
         names = [

@@ -47,12 +47,12 @@ class PluggedTest(EqualByValue, HasSummary):
     source: Source | None = None
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Its columns by their names."""
         return {column.role or column.name: (column.values, column.unit) for column in self.columns}
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which file it is, and its columns."""
         named = ", ".join(
             f"{column.role or column.name} [{column.unit or '?'}]" for column in self.columns
@@ -92,6 +92,6 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return next(iter(self.sources), None)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """Its first number, and whose it is."""
         return f"{self.found[0].text}, by '{self.kind}' of {self.by}, not verified by dashpot"

@@ -131,7 +131,7 @@ class Inspection(Plottable):
     simulated: bool = False
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """A row for each column of the file."""
         columns = self.columns
         return {
@@ -143,7 +143,7 @@ class Inspection(Plottable):
         }
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Summary of the file: its columns and open questions."""
         return (
             f"{self.file}: {self.kind} ({self.reason}), {self.rows} rows",

@@ -202,7 +202,7 @@ class Comparison(Plottable, Serialisable):
         )
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Measured and predicted over frequency, and what parts them in standard deviations."""
         return {
             "frequency": (self.measured.frequency, "Hz"),
@@ -212,7 +212,7 @@ class Comparison(Plottable, Serialisable):
         }
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict and the peaks."""
         rows = [("", "predicted", "measured", "difference"), *self.rows]
         return (
@@ -225,7 +225,7 @@ class Comparison(Plottable, Serialisable):
         failed = (
             f"{check.message_with_remedy} [{check.name}]" for check in self.checks if check.failed
         )
-        return "\n".join((*self.summary_lines, *map(str, self.arms), *failed))
+        return "\n".join((*self._summary_lines, *map(str, self.arms), *failed))
 
 
 def _ratio(value: float | None) -> str:

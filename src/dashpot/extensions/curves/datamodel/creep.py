@@ -99,13 +99,13 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
             refuse_absurd_record(self)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
         text, pushed = _ARE[self.unit]
         return collect_arrays(self, time="s", displacement=text, force=pushed)
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         change, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
@@ -186,12 +186,12 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
         )
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Compliance over time."""
         return collect_arrays(self, time="s", compliance=self.unit)
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
         return describe_step_response(self, "compliance")
 
@@ -269,7 +269,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         _require_unit(self.unit, COMPLIANCES)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Displacement and force over time, and the load without noise."""
         text, pushed = _ARE[self.unit]
         return collect_arrays(self, time="s", displacement=text, force=pushed, load=pushed)
@@ -332,7 +332,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         return bool(self.hold.stop < len(self.time))
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which record it is, its load and hold, and what preparation noticed."""
         failed = (f"  {check.name}: {check.message}" for check in self.checks if check.failed)
         return (

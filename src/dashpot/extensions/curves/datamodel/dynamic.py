@@ -94,14 +94,14 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Storage and loss over frequency."""
         return collect_arrays(
             self, frequency="Hz", storage=self.unit, loss=self.unit, temperature="K"
         )
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
         return (
             describe_record_source(self.source, len(self.frequency)),

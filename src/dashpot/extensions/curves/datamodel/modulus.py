@@ -91,11 +91,11 @@ class RelaxationModulus(EqualByValue, HasSummary):
         return has_several_temperatures(self.temperature)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Modulus over time."""
         return collect_arrays(self, time="s", modulus=self.unit, temperature="K")
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
         return describe_step_response(self, "modulus")

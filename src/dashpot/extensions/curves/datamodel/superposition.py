@@ -67,12 +67,12 @@ class Superposition(EqualByValue, Plottable):
         return self.solid
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The master curve, and the temperature that each of its samples was measured at."""
-        return {**self.curve.table_columns, "temperature": (self.temperature, "K")}
+        return {**self.curve._table_columns, "temperature": (self.temperature, "K")}
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """What was shifted, how far, by which law, and what that leaves."""
         shifts = self.temperatures
         farthest = max(abs(shift.log10_a_t) for shift in shifts.shifts)
@@ -82,7 +82,7 @@ class Superposition(EqualByValue, Plottable):
                 f"{len(shifts.shifts)} temperatures, {celsius(cold)} to {celsius(warm)}, at "
                 f"{celsius(shifts.reference)}"
             ),
-            *self.curve.summary_lines[1:],
+            *self.curve._summary_lines[1:],
             (
                 f"shifted by up to {farthest:.3g} decades, {shifts.law.kind} law, b_T = "
                 f"{shifts.vertical}"

@@ -75,12 +75,12 @@ class CLDTest(EqualByValue, HasSummary):
         refuse_absurd_record(self)
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Force over displacement, and time."""
         return collect_arrays(self, displacement="m", force="N", time="s")
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         return (
             describe_record_source(self.source, len(self.force)),
@@ -397,19 +397,19 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         return met[-1] if met else None
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Force over compression, and time."""
         return collect_arrays(self, compression="m", force="N", time="s")
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The force at the nominal compression."""
         point = self.nominal
         force = self.per * point.loading
         return f"{force:.3g} {self.unit} at {format_quantity(point.compression, 'mm', '.3g')}"
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the force at the nominal compression, and the cycle that it is of."""
         point, cycle = self.nominal, self.cycle
         lost = cycle.hysteresis

@@ -142,7 +142,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         return self.specimens[0].unit
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Figures of each specimen at the nominal compression, scaled by `CLD.per`."""
 
         def scale_nominal(name: str) -> list[float]:
@@ -164,10 +164,10 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         }
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """Mean force at the nominal compression, and the least and the largest of the specimens."""
         if len(self.specimens) == 1 or self.rate is not None:
-            return self.specimens[0].headline
+            return self.specimens[0]._headline
         forces = [specimen.per * specimen.nominal.loading for specimen in self.specimens]
         at = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
         return (

@@ -92,12 +92,12 @@ class CSRTest(EqualByValue, HasSummary):
         tested_at("temperature", float(self.temperature.min()), float(self.temperature.max()))
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The readings: force, in the unit of the file, over time."""
         return collect_arrays(self, time="s", force="", temperature="K", specimen_number="")
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The record, its number of specimens and its length."""
         specimens = format_count(len(np.unique(self.specimen_number)), "specimen")
         longest = format_quantity(float(self.time.max()), "h", ".4g")
@@ -222,7 +222,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         return next(iter(self.sources), None)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The activation energy, or the chemical relaxation time, and the number of ovens."""
         last = self.found[-1 if self.law.activation else 1]
         hours = format_quantity(self.longest, "h", ".4g")

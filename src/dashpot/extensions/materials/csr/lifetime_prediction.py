@@ -306,8 +306,8 @@ def scale_for_aging(
         )
     step = Step(
         "aging",
-        (("left", repr(factor.value)), ("of", fit.identity)),
-        f"{factor.value:.4g} of fit {fit.identity} is left {condition}",
+        (("left", repr(factor.value)), ("of", fit._identity)),
+        f"{factor.value:.4g} of fit {fit._identity} is left {condition}",
     )
     scaled = scale_stiffness(fit, factor.value, step)
     values = {item.name: item.value for item in fit.estimate.list_values(fit.solid, fit.unit)}

@@ -81,12 +81,12 @@ class DropTest(EqualByValue, HasSummary):
         return median(np.diff(self.time))
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Force and acceleration over time."""
         return collect_arrays(self, time="s", force="N", acceleration="m/s^2")
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The record, and its channels."""
         both = {"force": self.force, "acceleration": self.acceleration}
         named = " and ".join(name for name, values in both.items() if values is not None)
@@ -193,7 +193,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The loss factor, and the number of impacts."""
         loss = self.found[0].cells
         between = f" ({loss.interval})" if loss.interval else ""

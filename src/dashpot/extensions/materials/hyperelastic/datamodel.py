@@ -108,12 +108,12 @@ class StressStrainTest(EqualByValue, HasSummary):
             )
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """Stress over stretch, and time."""
         return collect_arrays(self, stretch="1", stress="Pa", time="s")
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The record, and its loading mode."""
         return (
             describe_record_source(self.source, len(self.stretch)),
@@ -237,7 +237,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return sources_of(self.curves)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The law, its residual, and its range of stretches."""
         reach = [span for _, span in self.reach]
         low, high = min(values[0] for values in reach), max(values[1] for values in reach)
@@ -269,7 +269,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         )
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         return (
             str(self.verdict),

@@ -97,12 +97,12 @@ class IndentationTest(EqualByValue, HasSummary):
         return median(np.diff(self.time))
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The motion, and the force recorded beside it, over time."""
         return {**collect_arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The record, and its channels."""
         return (
             describe_record_source(self.source, len(self.time)),
@@ -208,7 +208,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return dict(self.orders)
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The modulus or stiffness, and the restitution."""
         named = {fact.name: fact for fact in self.found}
         first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
@@ -218,7 +218,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return f"{first.label} {first.cells.with_unit}{between}{more}"
 
     @property
-    def summary_lines(self) -> tuple[str, ...]:
+    def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         return (
             str(self.verdict),

@@ -102,7 +102,7 @@ class Rod(HasVerdict, Serialisable):
         return checks if self.fit is None else self.fit.checks
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The modulus over frequency."""
         return collect_arrays(
             self.modulus, frequency="Hz", storage="Pa", storage_sd="Pa", loss_factor="",

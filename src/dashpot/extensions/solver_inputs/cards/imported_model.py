@@ -87,7 +87,7 @@ class ImportedModel(Serialisable):
                 "rate": test.rate, "noise": test.noise, "baseline": test.baseline}  # fmt: skip
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The band that such a test could have told."""
         if self.testable_band is None:
             return "Such a test could have told the damping nowhere"
@@ -96,7 +96,7 @@ class ImportedModel(Serialisable):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, headline=self.headline)
+        return verdict(self.checks, headline=self._headline)
 
 
 def import_card(

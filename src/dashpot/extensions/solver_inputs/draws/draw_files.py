@@ -159,7 +159,7 @@ def export_draws(
         f"  index          {index}",
     ]
     return CommandResult(
-        result, Text(lines), checks, verdict=verdict(checks, headline=fit.headline)
+        result, Text(lines), checks, verdict=verdict(checks, headline=fit._headline)
     )
 
 

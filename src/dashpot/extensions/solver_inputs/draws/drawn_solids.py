@@ -253,8 +253,8 @@ def replace_solid(fit: Fit, drawn: DrawnSolid, *, count: int, seed: int) -> Fit:
     """Return the fit with a drawn solid, whose parameters are exact: they have no errors."""
     step = Step(
         "draw",
-        (("number", str(drawn.number)), ("of", fit.identity), ("seed", str(seed))),
-        f"draw {drawn.number} of {count} of fit {fit.identity}, with seed {seed}",
+        (("number", str(drawn.number)), ("of", fit._identity), ("seed", str(seed))),
+        f"draw {drawn.number} of {count} of fit {fit._identity}, with seed {seed}",
     )
     zero = np.zeros_like(fit.covariance)
     return replace(

@@ -59,12 +59,12 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """What each term takes of the energy."""
         return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """The least speed that closes the door, and whether the speed asked for does."""
         closing = self.closing
         if not math.isfinite(closing.minimum):

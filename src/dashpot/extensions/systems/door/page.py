@@ -108,7 +108,7 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
         **judgement("door", verdict, every, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
-        "beside": " ".join(sentence(result.headline) for result in results),
+        "beside": " ".join(sentence(result._headline) for result in results),
         "lights": tuple(lights_of(result, closed, every, verdict)),
         "figures": dict(_figures(result, closed))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
@@ -122,7 +122,7 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
 
 def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Check]) -> Verdict:
     return (
-        results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1].headline)
+        results[0].verdict if len(results) == 1 else verdict(every, headline=results[-1]._headline)
     )
 
 

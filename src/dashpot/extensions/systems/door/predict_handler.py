@@ -84,5 +84,5 @@ def _merge_door_results(
         DoorPrediction(result, closed),
         text,
         checks,
-        verdict=verdict(checks, headline=closed.headline),
+        verdict=verdict(checks, headline=closed._headline),
     )

@@ -85,7 +85,7 @@ class SealOfDoor(Serialisable):
         "line.joints",
         "fit.specimen.temperature",
         Key("band_hz", "fit.band"),
-        Key("fit", "fit.identity"),
+        Key("fit", "fit._identity"),
     )
 
     line: SealLine
@@ -196,7 +196,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def table_columns(self) -> Series:
+    def _table_columns(self) -> Series:
         """The modes, with what the seal stores and loses of each."""
         seal = [(mode.share(SEAL), mode.loss_share(SEAL)) for mode in self.modes]
         return {
@@ -213,7 +213,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
         return self.assembly.door
 
     @property
-    def headline(self) -> str:
+    def _headline(self) -> str:
         """What the seal does to the first mode in which it stores energy; else the first mode."""
         held = [mode for mode in self.modes if mode.share(SEAL) > 0]
         if not self.modes:
