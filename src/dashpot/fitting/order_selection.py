@@ -452,10 +452,10 @@ def compute_certificate(blocks: Sequence[DataBlock], solution: Solution) -> Cert
     """Return how far the optimum can be from the best positive spectrum."""
     result = certificate(blocks, solution)
     if result.optimal:
-        message = "no spectrum with any number of arms fits better"
+        message = "no relaxation spectrum with any number of arms fits better"
     else:
         message = (
-            f"no spectrum of arms fits better by more than {100 * result.gap:.2g} % of the "
+            f"no relaxation spectrum fits better by more than {100 * result.gap:.2g} % of the "
             "squared residual"
         )
     return Certificate(result.optimal, result.gap, result.tau, message)

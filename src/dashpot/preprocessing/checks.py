@@ -532,7 +532,7 @@ def motion_resolved(test: RampHold) -> Finding:
     seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
     steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
     return Finding(
-        "Between two samples the bend of the motion is worth "
+        "Between two samples the displacement departs from a straight line by a force of "
         f"{format_quantity(worst, 'mN', '.2g')}",
         value,
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",

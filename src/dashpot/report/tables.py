@@ -266,7 +266,7 @@ def make_frequency_table(study: Study) -> TextTable:
         marks.append("" if value else "doubt")
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if bounds is not None:
-        head += ["K′ left open, N/mm", "loss factor left open"]
+        head += ["limits of K′, N/mm", "limits of loss factor"]
     return TextTable((*head, "this test"), tuple(rows), tuple(marks))
 
 

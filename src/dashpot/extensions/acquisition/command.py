@@ -38,7 +38,7 @@ class RecordedFile(Serialisable):
 
 @verb(
     "record",
-    """Record an instrument to a file that dashpot reads. It moves nothing.
+    """Record an instrument to a file that dashpot reads. It does not drive the rig.
 
   dashpot record --driver serial --port /dev/ttyUSB0 --seconds 45s -o seal.csv
 

@@ -41,7 +41,7 @@ class Verification(Serialisable):
 
 @verb(
     "verify",
-    """Recompute a project's results from its raw files and check every hash.
+    """Recompute a project's results from its raw files and check every checksum.
 
   dashpot verify door-seal/
   dashpot verify door-seal/ --expect 5f0c...

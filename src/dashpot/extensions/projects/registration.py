@@ -13,6 +13,6 @@ EXTENSION = Extension(
         "open folder": {"project": "dashpot.extensions.projects.project:open_last_job"},
     },
     commands=(
-        Command("verify", "Many tests", "Recompute a project and check every hash.", "dashpot.extensions.projects.command", order=7),
+        Command("verify", "Many tests", "Recompute a project and check every checksum.", "dashpot.extensions.projects.command", order=7),
     ),
 )  # fmt: skip

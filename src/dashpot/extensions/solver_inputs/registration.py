@@ -17,7 +17,7 @@ EXTENSION = Extension(
         },
     },
     commands=(
-        Command("import", "Work", "A solver card back to a model; what a test could tell of it.", "dashpot.extensions.solver_inputs.cards.command", order=5),
+        Command("import", "Work", "A solver card back to a model, and what a test could identify.", "dashpot.extensions.solver_inputs.cards.command", order=5),
     ),
     solver_inputs=(
         SolverInput("ansys", "dashpot.extensions.solver_inputs.ansys", order=2, synonyms=("mapdl", "apdl")),
