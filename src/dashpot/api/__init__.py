@@ -24,7 +24,10 @@ R = TypeVar("R")
 F = TypeVar("F", bound=Callable[..., Any])
 
 _STUB = Path(__file__).parents[1] / "_signatures.pyi"
-FORMER_KEYWORDS = {"memory": ["relaxation"], "slam": ["drop"]}
+FORMER_KEYWORDS = {
+    "cuts": ["time_limits"], "known": ["prior"], "memory": ["relaxation"],
+    "only": ["temperature"], "slam": ["drop"], "wanted": ["max_std"],
+}  # fmt: skip
 """Present name of an option by that of the edition before, which an error suggests."""
 
 

@@ -226,16 +226,16 @@ def _several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str,
 @refuse_wrong_options
 @show_typed_keywords(ReadOptionKeywords)
 def inspect(
-    path: Place,
+    path: Any,
     *,
     kind: str | None = None,
     **keywords: Any,
 ) -> InspectedFile:
-    """Say what a file is and keywords it would be read: columns, units, sampling, open questions.
+    """Return what a file is and how it would be read: columns, units, sampling, open questions.
 
     Parameters
     ----------
-    path : path
+    path : path, or a table in memory
     kind, columns, units, text, part, rate, ...
         As :func:`read` takes them.
 
@@ -253,7 +253,12 @@ def inspect(
     from dashpot.workflow.inspections import inspect_files
 
     keywords = _drop_unset(keywords)
-    return inspect_files([path], options=_options(keywords, kind)).files[0]
+    options = _options(keywords, kind)
+    inspect_frame = None if isinstance(path, str | Path) else find_handler("inspect", path)
+    if inspect_frame is not None:
+        result: InspectedFile = inspect_frame(path, kind=kind, **keywords)
+        return result
+    return inspect_files([path], options=options).files[0]
 
 
 @refuse_wrong_options
@@ -265,7 +270,7 @@ def save(noun: N, path: Place) -> N:
     noun : object
         A record or a result.
     path : path
-        How its name ends says keywords it is written: ``.json``, which :func:`read` takes back;
+        How its name ends says how it is written: ``.json``, which :func:`read` takes back;
         ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
 
     Raises

@@ -134,7 +134,7 @@ class Check(Serialisable):
         return f"{self.message_with_remedy} ({option})" if option else self.message_with_remedy
 
     def with_location(self, where: str) -> Check:
-        """Return the check with a location, such as "in test 2", after its message."""
+        """Return the check with a location, such as "in test 2", before its message."""
         return replace(
             self, message=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.message)}"
         )

@@ -262,12 +262,12 @@ class Extension(NamedTuple):
 
         Of files: ``"former document"`` (what ``"convert"`` and ``"name schema"`` make of a
         document and of a schema of an earlier version), ``"read"`` (of a kind that is no
-        record, or a table in memory by its type), ``"make records"`` (of tables or arrays
-        in memory by the type of the first, with the options of a fit), ``"read record"``
-        (one whose reader asks for more), ``"read several"`` (of one kind, or of a base
-        that is shaken), ``"roles"`` (of the columns of a kind), ``"table rule"`` (whether
-        a table is of a kind), ``"calibrate"`` (a table by a file of its maker),
-        ``"mounts"`` (of a line of seals), ``"stations"`` (of the seal in a file),
+        record, or a table in memory by its type), ``"inspect"`` (such a table), ``"make
+        records"`` (of tables or arrays in memory by the type of the first, with the options
+        of a fit), ``"read record"`` (one whose reader asks for more), ``"read several"`` (of
+        one kind, or of a base that is shaken), ``"roles"`` (of the columns of a kind),
+        ``"table rule"`` (whether a table is of a kind), ``"calibrate"`` (a table by a file of
+        its maker), ``"mounts"`` (of a line of seals), ``"stations"`` (of the seal in a file),
         ``"keep"`` (a job and its report, in a folder).
 
         Of fits: ``"fit records"`` (tests of a bench of which one is of the type), ``"fit at

@@ -42,10 +42,27 @@ def stamped() -> pd.DataFrame:
     return pd.DataFrame({"travel_mm": MOVED, "force_N": FORCE}, index=index)
 
 
+def twice() -> pd.DataFrame:
+    """Two columns of one name, as a join leaves them."""
+    frame = pd.DataFrame(COLUMNS)
+    return pd.concat([frame, frame[["force [N]"]]], axis=1)
+
+
+def levels() -> pd.DataFrame:
+    frame = pd.DataFrame(COLUMNS)
+    frame.columns = pd.MultiIndex.from_tuples([("run 1", name) for name in COLUMNS])
+    return frame
+
+
 FRAMES = {
     "pandas": pd.DataFrame(COLUMNS), "polars": pl.DataFrame(COLUMNS), "mapping": dict(COLUMNS),
     "attributes": stated_in_attributes(), "xarray": dataset(), "instants": stamped(),
     "words beside": pd.DataFrame(COLUMNS).assign(remark="a"),
+    "instants of a zone": stamped().tz_localize("Europe/Berlin"),
+    "objects": pd.DataFrame(COLUMNS).astype(object),
+    "nullable": pd.DataFrame(COLUMNS).astype("Float64"),
+    "one name twice": twice(), "names of two levels": levels(),
+    "lists": {name: list(values) for name, values in COLUMNS.items()},
 }  # fmt: skip
 
 
@@ -99,3 +116,26 @@ def test_fit_shows_the_line_to_type_for_arrays() -> None:
         dp.fit(TIME, MOVED, FORCE)
     with pytest.raises(DataError, match=r"2 arrays are no test\. Give three"):
         dp.fit(TIME, FORCE, units="s, N")
+
+
+@pytest.mark.parametrize("stated", ["daN", "kN", "lbf"])
+def test_a_unit_stated_against_the_name_is_asked_about(stated: str) -> None:
+    frame = pd.DataFrame(COLUMNS)
+    frame.attrs["units"] = {"force [N]": stated}
+    with pytest.raises(ReadError, match=f"two units, N or {stated}"):
+        dp.read(frame)
+
+
+@pytest.mark.parametrize("frame", FRAMES.values(), ids=FRAMES)
+def test_inspect_takes_a_table_in_memory(frame: Any) -> None:
+    assert dp.inspect(frame).kind == "relaxation"
+
+
+def test_lists_and_units_by_role_are_arrays() -> None:
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    fit = dp.fit(list(TIME), list(MOVED), list(FORCE), units=units, arms=1)
+    assert fit.model == dp.fit(TIME, MOVED, FORCE, units="s, mm, N", arms=1).model
+    with pytest.raises(DataError, match="time, displacement, force"):
+        dp.fit(TIME, MOVED, FORCE, units={"time": "s"})
+    with pytest.raises(DataError, match="one by one"):
+        dp.fit([dp.read(FRAMES["pandas"])])

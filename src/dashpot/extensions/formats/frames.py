@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from decimal import Decimal
 from math import isnan
+from numbers import Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dashpot.api.read_save import ReadOptionKeywords, read
+from dashpot.api.read_save import ReadOptionKeywords, inspect, read
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.formats.attribute_factors import factors_among
 from dashpot.extensions.formats.stated_metadata import find_stated_unit
+from dashpot.reading.columns.header_units import split_heading
+
+if TYPE_CHECKING:
+    from dashpot.workflow.inspections import InspectedFile
 
 _NUMBERS, _INSTANTS, _SPANS = "iuf", "M", "m"
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
+_ROLES = ("time", "displacement", "force")
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
 
 
@@ -25,7 +35,8 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
     """Return the record in a table in memory, read as a text file of its columns would be.
 
     Units stand in names (``"force [N]"``), in ``attrs`` of variables of xarray, or in
-    ``frame.attrs["units"]`` of pandas. Instants become seconds since the first.
+    ``frame.attrs["units"]`` of pandas; two that contradict are asked about. Instants become seconds
+    since the first.
 
     Raises
     ------
@@ -34,6 +45,25 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
     DataError
         If no column holds numbers, or columns differ in length.
     """
+    with _write_temporary_file(frame) as path:
+        return read(path, kind=kind, **keywords)
+
+
+def inspect_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> InspectedFile:
+    """Return how a table in memory would be read, as :func:`dashpot.inspect` says of a file.
+
+    Raises
+    ------
+    ReadError, DataError
+        As :func:`read_frame`.
+    """
+    with _write_temporary_file(frame) as path:
+        return inspect(path, kind=kind, **keywords)
+
+
+@contextmanager
+def _write_temporary_file(frame: Any) -> Iterator[Path]:
+    """Write the columns of a table as text for as long as it is read; errors name the table."""
     columns = list(_iterate_columns(frame))
     if not columns:
         raise DataError(f"this {type(frame).__name__} has no column of numbers")
@@ -42,8 +72,9 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
         raise DataError(f"its columns differ in length ({counts}): give those of one clock")
     above, head = [], []
     for name, _, stated in columns:
-        unit, factor = find_stated_unit(stated), factors_among(stated)
-        head.append(f"{name} [{unit}]" if unit else name)
+        stem, unit = split_heading(name, find_stated_unit(stated))
+        factor = factors_among(stated)
+        head.append(f"{stem} [{unit}]" if unit else name)
         above += [f"# factor stated of {name}: {factor}"] if factor else []
     cells = [
         ["" if isnan(value) else repr(value) for value in values.tolist()]
@@ -54,9 +85,10 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
         path = Path(folder) / type(frame).__name__
         path.write_text("\n".join(lines) + "\n", "utf-8")
         try:
-            return read(path, kind=kind, **keywords)
+            yield path
         except ReadError as error:
             text = str(error).replace(str(path), path.name)
+            text = text.replace(f'dp.inspect("{path.name}")', "dp.inspect(frame)")
             hint = f" (Python: {_HINT})" if "--" in text else ""
             raise ReadError(text + hint) from None
 
@@ -64,45 +96,86 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
 def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
     """Return the records that tables or arrays in memory are; options that say how are taken out.
 
-    Three arrays are time, displacement and force of a relaxation test.
+    Three arrays, or lists of numbers, are time, displacement and force of a relaxation test.
 
     Raises
     ------
     DataError
         If arrays are not three, or have no units.
     """
+    values = [_convert_list(value) for value in values]
     if isinstance(values[0], np.ndarray):
         if len(values) != 3 or not all(isinstance(value, np.ndarray) for value in values):
             raise DataError(f"{len(values)} arrays are no test. Give three: {_LINE}")
         if "units" not in options:
             raise DataError(f"arrays have no units. Say them: {_LINE}")
         time, displacement, force = values
-        return [RelaxationTest(time, displacement, force, units=options.pop("units"))]
-    said = ReadOptionKeywords.__annotations__.keys() & options.keys() & {"units", "columns", "rate"}
-    keywords = {name: options.pop(name) for name in said}
+        units = _join_stated_units(options.pop("units"))
+        return [RelaxationTest(time, displacement, force, units=units)]
+    if isinstance(values[0], list):  # of records, which are given one by one
+        return values
+    names = ReadOptionKeywords.__annotations__.keys() & options.keys()
+    keywords = {name: options.pop(name) for name in names & {"units", "columns", "rate"}}
     return [
         value if hasattr(value, "source") else read_frame(value, **keywords) for value in values
     ]
 
 
-def _iterate_columns(frame: Any) -> Iterator[tuple[str, Any, dict[str, Any]]]:
+def _convert_list(value: Any) -> Any:
+    """Return a list of numbers as an array, anything else as it is."""
+    numbers = isinstance(value, list) and value and all(isinstance(one, Real) for one in value)
+    return np.asarray(value, float) if numbers else value
+
+
+def _join_stated_units(units: Any) -> Any:
+    """Return ``"s, mm, N"`` of a mapping by role, anything else as it is."""
+    if not isinstance(units, Mapping):
+        return units
+    if units.keys() != set(_ROLES):
+        raise DataError(f"units of three arrays are of {', '.join(_ROLES)}: {_LINE}")
+    return ", ".join(str(units[role]) for role in _ROLES)
+
+
+def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, Any]]]:
     """Yield the name, the numbers and the attributes of each column of numbers or instants."""
-    for name, column, stated in _raw_columns(frame):
-        values = np.asarray(column)
+    for name, column, stated in _iterate_raw_columns(frame):
+        values = _convert_objects(np.asarray(column))
         if values.dtype.kind == _INSTANTS:
             values = values - values[:1]
         if values.dtype.kind in _INSTANTS + _SPANS:
-            yield _clean(name), values / np.timedelta64(1, "s"), {"unit": "s"}
+            yield _clean_name(name), values / np.timedelta64(1, "s"), {"unit": "s"}
         elif values.dtype.kind in _NUMBERS:
-            yield _clean(name), np.asarray(values, float).ravel(), stated
+            yield _clean_name(name), np.asarray(values, float).ravel(), stated
 
 
-def _clean(name: Any) -> str:
-    """Return a name as one line without tabs."""
-    return " ".join(str(name).split())
+def _convert_objects(values: np.ndarray) -> np.ndarray:
+    """Return objects that are all numbers, or all instants with their zone, as such."""
+    if values.dtype.kind != "O":
+        return values
+    present = [value for value in values.ravel() if not _is_missing(value)]
+    if present and all(isinstance(value, Real | Decimal) for value in present):
+        return values.astype(float)
+    if present and all(isinstance(value, datetime) for value in present):
+        since = [
+            np.nan if _is_missing(value) else (value - present[0]).total_seconds()
+            for value in values.ravel()
+        ]
+        return np.round(1e9 * np.asarray(since)).astype("timedelta64[ns]")
+    return values
 
 
-def _raw_columns(frame: Any) -> Iterator[tuple[Any, Any, dict[str, Any]]]:
+def _is_missing(value: Any) -> bool:
+    """Return whether a cell is None, NaN or NaT, of which the last two differ from themselves."""
+    return value is None or bool(value != value)  # noqa: PLR0124
+
+
+def _clean_name(name: Any) -> str:
+    """Return a name, of several levels too, as one line without tabs."""
+    return " ".join(" ".join(map(str, name if isinstance(name, tuple) else (name,))).split())
+
+
+def _iterate_raw_columns(frame: Any) -> Iterator[tuple[Any, Any, dict[str, Any]]]:
+    """Yield the name, the values and the attributes of each column, equal names apart."""
     if hasattr(frame, "data_vars"):  # xarray
         for name, variable in [*frame.coords.items(), *frame.data_vars.items()]:
             if variable.ndim == 1:
@@ -113,7 +186,8 @@ def _raw_columns(frame: Any) -> Iterator[tuple[Any, Any, dict[str, Any]]]:
     units = units if isinstance(units, Mapping) else {}
     index = getattr(frame, "index", None)
     named = getattr(index, "name", None)
-    if named or np.asarray(index).dtype.kind in _INSTANTS + _SPANS:
+    if named or _convert_objects(np.asarray(index)).dtype.kind in _INSTANTS + _SPANS:
         yield named or "time", index, {"unit": units.get(named)} if named in units else {}
-    for name in frame.keys() if isinstance(frame, dict) else frame.columns:
-        yield name, frame[name], {"unit": units[name]} if name in units else {}
+    columns = frame.items() if hasattr(frame, "items") else zip(frame.columns, frame, strict=True)
+    for name, column in columns:
+        yield name, column, {"unit": units[name]} if name in units else {}

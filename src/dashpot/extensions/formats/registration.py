@@ -16,7 +16,8 @@ EXTENSION = Extension(
             "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:add_calibrated_force",
         },
         "read": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
-        "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray"), "dashpot.extensions.formats.frames:make_records"),
+        "inspect": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
+        "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray", "builtins:list"), "dashpot.extensions.formats.frames:make_records"),
         "write frf": {
             ".uff": "dashpot.extensions.formats.write_uff:frf_uff",
             ".unv": "dashpot.extensions.formats.write_uff:frf_uff",
