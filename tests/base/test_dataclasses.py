@@ -15,13 +15,15 @@ from dashpot.base.dataclasses import dataclass
 
 
 class Point:
-    """A value with defaults of every kind."""
+    """A value with defaults of every kind, and names that its methods use."""
 
     name: str
     x: float = 1.0
     tags: tuple[str, ...] = field(default_factory=tuple)
     hidden: int = field(default=3, repr=False, compare=False)
     made: list[int] = field(init=False, default_factory=list, compare=False)
+    set: float = 2.0
+    unset: float = 3.0
     last: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self):

@@ -21,21 +21,22 @@ if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
 
-    def dataclass(*, frozen: bool, eq: bool = True, repr: bool = True, **how: bool):
-        """Return what makes a class a dataclass, as that of the standard library does.
+    def dataclass(*, frozen: bool, eq: bool = True, repr: bool = True, **options: bool):
+        """Decorate a class as ``dataclasses.dataclass(frozen=True)`` does, `__init__` on first use.
 
         Parameters
         ----------
         frozen : bool
-            True; use the standard library's for others.
+            Must be True; the standard library's serves others, and fields that are ``InitVar``.
         eq, repr : bool
-        **how : bool
+        **options : bool
             Such as ``kw_only``.
         """
-        assert frozen  # noqa: S101
+        if not frozen:
+            raise TypeError("a class that is not frozen is decorated by dataclasses.dataclass")
 
         def add_methods(kind: type) -> type:
-            dataclasses.dataclass(init=False, repr=False, eq=False, **how)(kind)
+            dataclasses.dataclass(init=False, repr=False, eq=False, **options)(kind)
             methods = _build_methods(kind)
             if not repr:
                 del methods["__repr__"]
@@ -50,7 +51,7 @@ else:
 
 
 class _Unset:
-    """The default of a parameter whose value a factory makes."""
+    """Default of a parameter whose field has a factory."""
 
     def __repr__(self) -> str:
         return "<factory>"
@@ -60,7 +61,7 @@ _UNSET = _Unset()
 
 
 class _Constructor:
-    """``__init__`` of a class until it is first looked up, which compiles it."""
+    """Descriptor in place of ``__init__`` that compiles it on first access."""
 
     def __init__(self, kind: type) -> None:
         self._kind = kind
@@ -77,33 +78,33 @@ def _build_methods(kind: Any) -> dict[str, Any]:
     def equals(self: Any, other: object) -> Any:
         if other.__class__ is not self.__class__:
             return NotImplemented
-        pick = _build_pick(kind)
-        return pick(self) == pick(other)
+        key = _build_comparison_key(kind)
+        return key(self) == key(other)
 
     @recursive_repr()
     def represent(self: Any) -> str:
-        cells = (f"{item.name}={getattr(self, item.name)!r}" for item in fields(kind) if item.repr)
-        return f"{self.__class__.__qualname__}({', '.join(cells)})"
+        texts = (f"{item.name}={getattr(self, item.name)!r}" for item in fields(kind) if item.repr)
+        return f"{self.__class__.__qualname__}({', '.join(texts)})"
 
-    def refuse(self: Any, name: str, *value: object) -> None:
-        change = "assign to" if value else "delete"
+    def refuse_change(self: Any, name: str, *value: object) -> None:
+        action = "assign to" if value else "delete"
         if type(self) is kind or name in {item.name for item in fields(kind)}:
-            raise FrozenInstanceError(f"cannot {change} field {name!r}")
+            raise FrozenInstanceError(f"cannot {action} field {name!r}")
         getattr(super(kind, self), "__setattr__" if value else "__delattr__")(name, *value)
 
     return {
         "__init__": _Constructor(kind),
         "__repr__": represent,
         "__eq__": equals,
-        "__hash__": lambda self: hash(_build_pick(kind)(self)),
-        "__setattr__": refuse,
-        "__delattr__": refuse,
+        "__hash__": lambda self: hash(_build_comparison_key(kind)(self)),
+        "__setattr__": refuse_change,
+        "__delattr__": refuse_change,
     }
 
 
 @cache
-def _build_pick(kind: Any) -> Callable[[Any], Any]:
-    """Return what picks the compared fields of a value, as a tuple."""
+def _build_comparison_key(kind: Any) -> Callable[[Any], Any]:
+    """Return the function from a value to the tuple of its compared fields."""
     names = [item.name for item in fields(kind) if item.compare]
     if len(names) > 1:
         return attrgetter(*names)
@@ -112,32 +113,37 @@ def _build_pick(kind: Any) -> Callable[[Any], Any]:
 
 def _compile_constructor(kind: type) -> Callable[..., None]:
     """Return ``__init__`` of a dataclass: its parameters, defaults and ``__post_init__``."""
-    names: dict[str, Any] = {
+    namespace: dict[str, Any] = {
         "_set": object.__setattr__, "_unset": _UNSET, "__name__": kind.__module__,
     }  # fmt: skip
-    ordinary: list[str] = []
-    by_name: list[str] = []
+    positional: list[str] = []
+    keyword_only: list[str] = []
     body: list[str] = []
     for item in fields(kind):
-        value, default = item.name, ""
+        expression, default = item.name, ""
         if item.default is not dataclasses.MISSING:
-            names[f"_{item.name}"], default = item.default, f"=_{item.name}"
+            namespace[f"_default_{item.name}"] = item.default
+            default = f"=_default_{item.name}"
         elif item.default_factory is not dataclasses.MISSING:
-            names[f"_{item.name}"], default = item.default_factory, "=_unset"
-            made = f"_{item.name}()"
-            value = f"{made} if {item.name} is _unset else {item.name}" if item.init else made
+            namespace[f"_default_{item.name}"], default = item.default_factory, "=_unset"
+            factory_call = f"_default_{item.name}()"
+            expression = (
+                f"{factory_call} if {item.name} is _unset else {item.name}"
+                if item.init
+                else factory_call
+            )
         elif not item.init:
             continue
         if item.init:
-            (by_name if item.kw_only else ordinary).append(item.name + default)
+            (keyword_only if item.kw_only else positional).append(item.name + default)
         elif item.default is not dataclasses.MISSING:
             continue
-        body.append(f"_set(self, {item.name!r}, {value})")
+        body.append(f"_set(self, {item.name!r}, {expression})")
     if hasattr(kind, "__post_init__"):
         body.append("self.__post_init__()")
-    parameters = ", ".join(["self", *ordinary, *(["*", *by_name] if by_name else [])])
-    exec("\n ".join((f"def __init__({parameters}):", *body, "pass")), names)  # noqa: S102
-    function: Any = names["__init__"]
+    parameters = ", ".join(["self", *positional, *(["*", *keyword_only] if keyword_only else [])])
+    exec("\n ".join((f"def __init__({parameters}):", *body, "pass")), namespace)  # noqa: S102
+    function: Any = namespace["__init__"]
     function.__qualname__ = f"{kind.__qualname__}.__init__"
     types = {item.name: item.type for item in fields(kind) if item.init}
     function.__annotations__ = {**types, "return": None}

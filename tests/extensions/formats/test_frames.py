@@ -119,7 +119,7 @@ def test_fit_shows_the_line_to_type_for_arrays() -> None:
 
 
 @pytest.mark.parametrize("stated", ["daN", "kN", "lbf"])
-def test_a_unit_stated_against_the_name_is_asked_about(stated: str) -> None:
+def test_read_refuses_a_unit_that_contradicts_the_name(stated: str) -> None:
     frame = pd.DataFrame(COLUMNS)
     frame.attrs["units"] = {"force [N]": stated}
     with pytest.raises(ReadError, match=f"two units, N or {stated}"):

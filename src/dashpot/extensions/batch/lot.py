@@ -167,7 +167,7 @@ class Lot:
 
     @cached_property
     def rows_in_statistics(self) -> pl.DataFrame:
-        """The `fitted_rows`, less those `dissimilar` others, less copies."""
+        """The `fitted_rows`, without those that are `dissimilar` and without copies."""
         left_out = [*self.dissimilar, *self.copies]
         return self.fitted_rows.filter(~polars().col("file").is_in(left_out))
 
