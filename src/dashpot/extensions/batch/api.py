@@ -77,7 +77,7 @@ def batch(what: Any, /, **options: Any) -> Any:
 
     Returns
     -------
-    Lot, or Many of arrays
+    Lot, or BatchFit of arrays
 
     Raises
     ------
