@@ -52,7 +52,9 @@ from dashpot.extensions.batch.lot_options import OF_HAMMER_ALONE
 from dashpot.extensions.materials.hyperelastic.options import Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod.datamodel import RodErrors
+from dashpot.extensions.materials.rod.options import RodChoices
 from dashpot.extensions.modes import fit_handler as modes_handler
+from dashpot.extensions.modes.job import ModesJob
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.fitting.identification.prior_knowledge import KnownSolid
@@ -65,9 +67,7 @@ from dashpot.workflow.job import (
     Job,
     LevelChoices,
     LevelJob,
-    ModesJob,
     PartChoices,
-    RodChoices,
     ShiftChoices,
     TimeLimits,
 )

@@ -18,7 +18,7 @@ import dashpot as dp
 from dashpot.base.checks import Check, Remedy, select_gravest_check, verdict
 from dashpot.base.errors import Status
 from dashpot.cli._command import verb
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import result
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests

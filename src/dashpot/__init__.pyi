@@ -59,7 +59,7 @@ from .extensions.materials.indentation.datamodel import IndentationTest as Inden
 from .extensions.modes.mass_series_files import MassSeriesModes as MassSeriesModes
 from .extensions.systems.door.door_model import Door as Door
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
-from .vibration.comparison.comparison import Comparison as Comparison
+from .vibration.comparison.comparison_result import Comparison as Comparison
 from .workflow.frf_comparison import FRFComparison as FRFComparison
 from .workflow.frf_prediction import Prediction as Prediction
 from .workflow.measured_frf import Modes as Modes

@@ -35,7 +35,7 @@ from .extensions.systems.door.result import DoorResult
 from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from .solids.maxwell import Solid
 from .solids.part_geometry import Block, Disc, Geometry
-from .vibration.comparison.comparison import Comparison
+from .vibration.comparison.comparison_result import Comparison as Comparison
 from .workflow.frf_comparison import FRFComparison as FRFComparison
 from .workflow.frf_prediction import Prediction as Prediction
 from .workflow.job import HammerChoices, TimeLimits

@@ -9,7 +9,7 @@ import pytest
 from kit.shell import ran
 
 import dashpot as dp
-from dashpot.datamodel.fit import apply_elastic_law
+from dashpot.extensions.materials.cld.fit_files import apply_elastic_law
 from dashpot.extensions.materials.csr.examples import EXAMPLES as OVENS
 from dashpot.extensions.materials.drop.examples import EXAMPLES as DROP_TESTS
 from dashpot.solids.elastic import ElasticLaw

@@ -19,9 +19,9 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.progress import send_progress
-from dashpot.cli import _command_io, _terminal
+from dashpot.cli import _command_files, _command_result, _terminal
 from dashpot.cli._command import verb
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import result as told
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.export import TARGETS
@@ -239,7 +239,7 @@ def test_every_verdict_has_a_distinct_colour(use):
 def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
     @verb("page", "Write a page.", told(plot=False))
     def command():
-        _command_io.write(str(tmp_path / "page.html"), "x")
+        _command_result.write_output(str(tmp_path / "page.html"), "x")
         return CommandResult({}, Text(["text"]), follow="dashpot fit page.html")
 
     result = CliRunner().invoke(command, [])
@@ -253,7 +253,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
 def test_command_lists_written_files_when_it_fails(tmp_path):
     @verb("two", "Write two files.", told(plot=False))
     def command():
-        _command_io.write(str(tmp_path / "first.csv"), "x")
+        _command_result.write_output(str(tmp_path / "first.csv"), "x")
         raise dp.DataError("no second")
 
     result = CliRunner().invoke(command, [])
@@ -266,8 +266,8 @@ def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
 
     @verb("page", "Write a page.", click.Argument(["name"]), told(plot=False))
     def command(*, name):
-        _command_io.write(str(tmp_path / "data.csv"), "")
-        _command_io.write(str(tmp_path / name), "")
+        _command_result.write_output(str(tmp_path / "data.csv"), "")
+        _command_result.write_output(str(tmp_path / name), "")
         return CommandResult({}, Text())
 
     monkeypatch.setattr(click, "launch", lambda path: opened.append(path) or 0)
@@ -289,7 +289,7 @@ def test_a_planned_test_is_rehearsed_as_it_was_planned():
 
 def test_next_is_typed_as_the_shell_reads_it():
     assert (
-        _command_io.format_command("fit", "my seal.csv", why="again")
+        _command_files.format_command("fit", "my seal.csv", why="again")
         == "dashpot fit 'my seal.csv'  # again"
     )
 

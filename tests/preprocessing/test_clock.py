@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.signals.recording_faults import find_clock_jumps, lasting_change, ticks_evenly
+from dashpot.signals.clock import find_clock_jumps, find_rate_change, has_few_pauses
 
 EVEN = np.arange(0.0, 10.0, 0.01)
 
@@ -26,7 +26,7 @@ def test_find_clock_jumps_detects_a_jump_at_any_position(at: int) -> None:
 def test_a_change_of_rate_is_no_leap() -> None:
     slower = np.concatenate((EVEN, EVEN[-1] + np.arange(1.0, 100.0)))
     assert not find_clock_jumps(slower)
-    change = lasting_change(slower)
+    change = find_rate_change(slower)
     assert change is not None
     assert (change.at, change.step, change.beside) == (len(EVEN) - 1, 1.0, pytest.approx(0.01))
 
@@ -37,7 +37,7 @@ def test_a_change_of_rate_is_no_leap() -> None:
     ids=["even", "leaps", "short", "7 a decade", "100 a decade"],
 )
 def test_no_clock_goes_on_in_other_steps_that_grows_by_and_by(time: np.ndarray) -> None:
-    assert lasting_change(time) is None
+    assert find_rate_change(time) is None
 
 
 def test_a_machine_that_logs_as_its_reading_changes_does_not_tick_evenly() -> None:
@@ -45,7 +45,7 @@ def test_a_machine_that_logs_as_its_reading_changes_does_not_tick_evenly() -> No
     jittered = EVEN + 0.004 * random.uniform(-1, 1, len(EVEN))
     dropped = EVEN[random.uniform(size=len(EVEN)) > 0.1]
     waits = np.cumsum(random.exponential(0.01, len(EVEN)))
-    evenly = [ticks_evenly(one) for one in (EVEN, jittered, dropped, leapt(500, 10.0), waits)]
+    evenly = [has_few_pauses(one) for one in (EVEN, jittered, dropped, leapt(500, 10.0), waits)]
     assert evenly == [True, True, True, True, False]
     # pauses between bursts, as of a rounded reading
-    assert not ticks_evenly(EVEN - 0.008 * (np.arange(len(EVEN)) % 10))
+    assert not has_few_pauses(EVEN - 0.008 * (np.arange(len(EVEN)) % 10))

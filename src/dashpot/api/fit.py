@@ -19,7 +19,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.registry import FITS, KINDS, find_handler, load_object, row_of
 from dashpot.workflow.bench_tests import BenchFitOptions, fit_records
-from dashpot.workflow.fit_routing import BENCH, route
+from dashpot.workflow.fit_routing import BENCH, find_selected_fit, route
 from dashpot.workflow.identification import identify_solid
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, ShiftChoices, TimeLimits
 from dashpot.workflow.measured_frf import Modes, measured_frf, modes_of_hits
@@ -86,10 +86,10 @@ def fit(*records: Any, **options: Any) -> Any:
     if make_records is not None:
         records = make_records(records, options)
     kinds = identify_record_kinds(records)
-    mass, levels = options.get("mass"), options.get("levels") or ()
+    mass = options.get("mass")
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
-    rod = options.get("density") is not None or options.get("shape") is not None
-    meant = route(kinds, masses=masses, levels=bool(levels), rod=rod)
+    given = [name for name, value in options.items() if value is not None and value != ()]
+    meant = route(kinds, masses=masses, selected=find_selected_fit(given))
     row = FITS.get(meant)
     word = row.records if row is not None else ""
     fitted = load_object(word or KINDS[next(iter(kinds.values()))].fits)

@@ -31,7 +31,7 @@ from dashpot.workflow.job import BlockOnSeals, HammerChoices, LevelChoices, Part
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import Solid
     from dashpot.solids.part_geometry import Geometry
-    from dashpot.vibration.comparison.comparison import Comparison
+    from dashpot.vibration.comparison.comparison_result import Comparison
     from dashpot.workflow.study import Study
 
 

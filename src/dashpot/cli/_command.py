@@ -305,7 +305,7 @@ class DashpotCommand(click.Command):
         return "\n".join(lines).rstrip("\n")
 
     def invoke(self, ctx: click.Context) -> Any:
-        from dashpot.cli._command_io import run_and_report
+        from dashpot.cli._command_result import run_and_report
 
         assert self.callback is not None  # noqa: S101
         if "as_json" not in ctx.params:
@@ -393,7 +393,7 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
     click.UsageError
         If one was typed.
     """
-    from dashpot.cli._command_io import format_override_hint, get_kind_name
+    from dashpot.cli._command_files import format_override_hint, get_kind_name
 
     have = set(kinds.values())
     for option in verb.options:
@@ -408,7 +408,7 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
     """Return what each file is called, in a sentence."""
-    from dashpot.cli._command_io import get_kind_name
+    from dashpot.cli._command_files import get_kind_name
 
     return "; ".join(f"{Path(path).name} is {get_kind_name(word)}" for path, word in kinds.items())
 

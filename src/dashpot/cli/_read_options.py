@@ -12,7 +12,8 @@ import click
 from dashpot import workflow
 from dashpot.base import units
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.cli._command_io import is_json, reads
+from dashpot.cli._command_files import is_json
+from dashpot.cli._command_result import note_input
 from dashpot.reading.columns.vocabulary import DIMENSION
 from dashpot.reading.read_options import ReadOptions
 
@@ -40,7 +41,7 @@ def over_profiles(
     read_options, records = ReadOptions(), ctx.obj.inputs
     for glob, path in profiles:
         profile = load_profile(path)
-        reads(ctx, path)
+        note_input(ctx, path)
         read_options = (
             profile.with_defaults(read_options)
             if not glob
@@ -49,7 +50,7 @@ def over_profiles(
     options = options.with_defaults(read_options)
     for item in (options, *(entry for _, entry in options.own)):
         if item.calibration:
-            reads(ctx, item.calibration)
+            note_input(ctx, item.calibration)
     _refuse_strange_patterns(ctx, options)
     _refuse_unknown_units(records, options)
     return options

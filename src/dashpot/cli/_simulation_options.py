@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
-from dashpot.cli._command_io import read_model
+from dashpot.cli._command_files import read_model
 from dashpot.cli._param_types import format_suggestion
 from dashpot.registry import find_handler, list_names
 

@@ -13,16 +13,15 @@ from dashpot import workflow
 from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
-from dashpot.cli._command_io import (
-    CommandResult,
+from dashpot.cli._command_files import (
     detect_file_kinds,
     format_command,
     get_kind_name,
     grams,
     kinds_of,
     print_detected_kinds,
-    write_figure,
 )
+from dashpot.cli._command_result import CommandResult, write_figure
 from dashpot.cli._options import MASS, VIBRATION
 from dashpot.cli._param_types import File
 from dashpot.registry import find_handler

@@ -15,7 +15,7 @@ from dashpot.base.plain_text import paragraph
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, write
+from dashpot.cli._command_result import CommandResult, write_output
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.specimen import Specimen
@@ -144,7 +144,7 @@ def command(
         raise ExportError(
             f"the file of {target} is an archive, which is not printed; name it: -o FILE"
         )
-    write(output, deck.file_content)
+    write_output(output, deck.file_content)
     for mark in deck.overrides:
         to_stderr(f"OVERRIDE: {mark}")
     written = (None, deck) if output == "-" else (output, None)

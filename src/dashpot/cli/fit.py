@@ -22,13 +22,14 @@ from dashpot.cli._command import (
     refuse_others,
     verb,
 )
-from dashpot.cli._command_io import CommandResult, detect_file_kinds, kinds_of, print_detected_kinds
+from dashpot.cli._command_files import detect_file_kinds, kinds_of, print_detected_kinds
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
 from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import FITS, KINDS, find_handler, find_kinds_by_option, load_object
-from dashpot.workflow.job import Job, LevelJob, RodChoices, ShiftChoices
+from dashpot.workflow.job import Job, LevelJob, ShiftChoices
 
 _BENCH = SOLIDS
 _ELASTIC = (*get_choice_values(RampLawAsked), "by-depth")
@@ -147,7 +148,7 @@ for _one in chain.from_iterable(_OPTIONS):
 def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     """Recognise the records, and fit what they are."""
     from dashpot.cli.fit_handlers import FitRequest
-    from dashpot.workflow.fit_routing import route
+    from dashpot.workflow.fit_routing import find_selected_fit, route
 
     stated = (kind.name for kind in KINDS.values() if kind.said_by and said[kind.said_by])
     if said["options"].kind is None and (name := next(stated, None)):
@@ -156,10 +157,15 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     kinds = kinds_of(detections, said["options"])
     context = click.get_current_context()
     refuse_others(command, context, kinds)
+    typed = {
+        name
+        for option in command.options
+        if option.get_typed_words(context)
+        for name in option.names
+    }
     try:
         meant = route(
-            kinds, masses=len(said["mass"]), levels=bool(said["levels"] or said["at"]),
-            rod=said["density"] is not None or said["rod"] != RodChoices(),
+            kinds, masses=len(said["mass"]), selected=find_selected_fit(typed),
         )  # fmt: skip
     except ReadError as error:
         raise ReadError(f"{error}{options.format_column_hint(files)}") from None

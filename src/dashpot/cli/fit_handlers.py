@@ -15,16 +15,8 @@ from dashpot import workflow
 from dashpot.base import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyAsked, Method, get_choice_values
-from dashpot.cli._command_io import (
-    PAGE_SUFFIXES,
-    CommandResult,
-    format_command,
-    format_json,
-    grams,
-    is_json,
-    write,
-    write_figure,
-)
+from dashpot.cli._command_files import PAGE_SUFFIXES, format_command, grams, is_json
+from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._options import get_typed_options
 from dashpot.cli._param_types import format_suggestion
 from dashpot.cli._terminal import to_stderr
@@ -169,10 +161,10 @@ class FitRequest:
         if not self.output:
             return
         if not self.page:
-            write(self.output, format_json(result._saved_result) + "\n")
+            write_output(self.output, format_json(result._saved_result) + "\n")
             return
         made = {name: make() for name, make in figures.items()}
-        write(self.output, workflow.html(result, **made))
+        write_output(self.output, workflow.html(result, **made))
 
     def write_output(
         self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
@@ -210,7 +202,7 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
     )  # fmt: skip
     request.draw(lambda: _draw_bench_tests(fit, records))
     if request["save_shifts"]:
-        write(request["save_shifts"], format_shift_table(fit))
+        write_output(request["save_shifts"], format_shift_table(fit))
     request.keep(fit, **_make_bench_figures(fit, records))
     return CommandResult(
         fit,
@@ -223,12 +215,9 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
 
 def format_shift_table(fit: dp.Fit) -> str:
     """Return the shift factors of a fit of several temperatures as CSV."""
-    from dashpot.reading.write import write_shifts
-
     if fit.temperatures is None:
         raise FitError("one temperature has no shift factors; leave out --save-shifts")
-    stamp = ["simulated"] if any(source.simulated for source in fit.source) else []
-    return write_shifts(fit.temperatures, comments=stamp)
+    return str(find_handler("shift table", fit.temperatures)(fit))
 
 
 def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
@@ -331,9 +320,9 @@ def write_frf(result: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
 
     ending = Path(path).suffix.lower()
     if ending == ".json":
-        write(path, format_json(result) + "\n")
+        write_output(path, format_json(result) + "\n")
     else:
-        write(path, (find_handler("write frf", ending) or write_frf)(frf))
+        write_output(path, (find_handler("write frf", ending) or write_frf)(frf))
 
 
 # Identification from vibration under a known mass, alone or with bench tests.
@@ -379,9 +368,9 @@ def run_joint(request: FitRequest) -> CommandResult:
     )  # fmt: skip
     request.draw(lambda: dp.plot.stiffness(result.fit))
     if request["save_shifts"]:
-        write(request["save_shifts"], format_shift_table(result.fit))
+        write_output(request["save_shifts"], format_shift_table(result.fit))
     if request["stiffness_table"]:
-        write(request["stiffness_table"], result.direct.table)
+        write_output(request["stiffness_table"], result.direct.table)
     if request.output and request.output.lower().endswith(FRF_SUFFIXES):
         if result.vibration is None:
             raise click.UsageError(

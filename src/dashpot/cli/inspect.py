@@ -11,7 +11,8 @@ from dashpot.base.number_format import format_count
 from dashpot.base.units import format_quantity
 from dashpot.cli import _options as options_of
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import CommandResult, format_command, write
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, write_output
 from dashpot.cli._options import READING, RESULT, get_typed_options
 from dashpot.cli._param_types import Output
 from dashpot.reading.read_options import ReadOptions
@@ -68,7 +69,7 @@ def command(
     if save:
         from dashpot.reading.read_options import dump_profile
 
-        write(save, dump_profile(options))
+        write_output(save, dump_profile(options))
     answers = [
         line
         for file, path in zip(inspections.files, files, strict=True)

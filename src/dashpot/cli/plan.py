@@ -11,7 +11,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, format_command, write
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, write_output
 from dashpot.cli._options import get_typed_options
 from dashpot.cli._param_types import Direction, Output, WithUnit
 from dashpot.cli._simulation_options import seal_named
@@ -136,7 +137,7 @@ def command(
         rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
         timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
         message = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
-        write(setpoints, write_trajectory(motion, comments=message))
+        write_output(setpoints, write_trajectory(motion, comments=message))
     rehearsed = format_command(
         "simulate",
         "relaxation",

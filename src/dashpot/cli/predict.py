@@ -13,15 +13,8 @@ from dashpot import workflow
 from dashpot.base.option_fields import FrfKind, get_choice_values, iterate_option_fields
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
-from dashpot.cli._command_io import (
-    PAGE_SUFFIXES,
-    CommandResult,
-    detect_file_kinds,
-    format_command,
-    format_json,
-    write,
-    write_figure,
-)
+from dashpot.cli._command_files import PAGE_SUFFIXES, detect_file_kinds, format_command
+from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.reading.read_options import ReadOptions
@@ -211,7 +204,7 @@ def _write_prediction(result: Any, stated: dict[str, Any]) -> CommandResult:
     if stated["picture"]:
         write_figure(stated["picture"], result.plot())
     if output:
-        write(output, workflow.html(result) if page else format_json(result) + "\n")
+        write_output(output, workflow.html(result) if page else format_json(result) + "\n")
     return CommandResult.from_result(result)
 
 
@@ -281,11 +274,11 @@ def _keep(prediction: workflow.Prediction, path: str) -> None:
 
     suffix = path.lower().rpartition(".")[2]
     if path.lower().endswith(PAGE_SUFFIXES):
-        write(path, workflow.html(prediction))
+        write_output(path, workflow.html(prediction))
     elif suffix == "json":
-        write(path, format_json(prediction) + "\n")
+        write_output(path, format_json(prediction) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write(path, write_frf(prediction.table_frf))
+        write_output(path, write_frf(prediction.table_frf))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 

@@ -13,18 +13,15 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import CommandOption, build_options, group, mark_advanced, opt, verb
-from dashpot.cli._command_io import (
-    CommandResult,
-    claim,
+from dashpot.cli._command_files import (
     detect_file_kinds,
     format_command,
     get_kind_name,
     grams,
     kinds_of,
-    note_written,
     print_detected_kinds,
-    write,
 )
+from dashpot.cli._command_result import CommandResult, claim_outputs, note_written, write_output
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
 from dashpot.cli._param_types import Folder, Output
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
@@ -136,7 +133,7 @@ def command(
     )
     if not (output or project):
         output = "report.html"
-        claim([output])
+        claim_outputs([output])
     written: list[str] = []
     history = None
     if project:
@@ -149,7 +146,7 @@ def command(
     if output:
         send_progress("drawing the report")
         written.append(output)
-        write(written[-1], workflow.html(study))
+        write_output(written[-1], workflow.html(study))
     return CommandResult(
         Reported(study, written[-1], history),
         format_study(study),
@@ -223,8 +220,8 @@ def _amplitude(
     """Write the page of loops or an amplitude sweep."""
     levels = load_object(KINDS[kind].fit)(files, options=reading)
     output = output or "report.html"
-    claim([output])
-    write(output, workflow.html(levels))
+    claim_outputs([output])
+    write_output(output, workflow.html(levels))
     return CommandResult.from_result(levels)
 
 

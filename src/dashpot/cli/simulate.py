@@ -13,7 +13,8 @@ from dashpot.base.option_fields import Rehearsed, get_choice_values
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, claim, format_command, write
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli._simulation_options import creep, impact, relaxation, simulate_trajectory
 from dashpot.registry import find_handler
@@ -139,18 +140,18 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
     beside = find_handler("files beside", "simulate")(output, choices)
     if output == "-":
         text, *_ = made(**choices)
-        write(output, text)
+        write_output(output, text)
         return CommandResult(Simulated(what, output, None, text), Text())
     extra = str(Path(output).with_suffix(".truth.json"))
-    claim([output, extra, *beside])
+    claim_outputs([output, extra, *beside])
     text, truth, *more = made(**choices)
-    write(output, text)
-    write(extra, truth)
+    write_output(output, text)
+    write_output(extra, truth)
     message = [f"{output}: a simulated {what} test; what is true stands in {extra}"]
     reading = ["inspect", output]
     if more:
         calibration, stated = more
-        write(beside[0], calibration)
+        write_output(beside[0], calibration)
         message += [f"! {item}" for item in stated]
         reading = ["fit", output, "--calibration", beside[0]]
     story = Text(message)

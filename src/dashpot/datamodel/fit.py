@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -749,49 +749,3 @@ def add_checks(fit: Fit, checks: Iterable[Check]) -> Fit:
     if all_checks == fit.checks:
         return fit
     return replace(fit, evidence=replace(fit.evidence, checks=all_checks))
-
-
-def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
-    """Return the fit with the failed checks of a verdict, where its own verdict is milder."""
-    if not fit.verdict.is_milder_than(verdict):
-        return fit
-    return add_checks(fit, verdict.failed_checks)
-
-
-def apply_elastic_law(
-    fit: Fit, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
-) -> Fit:
-    """Return the fit with a law measured otherwise, of which the shape alone is taken.
-
-    Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
-    one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,
-    the fit is of the part that the law is of, and only its memory is taken.
-
-    Raises
-    ------
-    DataError
-        If no part was pressed, or the law ends more than 1 % before the depth that was held.
-    """
-    if fit.elastic_law is None:
-        raise DataError("the fit is of no pressed part: expected one of a relaxation test")
-    held = fit.elastic_law.depth
-    if law.depth < 0.99 * held:
-        raise DataError(
-            f"the law ends at {format_quantity(law.depth, 'mm')}, and the test was held at "
-            f"{format_quantity(held, 'mm')}: expected a cycle at least as deep"
-        )
-    factor = held / float(law.path(held))
-    if stiffness is not None:
-        factor = stiffness / fit.model.k_inf
-    step = Step(
-        "elastic law",
-        (("depth_m", repr(law.depth)), ("of", fit._identity)),
-        f"elastic law of compression load deflection to {format_quantity(law.depth, 'mm')}: "
-        f"stiffnesses there {factor:.4g} times the secant of fit {fit._identity}",
-    )
-    scaled = scale_stiffness(fit, factor, step)
-    return replace(
-        scaled,
-        elastic_law=replace(law, stiffness=scaled.model.k_inf),
-        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks), end_of_hold=None),
-    )

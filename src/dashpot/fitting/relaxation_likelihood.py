@@ -37,7 +37,13 @@ from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
 from dashpot.numerics.design_matrices.recorded_motion import FARTHEST, window_of
 from dashpot.preprocessing.denoising import between_samples, denoise_displacement, rests
-from dashpot.signals.noise import earlier_press, folded_mains, machine_terms, set_sd, warming
+from dashpot.signals.disturbances import (
+    build_earlier_press,
+    build_folded_mains,
+    build_machine_terms,
+    compute_set_sd,
+    compute_warming,
+)
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -130,7 +136,7 @@ def build_relaxation_data(
             doubts[name] = np.interp(time, time[at], column), sd
     if shift is not None:
         by_a, by_b = warms
-        doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
+        doubts["warming"] = compute_warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
     late = _lateness(single_fit or fit)
     if late:
         doubts |= _build_delay_columns(test, model, time, x, late=late)
@@ -427,7 +433,7 @@ def compute_unmeasured_effects(
     time, x : array, shape (n,)
         Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
     """
-    terms = machine_terms(
+    terms = build_machine_terms(
         test.machine,
         answer,
         time,
@@ -444,15 +450,15 @@ def compute_unmeasured_effects(
         tared = float(np.interp(priors(test).at, time, relaxing))
         terms["preload"] = relaxing - tared, test.preload * test.depth / peak
     if test.loading_start is None and not test.gap > 0 and answer.arms:
-        memory, sd = earlier_press(test.machine, answer, time, depth=test.depth)
+        memory, sd = build_earlier_press(test.machine, answer, time, depth=test.depth)
         # what it carries in the middle of the rest is offset
         terms["memory"] = memory - float(np.interp(priors(test).at, time, memory)), sd
     # its temperature is that of its contact, however long the machine stood before
     value = max(test.onset - test.ramp_time - test.time[0], 0.0)
-    warms = warming(time, x, answer, since=value)
+    warms = compute_warming(time, x, answer, since=value)
     terms["warming"] = warms, build_warming_prior(test.specimen).sd
     if test.machine.force_filter is None:
-        lines = folded_mains(time, step=test.step)
+        lines = build_folded_mains(time, step=test.step)
         # four parts of one line of that size
         sd = USUAL["folded mains"].size * peak / 2
         terms |= {f"mains@{i}": (line, sd) for i, line in enumerate(lines)}
@@ -466,7 +472,7 @@ def set_of(test: RampHold, answer: GeneralizedMaxwell) -> float:
     """
     if not test.gap > 0 or test.loading_start is not None:
         return 0.0
-    return set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
+    return compute_set_sd(test.machine, answer, depth=test.depth, gap=test.gap) / test.depth
 
 
 def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:

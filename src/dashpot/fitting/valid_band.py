@@ -314,14 +314,6 @@ def informed_band(
     return _find_widest_band(frequency, residual, slowest, fastest)
 
 
-def find_single_test_band(
-    block: DataBlock, *, stiffness: float, noise: float
-) -> tuple[float, float]:
-    """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
-    frequency, residual = compute_posterior_spread([block], stiffness=stiffness, noise=noise)
-    return _find_widest_band(frequency, residual, float(frequency[0]), float(frequency[-1]))
-
-
 def compute_posterior_spread(
     blocks: Sequence[DataBlock], *, stiffness: float, noise: float
 ) -> tuple[FloatArray, FloatArray]:

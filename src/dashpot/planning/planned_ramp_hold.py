@@ -16,7 +16,7 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.machine import USUAL, Machine
 from dashpot.datamodel.shift_factors import ABOVE_GLASS, SAME_TEMPERATURE
 from dashpot.planning.plan_options import PlannedRamp
-from dashpot.signals.noise import earlier_press, machine_terms, warming
+from dashpot.signals.disturbances import build_earlier_press, build_machine_terms, compute_warming
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
@@ -182,13 +182,13 @@ class Bench(PlannedRamp):
         ))  # fmt: skip
         at = since + self.ramp_time
         x = self.depth * np.minimum(at / self.ramp_time, 1.0)
-        warms = warming(at, x, model, since=-min(self.baseline, self.ramp_time))
+        warms = compute_warming(at, x, model, since=-min(self.baseline, self.ramp_time))
         terms = {"warming": (warms, USUAL["warming"].size)}
         # of a seal that was pressed before; what it carries in the middle of the rest is offset
         began = np.append(at + self.baseline, self.baseline / 2)
-        memory, sd = earlier_press(machine, model, began, depth=self.depth)
+        memory, sd = build_earlier_press(machine, model, began, depth=self.depth)
         terms["memory"] = memory[:-1] - memory[-1], sd
-        terms |= machine_terms(
+        terms |= build_machine_terms(
             machine, model, at, x, since=since, ramp_time=self.ramp_time, depth=self.depth
         )
         columns = [np.interp(time, at, values)[:, None] * sd for values, sd in terms.values()]

@@ -36,7 +36,7 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.plotted_data import FREQUENCY, compute_padded_limits, format_frf_stamp
 from dashpot.plot.style import sequential
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.modal.peaks import find_peak
 
 # FRF lines to be drawn: phase and interpolation.

@@ -13,7 +13,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.plot import frf_figure, relaxation
 from dashpot.plot.picture import Picture
 from dashpot.plot.plotted_data import stamp, unit_of
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 
 
 class Story(Protocol):

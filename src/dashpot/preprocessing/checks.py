@@ -18,16 +18,10 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preprocessing.denoising import CORNERS, LOST, bends, but_corners, denoise_displacement
 from dashpot.preprocessing.history import EarlierLoadings
+from dashpot.signals.clock import NEIGHBOUR_STEPS, find_clock_jumps, has_few_pauses
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three, spikes
-from dashpot.signals.recording_faults import (
-    BEFORE,
-    CLOCK_NEIGHBOURS,
-    FEWEST,
-    find_clock_jumps,
-    frozen_runs,
-    ticks_evenly,
-)
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
+from dashpot.signals.stuck_channel import BEFORE, FEWEST, find_stuck_runs
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 LAW = "by physics; a tenth for noise and drift"
@@ -378,11 +372,11 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     default that of the record.
     """
     used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
-    if len(used) <= CLOCK_NEIGHBOURS:
+    if len(used) <= NEIGHBOUR_STEPS:
         return Finding("The record is too short to judge its clock")
     pauses = np.diff(used)
     # a load that is a step has no ramp
-    least = test.ramp_time or CLOCK_NEIGHBOURS * median(pauses)
+    least = test.ramp_time or NEIGHBOUR_STEPS * median(pauses)
     jump = _leap_of(test.time if time is None else time, test.onset, least)
     if jump is not None:
         return jump
@@ -390,8 +384,8 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     worst = int(np.argmax(pauses / since))
     longest, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
     near = np.delete(
-        pauses[max(worst - CLOCK_NEIGHBOURS, 0) : worst + CLOCK_NEIGHBOURS + 1],
-        min(worst, CLOCK_NEIGHBOURS),
+        pauses[max(worst - NEIGHBOUR_STEPS, 0) : worst + NEIGHBOUR_STEPS + 1],
+        min(worst, NEIGHBOUR_STEPS),
     )
     return Finding(
         f"The longest pause for its place is {longest:.3g} s, {since[worst]:.3g} s after onset",
@@ -401,7 +395,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
             "Cut the record before the pause, or correct its clock.", "time-limits", "hold-end=..."
         ),
         # two leaps side by side do not excuse each other
-        excused=longest <= 3 * float(np.sort(near)[-CLOCK_NEIGHBOURS // 2])
+        excused=longest <= 3 * float(np.sort(near)[-NEIGHBOUR_STEPS // 2])
         or longest <= 0.05 * rest,
         grade="stop" if longest > rest else None,
     )
@@ -410,7 +404,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
 def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
     leaps = find_clock_jumps(time)
-    if not leaps or not ticks_evenly(time):
+    if not leaps or not has_few_pauses(time):
         return None
     shares = [jump.step / max(abs(time[jump.at] - onset), least) for jump in leaps]
     worst = int(np.argmax(shares))
@@ -479,8 +473,8 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     turn = 1.0 if (f - f.mean()) @ test.force[held] >= 0 else -1.0
     since = time - test.ramp_end if not moves[resting.argmax() :].any() else None
     besides = force[:before], force[before:ramp]
-    stuck = frozen_runs(turn * f, resting=resting, since=since, besides=besides)
-    still = frozen_runs(x, resting=np.zeros(len(x), dtype=bool))
+    stuck = find_stuck_runs(turn * f, resting=resting, since=since, besides=besides)
+    still = find_stuck_runs(x, resting=np.zeros(len(x), dtype=bool))
     # a plate that soon rests for good may well show no more noise
     still = still[(still[:, 1] < len(x) - 1) | (still[:, 0] > SOON * len(x))]
     of_force, of_plate = (float(np.sum(np.diff(values) + 1)) / len(f) for values in (stuck, still))

@@ -49,7 +49,8 @@ from dashpot.preprocessing.signal_conditioning import (
     parse_filter,
     white_noise,
 )
-from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
+from dashpot.signals.clock import is_evenly_sampled
+from dashpot.signals.noise import median_of_three, scatter, without_spikes
 
 # times that a gap and a delay are found, each with the other
 ROUNDS = 3
@@ -561,7 +562,7 @@ def _without_hum(record: RampHold) -> RampHold:
     """Take the lines of the hold off the whole force, on a uniform clock."""
     held = record.hold
     time, force = record.time[held], record.force[held]
-    if not evenly_sampled(time):
+    if not is_evenly_sampled(time):
         return record
     lines, hum, responds = hum_lines(
         record.time,

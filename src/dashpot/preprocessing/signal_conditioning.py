@@ -19,7 +19,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import format_quantity, parse_quantity
 from dashpot.datamodel.relaxation import Hum, RampHold
-from dashpot.signals.noise import evenly_sampled, scatter
+from dashpot.signals.clock import is_evenly_sampled
+from dashpot.signals.noise import scatter
 
 # Filters.
 
@@ -223,7 +224,7 @@ def _count_neighbours(record: RampHold) -> int:
     most = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
     count = min(len(record.time) // ENOUGH_SAMPLES, most)
     in_counts_of_force = record.machine_deflection is not None and record.encoder_step > 0
-    if count < 2 or in_counts_of_force or not evenly_sampled(record.time):
+    if count < 2 or in_counts_of_force or not is_evenly_sampled(record.time):
         return 1
     return count - 1 + count % 2
 

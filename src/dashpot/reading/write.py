@@ -12,11 +12,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.file_writing import write_atomic
 from dashpot.base.plain_text import escape_formula, format_csv_comment
 from dashpot.base.provenance import Source
-from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import Trajectory
-from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.datamodel.vibration_tests import ImpactTest
 
@@ -89,26 +88,6 @@ def temperature_line(kelvin: float) -> str:
     'temperature: 0 degC'
     """
     return f"temperature: {round(convert_to_unit(kelvin, 'degC'), 9):.12g} degC"
-
-
-def write_shifts(
-    shifts: TemperatureShifts, path: str | Path | None = None, *, comments: Sequence[str] = ()
-) -> str:
-    """Return shift factors as text that `read_shifts` takes back, and write it to `path` if given.
-
-    The columns are ``temperature [degC], log10_a_t [1], se [1], b_t [1]``; `se` is of log10_a_t.
-    """
-    all_shifts = shifts.shifts
-    head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
-    columns = [
-        np.array([round(convert_to_unit(shift.temperature, "degC"), 9) for shift in all_shifts]),
-        np.array([shift.log10_a_t for shift in all_shifts]),
-        np.array([shift.se for shift in all_shifts]),
-        np.array([shift.b_t for shift in all_shifts]),
-    ]
-    reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
-    above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
-    return save_text(format_table(above, head, columns), path)
 
 
 def write_impact(

@@ -22,7 +22,6 @@ from dashpot.registry.row import (
     FitRow,
     KindOfTest,
     LotSpecimen,
-    Meant,
     Place,
     SolverInput,
 )
@@ -50,7 +49,6 @@ __all__ = [
     "FitRow",
     "KindOfTest",
     "LotSpecimen",
-    "Meant",
     "Place",
     "SolverInput",
     "asks_of",

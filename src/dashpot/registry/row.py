@@ -9,22 +9,6 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeAlias
 
-Meant: TypeAlias = Literal[
-    "bench",
-    "hits",
-    "modes",
-    "level",
-    "rod",
-    "cld",
-    "stress-strain",
-    "indentation",
-    "csr",
-    "slam",
-    "plug-in",
-]
-"""What records of one kind are fitted as."""
-
-
 Place: TypeAlias = Literal[
     "", "test", "hammer", "response", "base", "bench", "level", "judged", "part"
 ]
@@ -128,7 +112,7 @@ class KindOfTest(NamedTuple):
     reader: str = ""
     fit: str = ""
     nouns: Mapping[str, str] = _NONE
-    meant: Meant | Literal[""] = ""
+    meant: str = ""
     checks: str = ""
     place: Place = ""
     pages: Mapping[str, str] = _NONE
@@ -224,6 +208,8 @@ class FitRow(NamedTuple):
         What its records are called where an option does not suit them, in Python and in a terminal.
     options : tuple of str
         The options of ``dashpot fit`` that it uses beside those of reading and result.
+    selecting : tuple of str
+        Those of Python and of the command line that select it for tests of a vibration.
     order : int
         Where it stands among all.
     """
@@ -234,6 +220,7 @@ class FitRow(NamedTuple):
     title: str
     command_title: str
     options: tuple[str, ...] = ()
+    selecting: tuple[str, ...] = ()
     order: int = 0
 
 
@@ -254,7 +241,8 @@ class Extension(NamedTuple):
         document"`` (fields of that class, or of one without a schema by its name, from its
         values), ``"write frf"`` (to bytes, by the ending of a file), ``"lot columns"`` (what
         the row of a lot lists), ``"solver input"`` (what writes that of a plug-in),
-        ``"procedures"`` (under which of a solver a deck was run).
+        ``"procedures"`` (under which of a solver a deck was run), ``"fit text"``, ``"fit page"``
+        and ``"shift table"`` (of a fit, by the type of its part that an extension made).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
@@ -288,7 +276,8 @@ class Extension(NamedTuple):
         that it has besides), ``"option groups"`` (those under titles of their own), ``"files
         beside"`` (those that `simulate` writes beside its record).
 
-        Of the app: ``"fit job"`` (a job to its result and its `JobPage`), ``"figure cards"`` (of
+        Of the app: ``"job"`` (its class, by a name), ``"fit job"`` (a job to its result and its
+        `JobPage`), ``"figure cards"`` (of
         a result, in place of its picture), ``"file row"`` (what the list of files says of a
         suffix), ``"predict open files"`` (of a kind that is not fitted), ``"recorder"`` (a device
         by its driver), ``"record"`` (to a file), ``"open folder"`` (the last job kept in one, and

@@ -28,7 +28,7 @@ from dashpot.datamodel.frf import FRF
 from dashpot.report import page_frame
 from dashpot.report.page_frame import AttachedDeck, Attachment, attachment
 from dashpot.solids.fractional import FractionalZener
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import STORAGE_LIMIT, DynamicStiffness
 from dashpot.workflow.json_archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation

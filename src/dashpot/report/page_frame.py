@@ -59,6 +59,11 @@ def environment(package: str) -> Environment:
     return result
 
 
+def render_template(name: str, contents: dict[str, Any]) -> str:
+    """Return a page of the core's own templates as HTML."""
+    return str(environment("dashpot.report").get_template(name).render(contents))
+
+
 @cache
 def _part(package: str, *path: str) -> str:
     """Return a part of a page that is no HTML, as it stands in its file."""

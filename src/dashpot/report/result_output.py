@@ -24,7 +24,7 @@ from dashpot.plot import Picture
 from dashpot.reading.readers.inspect import Inspection
 from dashpot.reading.write import write_frf, write_impact, write_relaxation
 from dashpot.registry import figure_of
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.workflow.frf_comparison import FRFComparison
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.identification import Identified

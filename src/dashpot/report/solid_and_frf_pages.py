@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -18,12 +18,13 @@ from dashpot.base.number_format import (
     round_to_error,
     seals,
 )
-from dashpot.base.reported_values import NORMAL, ReportedValue
-from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
-from dashpot.datamodel.fit import Fit, get_error_label, list_known_values
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit, get_display_unit
+from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.plot.picture import Span
+from dashpot.registry import find_handler
 from dashpot.report.figures import LEAD
 from dashpot.report.first_screen import NBSP, Row
 from dashpot.report.result_page import (
@@ -188,14 +189,29 @@ OF_LOSS = frozenset({
     "arms_supported", "tau_inside_window", "arms_where_force_relaxes", "arms_identified",
     "dashpot_not_missed", "few_arms_sufficient",
 })  # fmt: skip
-_SHIFTS = frozenset({
-    "shifts_determined", "shift_monotone", "law_follows_shifts", "no_temperature_outlier",
-    "glass_below_tests", "shifts_distinguished",
-})  # fmt: skip
-_CURVE = frozenset({
-    "isotherms_overlap", "thermorheologically_simple", "vertical_shift_determined",
-    "vertical_rule_holds",
-})  # fmt: skip
+
+
+class TemperaturePart(NamedTuple):
+    """Part of the page of a solid that says how it follows temperature.
+
+    Attributes
+    ----------
+    about : str
+        What the fit is of, if of a material.
+    topics, strip, groups, folds
+        As those of :class:`~dashpot.report.result_page.KindPage`.
+    """
+
+    about: str
+    topics: Sequence[Topic]
+    strip: Sequence[tuple[str, str]]
+    groups: Sequence[Group]
+    folds: Sequence[CollapsibleSection]
+
+
+def _make_part(fit: Fit) -> TemperaturePart | None:
+    make_part = None if fit.temperatures is None else find_handler("fit page", fit.temperatures)
+    return None if make_part is None else cast("TemperaturePart", make_part(fit))
 
 
 def solid_page(fit: Fit) -> KindPage:
@@ -222,27 +238,28 @@ def identified_page(result: Identified) -> KindPage:
 
 def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
     """Return a page of a solid: stiffness and loss over frequency, its arms one by one."""
-    material, shifts = fit.unit == "Pa", fit.temperatures
+    material, part = fit.unit == "Pa", _make_part(fit)
     name = "The material" if material else "One seal"
     high = round_to_error(fit.band[1], digits=2)
     at_end = fit.evidence.end_of_hold
     fact = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
     stiff = "" if fact is None else f"{fact.cells.value} {fact.word}"
-    if shifts is None:
-        topics = [Topic("Stiffness", OF_REST, stiff),
-                 Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
-    else:
-        topics = [Topic("Superposition", _CURVE, "one curve"),
-                 Topic("Shifts", _SHIFTS, _law_of(fit)),
-                 Topic("Arms", OF_LOSS | OF_REST, format_count(fit.model.arms, "arm"))]  # fmt: skip
+    topics = [Topic("Stiffness", OF_REST, stiff),
+             Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
+    if part is not None:
+        topics = [
+            *part.topics,
+            Topic("Arms", OF_LOSS | OF_REST, format_count(fit.model.arms, "arm")),
+        ]
     strip = [
         *format_specimen_header(fit.specimen),
         *_make_condition_cells(fit),
+        *(part.strip if part is not None else ()),
         ("Valid band", hertz(fit.band)),
         ("Fit", fit._identity[:8]),
     ]
     return KindPage(
-        about="master curve" if shifts is not None and material else _format_test_name(fit),
+        about=part.about if part is not None and material else _format_test_name(fit),
         strip=tuple(strip),
         lights=lights(result.checks, Topic("Test"), *topics),
         answers=f"What {name.lower()} does at each frequency",
@@ -254,7 +271,7 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
         if at_end
         else KindPage.note,
         sources=tuple(dict.fromkeys(fit.source)),
-        folds=tuple(_make_solid_sections(fit)),
+        folds=(*_make_solid_sections(fit), *(part.folds if part is not None else ())),
         name="fit",
     )
 
@@ -287,11 +304,6 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     return replace(drawn, strips=(stacked,), columns=1, width=LEAD)
 
 
-def _law_of(fit: Fit) -> str:
-    law = "" if fit.temperatures is None else fit.temperatures.law.kind
-    return {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(law, "each its own")
-
-
 def _format_test_name(fit: Fit) -> str:
     made = {"dynamic": "dynamic sweep", "creep": "creep test"}.get(fit.method, "relaxation test")
     several = len(fit.source)
@@ -303,17 +315,9 @@ def _format_model_name(fit: Fit) -> str:
 
 
 def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
-    """Facts of a fit beside its specimen: the hold, the temperatures."""
+    """Facts of a fit beside its specimen: the hold."""
     if fit.evidence.end_of_hold is not None and not fit.evidence.end_of_hold.is_frequency:
         yield "Held", duration(fit.evidence.end_of_hold.end_time)
-    if fit.temperatures is not None:
-        every = [shift.temperature for shift in fit.temperatures.shifts]
-        ends = " to ".join(
-            round_to_error(convert_to_unit(value, "°C"), digits=3)
-            for value in (min(every), max(every))
-        )
-        yield "Reference", format_quantity(fit.temperatures.reference, "°C", ".4g")
-        yield "Temperatures", f"{len(every)}, {ends} °C"
 
 
 def make_solid_groups(fit: Fit) -> Iterator[Group]:
@@ -337,8 +341,9 @@ def make_solid_groups(fit: Fit) -> Iterator[Group]:
         yield group("Arms: k, τ", others) if others else Group("", ())
     elif not fit.estimate.parameters:
         yield group("Spectrum", others)
-    if fit.temperatures is not None:
-        yield from _make_temperature_groups(fit)
+    part = _make_part(fit)
+    if part is not None:
+        yield from part.groups
 
 
 def _make_band_rows(fit: Fit) -> Iterator[Row]:
@@ -356,38 +361,6 @@ def _make_band_rows(fit: Fit) -> Iterator[Row]:
         value = float(getattr(fit.solid, name)(frequency=at))
         least, most = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
         yield row(ReportedValue(f"{words} at {at:g}{NBSP}Hz", value, least, most, unit))
-
-
-def _make_temperature_groups(fit: Fit) -> Iterator[Group]:
-    shifts = fit.temperatures
-    assert shifts is not None  # noqa: S101
-    # an error of the noise alone is no interval, and says so
-    single = "" if fit.estimate.of_noise is None else f" ({get_error_label(fit)})"
-    if shifts.constants:
-        law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
-        yield Group(
-            f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
-            tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
-        )
-    every = shifts.shifts
-    ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
-    yield Group(
-        f"Shift, log₁₀ a_T{single}",
-        tuple(
-            _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
-                      single=bool(single))
-            for end in ends
-        ),
-    )  # fmt: skip
-
-
-def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row:
-    """A number with its standard error: as its 95 % interval, or beside it where that is more."""
-    error = fact.error or 0.0
-    if single or not 0 < error < math.inf:
-        return row(fact, name)._replace(value=fact.cells.with_error)
-    half = NORMAL * error
-    return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
 
 
 def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
@@ -408,21 +381,6 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
         head = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
         yield CollapsibleSection(
             "Every arm", "none has a meaning of its own: use the table", TextTable(head, arms)
-        )
-    if fit.temperatures is not None:
-        shifts = tuple(
-            (
-                format_quantity(shift.temperature, "°C", ".4g"),
-                along.cells.value,
-                along.cells.error,
-                across.cells.value,
-            )
-            for shift in fit.temperatures.shifts
-            for along, across in (shift.facts,)
-        )
-        names = ("temperature", "log₁₀ a_T", get_error_label(fit), "b_T")
-        yield CollapsibleSection(
-            "Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts)
         )
 
 

@@ -34,7 +34,7 @@ from dashpot.datamodel.fit import (
 from dashpot.datamodel.fit_diagnostics import ParameterChange
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.stiffness_under_mass import rival_of

@@ -13,13 +13,14 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.number_format import ascii_only
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.result_mixins import HasVerdict
-from dashpot.base.units import celsius, convert_to_unit, format_quantity, get_display_unit
+from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.datamodel.fit import (
     get_error_label,
     list_known_values,
     list_reported_nuisances,
     list_undetermined_times,
 )
+from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text, facts, table
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from dashpot.datamodel.fit_diagnostics import Explanation
     from dashpot.datamodel.frf import Hit, Mode
     from dashpot.datamodel.parameter_estimate import Residual
-    from dashpot.datamodel.shift_factors import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.frf_comparison import FRFComparison
     from dashpot.workflow.frf_prediction import Prediction, ShakenMass
@@ -74,16 +74,11 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
             f"  residual    {_size(residual)}; {_samples(residual)}",
             f"  valid band  {hertz(fit.band)}",
         ]
-    for section in (
-        _creep,
-        _format_elastic_law,
-        _format_hold_end,
-        _format_alternative,
-        _temperatures,
-        _format_depth_stiffnesses,
-        _format_explanations,
-    ):
+    lines += _format_part(fit, fit.evidence.creep)
+    for section in (_format_elastic_law, _format_hold_end, _format_alternative):
         lines += section(fit)
+    lines += _format_part(fit, fit.temperatures)
+    lines += [*_format_depth_stiffnesses(fit), *_format_explanations(fit)]
     of = (
         " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
     )
@@ -95,6 +90,12 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
         details.append(f"  optimality  {fit.evidence.certificate.message}")
     (details if residual.unit == "N" else lines).extend(_nuisance(fit))
     return Text(lines, [*details, *list_notes(fit.source), *_orders(fit)])
+
+
+def _format_part(fit: Fit, part: object) -> list[str]:
+    """Return the lines of a part of a fit that an extension made."""
+    format_part = None if part is None else find_handler("fit text", part)
+    return [] if format_part is None else list(format_part(fit))
 
 
 def _format_fit_heading(fit: Fit, request: int | str) -> str:
@@ -209,55 +210,6 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
         for source in sources
         for note in source.notes
     ]
-
-
-def _creep(fit: Fit) -> list[str]:
-    """Return the compliances that were fitted to creep, and their times."""
-    creep = fit.evidence.creep
-    if creep is None:
-        return []
-    reported_values = creep.list_values("m/N" if fit.unit == "N/m" else "1/Pa")
-    texts = {value.name: value.cells.ascii.with_unit for value in reported_values}
-    parts = [f"at once {texts['glass']}"]
-    parts += [
-        f"{texts[f'd_{j}']} in {texts[f'lam_{j}']}" for j in range(1, len(creep.spectrum.d) + 1)
-    ]
-    if "flow" in texts:
-        parts.append(f"flow {texts['flow']}, without end")
-    return [f"  creep       {'; '.join(parts)}"]
-
-
-def _temperatures(fit: Fit) -> list[str]:
-    """Return the law of temperature and the shifts, where several were fitted."""
-    shifts = fit.temperatures
-    if shifts is None:
-        return []
-    rows = [["", "log10 a_T", get_error_label(fit), "b_T"]]
-    for shift in shifts.shifts:
-        along, across = (fact.cells.ascii for fact in shift.facts)
-        rows.append([celsius(shift.temperature), along.value, along.error, across.value])
-    return [
-        f"  reference   {celsius(shifts.reference)}, of {len(shifts.shifts)} temperatures; b_T "
-        + ("free" if shifts.vertical == "free" else f"= {shifts.vertical}"),
-        f"  law         {_shift_law(fit, shifts)}",
-        *table(rows),
-        *(
-            f"  advice      {check.message_with_remedy}"
-            for check in fit.checks
-            if check.name == "shifts_distinguished" and check.failed
-        ),
-    ]
-
-
-def _shift_law(fit: Fit, shifts: TemperatureShifts) -> str:
-    """Return the law of the shifts with its constants, where it has any."""
-    constants = ", ".join(
-        f"{constant.label} {constant.cells.with_unit}" for constant in shifts.constants
-    )
-    if constants and fit.estimate.of_noise is not None:
-        constants += f" ({get_error_label(fit)})"
-    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "none, the shifts alone")
-    return ascii_only(": ".join(filter(None, (law, constants))))
 
 
 def _format_depth_stiffnesses(fit: Fit) -> list[str]:

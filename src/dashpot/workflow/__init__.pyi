@@ -28,7 +28,6 @@ from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files
 from .job import HammerChoices as HammerChoices
 from .job import Job as Job
-from .job import RodChoices as RodChoices
 from .json_archive import format_unexpected_kind as format_unexpected_kind
 from .json_archive import read_exported as read_exported
 from .json_archive import read_fit as read_fit

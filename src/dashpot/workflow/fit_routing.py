@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Literal, TypeAlias
 
 from dashpot.base.errors import ReadError
 from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
-from dashpot.registry import KINDS, RESPONSES, Meant
-
-Fitted: TypeAlias = Meant | Literal["masses", "joint"]
+from dashpot.registry import FITS, KINDS, RESPONSES
 
 BENCH = frozenset(kind.name for kind in KINDS.values() if kind.meant == "bench")
 """Kinds of tests of a part on a bench, whose solid is fitted."""
@@ -23,9 +20,12 @@ _NAMED = 3
 """Files of one kind that a sentence names."""
 
 
-def route(
-    kinds: Mapping[str, str], *, masses: int = 0, levels: bool = False, rod: bool = False
-) -> Fitted:
+def find_selected_fit(options: Collection[str]) -> str:
+    """Return the fit that one of these options selects; empty if none does."""
+    return next((fit.name for fit in FITS.values() if set(fit.selecting) & set(options)), "")
+
+
+def route(kinds: Mapping[str, str], *, masses: int = 0, selected: str = "") -> str:
     """Return the fit that records mean.
 
     Parameters
@@ -34,10 +34,8 @@ def route(
         The kind of each file, as :func:`~dashpot.reading.readers.detect_kind.recognise` names it.
     masses : int
         How many masses were given.
-    levels : bool
-        Whether the level of each FRF was given, or the resonance at a level was asked for.
-    rod : bool
-        Whether a density or a shape was.
+    selected : str
+        The fit that an option selects (:func:`find_selected_fit`).
 
     Raises
     ------
@@ -54,9 +52,9 @@ def route(
     have = set(kinds.values())
     shaken = have & VIBRATION
     if shaken and have <= VIBRATION:
-        return _route_vibration(kinds, masses=masses, levels=levels, rod=rod)
+        return _route_vibration(kinds, masses=masses, selected=selected)
     if shaken and have <= VIBRATION | BENCH | {"fit"}:
-        if masses and (levels or rod):
+        if masses and selected:
             raise ReadError(
                 f"{_format_file_kinds(kinds)}. A level, a density and a shape are of the vibration "
                 "alone. Leave "
@@ -82,11 +80,9 @@ def route(
     )
 
 
-def _route_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Fitted:
-    if levels:
-        return "level"
-    if rod:
-        return "rod"
+def _route_vibration(kinds: Mapping[str, str], *, masses: int, selected: str) -> str:
+    if selected:
+        return selected
     if masses > 1:
         return "masses"
     if masses:
@@ -133,7 +129,7 @@ def _some(names: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last} are each"
 
 
-def _find_common_meaning(have: set[str]) -> Meant | Literal[""]:
+def _find_common_meaning(have: set[str]) -> str:
     """Return what records mean that are all fitted alike."""
     words = {KINDS[kind].meant if kind in KINDS else "" for kind in have}
     return words.pop() if len(words) == 1 else ""

@@ -21,7 +21,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import find_handler
 from dashpot.vibration.comparison.compare import compare, infer_mass
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, operating_point, predict_frf
 from dashpot.workflow.checks import measurement_independent_of_fit
 from dashpot.workflow.job import BlockOnSeals, HammerChoices

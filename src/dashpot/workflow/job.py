@@ -27,7 +27,6 @@ from dashpot.base.option_fields import (
     option,
 )
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
-from dashpot.base.units import si_fields
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.fitting.fit_options import FitOptions, SolidOptions
@@ -341,27 +340,8 @@ class LevelChoices:
     )
 
 
-@dataclass(frozen=True)
-class ModesJob:
-    """Job of ``dashpot fit`` on modes: all files and options.
-
-    The fields are the arguments of
-    :func:`~dashpot.extensions.modes.measured_modes.modes_files`, and of
-    :func:`~dashpot.extensions.modes.mass_series_files.modes_by_mass` where there are masses.
-    """
-
-    files: tuple[str, ...] = option((), metavar="FILE", argument=1)
-    band: tuple[float, float] | None = copy_option(Job, "band")
-    masses: tuple[float, ...] = option(
-        (), "Mass on the seals in each FRF, in order.", unit="mass", multiple=True, flag="mass"
-    )
-    seals: float = copy_option(Job, "seals")
-    motion: OverBase = copy_option(HammerChoices, "motion")
-    polarity: tuple[int, ...] | None = copy_option(HammerChoices, "polarity")
-    options: ReadOptions = make_nested_options(ReadOptions)
-
-
-def _shape(message: str) -> Any:
+def declare_shape(message: str) -> Any:
+    """Return the field of a shape, ``--shape disc:20mm,20mm``."""
     return option(None, message, under="shape", sign=":")
 
 
@@ -372,10 +352,10 @@ class PartChoices:
     One of the shapes, a factor, or a resonance with its mass.
     """
 
-    disc: str | None = _shape("Diameter and height of a pad: 20mm,20mm.")
-    block: str | None = _shape("Length, width and height of a pad: 30mm,20mm,10mm.")
-    bush: str | None = _shape("Inner and outer diameter and length: 12mm,30mm,40mm.")
-    bulb: str | None = _shape("Outer diameter, wall and length: 22mm,2mm,100mm.")
+    disc: str | None = declare_shape("Diameter and height of a pad: 20mm,20mm.")
+    block: str | None = declare_shape("Length, width and height of a pad: 30mm,20mm,10mm.")
+    bush: str | None = declare_shape("Inner and outer diameter and length: 12mm,30mm,40mm.")
+    bulb: str | None = declare_shape("Outer diameter, wall and length: 22mm,2mm,100mm.")
     mode: PartMode | None = option(
         None, "How the shape is loaded.", choices=PartMode, flag="loading"
     )
@@ -384,27 +364,6 @@ class PartChoices:
         None, "A measured peak, in place of a shape.", unit="frequency"
     )
     resonance_mass: float | None = option(None, "Mass on the parts at that peak.", unit="mass")
-
-
-@dataclass(frozen=True)
-class RodChoices:
-    """Options of a rod under a mass: its dimensions and the errors of its test."""
-
-    disc: str | None = _shape("Diameter and length of a round rod: 20mm,20mm.")
-    block: str | None = _shape("Both widths and length of another: 30mm,20mm,10mm.")
-    lubricated: bool = option(False, "The ends slide.", is_flag=True)
-    gain_error: float = option(0.01, "Gain error between the sensors, e.g. 1%.", unit="strain")
-    phase_error: float = option("1deg", "Phase error between the sensors.", unit="angle")
-    glue_error: float = option(0.065, "Give of the glue over the rod's; 0: none.", unit="strain")
-
-    def __post_init__(self) -> None:
-        si_fields(self)
-        for name in ("gain_error", "phase_error", "glue_error"):
-            value = getattr(self, name)
-            if not 0 <= value < 1:
-                raise DataError(
-                    f"--{name.replace('_', '-')} {value:g}; expected an error from 0 to below 1"
-                )
 
 
 def with_paths(job: J, function: Callable[[str], str]) -> J:

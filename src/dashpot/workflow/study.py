@@ -37,7 +37,7 @@ from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import (
     REACH,
     MassOnSeals,

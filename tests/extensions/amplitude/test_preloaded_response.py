@@ -10,10 +10,10 @@ import pytest
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
-from dashpot.datamodel.fit import apply_elastic_law
 from dashpot.extensions.amplitude.level_text import prediction
 from dashpot.extensions.amplitude.preloaded_mass import PreloadedMass
 from dashpot.extensions.amplitude.preloaded_response import _compute_narrow_interval
+from dashpot.extensions.materials.cld.fit_files import apply_elastic_law
 from dashpot.solids.elastic import ElasticLaw
 
 pytestmark = pytest.mark.once

@@ -17,7 +17,8 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import CommandResult, format_command, note_written
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, note_written
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
 from dashpot.cli._simulation_options import as_it_stands, seal_named
 from dashpot.text_output.layout import Text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.option_fields import AmplitudeLawAsked
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.amplitude.fit_files import level_files
 

@@ -73,6 +73,7 @@ EXTENSION = Extension(
             "dashpot.extensions.amplitude.fit_handler:run",
             "tests at several amplitudes", "tests at several amplitudes", order=5,
             options=("model", "machine", "mass", "seals", "band", "levels", "at", "motion"),
+            selecting=("levels", "at"),
         ),
     ),
 )  # fmt: skip

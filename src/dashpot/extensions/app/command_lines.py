@@ -12,7 +12,7 @@ from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
 from dashpot.base.units import format_command_quantity
 from dashpot.datamodel.frf import FRF
 from dashpot.reading.read_options import ReadOptions
-from dashpot.workflow.job import Job, LevelJob, ModesJob, with_paths
+from dashpot.workflow.job import Job, with_paths
 
 
 def format_command_words(attribute: Field[Any], text: str) -> list[str]:
@@ -74,8 +74,10 @@ FIT = "fit.json"
 """What the solid is called that one command writes and the next reads."""
 
 
-def line(command: str, job: Job | LevelJob | ModesJob) -> str:
+def line(command: str, job: Any) -> str:
     """Return ``dashpot command ...`` for a job: run where its files are, it gives its numbers.
+
+    The job is a :class:`~dashpot.workflow.job.Job`, or that of a kind of tests.
 
     >>> line("fit", Job("tests/seal.csv", arms=2, temperatures=(296.15,)))
     'dashpot fit seal.csv --arms 2 --temperature 23degC'

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from dashpot import plot
+from dashpot.base.checks import Verdict
 from dashpot.base.errors import DataError
 from dashpot.base.progress import send_progress
-from dashpot.datamodel.fit import Fit, add_verdict_checks
+from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.export import SUFFIXES, deck_for
 from dashpot.extensions.app import recent, result_cache, wire_format
 from dashpot.extensions.app.request_parsing import deck_choices, job_of, part
@@ -23,6 +24,13 @@ from dashpot.report.figures import stamp
 from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import to_json
 from dashpot.workflow.study import Study
+
+
+def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
+    """Return the fit with the failed checks of a verdict, where its own verdict is milder."""
+    if not fit.verdict.is_milder_than(verdict):
+        return fit
+    return add_checks(fit, verdict.failed_checks)
 
 
 def download_file(request: Mapping[str, Any], folder: Path) -> bytes:

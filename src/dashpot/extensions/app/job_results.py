@@ -18,11 +18,11 @@ from dashpot.registry import find_handler
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import JobPage, kind_page, text_of
-from dashpot.workflow.job import LevelJob, ModesJob
+from dashpot.workflow.job import LevelJob
 
 
 @lru_cache(2 * KEPT)
-def _fit_job(job: LevelJob | ModesJob) -> tuple[Any, JobPage]:
+def _fit_job(job: Any) -> tuple[Any, JobPage]:
     """Return what was found in the files of a job, and what the page shows of it."""
     result: tuple[Any, JobPage] = find_handler("fit job", job)(job)
     return result
@@ -38,16 +38,16 @@ def _parse_level_job(request: Mapping[str, Any], folder: Path) -> LevelJob:
     return job
 
 
-def _parse_modes_job(request: Mapping[str, Any], folder: Path) -> ModesJob:
+def _parse_modes_job(request: Mapping[str, Any], folder: Path) -> Any:
     for file, mass in zip(get_list(request, "files"), get_list(request, "masses"), strict=False):
         if not mass:
             name = path_in(folder, file).name
             raise DataError(f"{name}: say which mass was on the seals, such as 104 g")
-    return build_from_request(ModesJob, request, folder)
+    return build_from_request(find_handler("job", "modes"), request, folder)
 
 
 def _build_message(
-    job: LevelJob | ModesJob, request: Mapping[str, Any], lights: Sequence[Light], **others: Any
+    job: Any, request: Mapping[str, Any], lights: Sequence[Light], **others: Any
 ) -> bytes:
     """Verdict, numbers, checks, figures, what else there is, and the command that gives it."""
     result, page = _fit_job(job)
@@ -88,7 +88,7 @@ def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
     return _build_download("modes.json", _parse_modes_job(request, folder))
 
 
-def _build_download(name: str, job: LevelJob | ModesJob) -> bytes:
+def _build_download(name: str, job: Any) -> bytes:
     result, _ = _fit_job(job)
     return wire_format.encode_message(
         {"name": name, "kind": "application/json", "text": text_of(result)}

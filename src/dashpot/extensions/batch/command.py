@@ -12,7 +12,7 @@ import click
 from dashpot.base.number_format import format_count
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import RESULT
 from dashpot.extensions.batch.lot_options import (
     build_fit_options,

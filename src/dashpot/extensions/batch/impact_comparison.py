@@ -13,7 +13,7 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.frf_comparison import compare_with_measured

@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.number_format import ascii_only, format_count
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.cli._command_io import CommandResult, format_json, write
+from dashpot.cli._command_result import CommandResult, format_json, write_output
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -28,13 +28,13 @@ def write_lot(job: BatchJob, summary: Summary) -> None:
     from dashpot.extensions.batch.workbook import workbook
 
     send_progress("writing table, workbook and page")
-    write(f"{job.output}/lot.csv", summary.lot.csv())
-    write(f"{job.output}/lot.xlsx", workbook(summary))
+    write_output(f"{job.output}/lot.csv", summary.lot.csv())
+    write_output(f"{job.output}/lot.xlsx", workbook(summary))
     quantity = job.quantity or summary.lot.main
-    write(
+    write_output(
         f"{job.output}/lot.json", format_json(LotOutput(str(job.output), summary, quantity)) + "\n"
     )
-    write(
+    write_output(
         f"{job.output}/lot.html", html(summary.lot, title=job.output.resolve().name, found=summary)
     )
 

@@ -35,6 +35,16 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "fit text": {
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.text:format_shifts",
+            "dashpot.datamodel.parameter_estimate:CreepEstimate": "dashpot.extensions.curves.creep.text:format_compliances",
+        },
+        "fit page": {
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.page:make_page_part",
+        },
+        "shift table": {
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.shift_table:format_shift_table",
+        },
         "fit figure": {
             "dashpot.extensions.curves.datamodel.superposition:Superposition": "dashpot.extensions.curves.superposition.figure:draw_fit",
             "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.time_curve_figure:modulus",

@@ -12,7 +12,7 @@ from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range
 from dashpot.extensions.materials.drop.options import DropOptions
 from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.workflow.job import RodChoices
+from dashpot.extensions.materials.rod.options import RodChoices
 
 
 class LowHigh(click.ParamType[Any]):

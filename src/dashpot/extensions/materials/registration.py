@@ -139,6 +139,7 @@ EXTENSION = Extension(
                 "model", "arms", "mass", "band", "rig", "hammer", "rod", "density", "poisson",
                 "temperatures", "specimen",
             ),
+            selecting=("rod", "density", "shape"),
         ),
         FitRow(
             "cld", "dashpot.extensions.materials.cld.api:fit_load_deflection",

@@ -6,7 +6,7 @@ import click
 
 import dashpot as dp
 from dashpot.base.number_format import format_count
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files

@@ -17,12 +17,12 @@ from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.frf import Mode
+from dashpot.extensions.modes.job import ModesJob
 from dashpot.extensions.modes.mass_series_files import MassSeriesModes, modes_by_mass
 from dashpot.extensions.modes.measured_modes import MeasuredModes, modes_files
 from dashpot.report.result_page import AppCard, Group, JobPage, KindPage, Topic, lights
 from dashpot.report.solid_and_frf_pages import mode_rows
 from dashpot.report.tables import TextTable
-from dashpot.workflow.job import ModesJob
 
 
 def masses_page(modes: MassSeriesModes) -> KindPage:

@@ -8,7 +8,8 @@ EXTENSION = Extension(
         "compare files": {
             "frf": "dashpot.extensions.modes.measured_modes:modes_files",
         },
-        "fit job": {"dashpot.workflow.job:ModesJob": "dashpot.extensions.modes.page:fit_job"},
+        "job": {"modes": "dashpot.extensions.modes.job:ModesJob"},
+        "fit job": {"dashpot.extensions.modes.job:ModesJob": "dashpot.extensions.modes.page:fit_job"},
         "leave one out": {
             "dashpot.datamodel.vibration_tests:ImpactTest": "dashpot.extensions.modes.leave_one_out:cross_validate_hits",
         },

@@ -13,7 +13,8 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, claim, format_command, grams, write
+from dashpot.cli._command_files import format_command, grams
+from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
 from dashpot.registry import load_object
@@ -92,11 +93,11 @@ def _run_main_job(folder: Path) -> CommandResult:
     from dashpot.text_output.results import study as format_study
 
     bench, hammer, page = (folder / name for name in (*workflow.FIRST, "report.html"))
-    claim([bench, hammer, page])
+    claim_outputs([bench, hammer, page])
     _write_examples(folder, workflow.FIRST)
     study = workflow.run(Job(str(bench), impact=(str(hammer),), mass=workflow.MASS, seals=SEALS))
     send_progress("drawing the report")
-    write(page, workflow.html(study))
+    write_output(page, workflow.html(study))
     return CommandResult(
         Reported(study, str(page), None),
         format_study(study),
@@ -109,7 +110,7 @@ def _run_main_job(folder: Path) -> CommandResult:
 def _write_examples(folder: Path, names: Sequence[str]) -> None:
     for name in names:
         send_progress(f"simulating {name}")
-        write(folder / name, workflow.EXAMPLES[name]())
+        write_output(folder / name, workflow.EXAMPLES[name]())
 
 
 def _format_report_command(bench: Path, hammer: Path, page: Path) -> str:
@@ -122,7 +123,7 @@ def _examples(folder: Path, *, every: bool) -> CommandResult:
     """Write the test of a seal and of a hammer, simulated, and stamped so."""
     names = tuple(workflow.EXAMPLES) if every else workflow.FIRST
     paths = [folder / name for name in names]
-    claim(paths)
+    claim_outputs(paths)
     _write_examples(folder, names)
     lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
     bench, hammer = paths[:2]

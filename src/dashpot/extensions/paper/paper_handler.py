@@ -6,7 +6,8 @@ import json
 from pathlib import Path
 
 import dashpot as dp
-from dashpot.cli._command_io import CommandResult, claim, format_command, write
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.extensions.paper.page import paper_page, paper_pictures
 from dashpot.extensions.paper.reproduction import paper_records, reproduce
 from dashpot.extensions.paper.text import render_reproduction
@@ -21,14 +22,14 @@ PAPER_FILES = (
 
 def run(folder: Path, seed: int) -> CommandResult:
     """Make the paper's equations, figures and table again, each beside its statement."""
-    claim(folder / name for name in PAPER_FILES)
+    claim_outputs(folder / name for name in PAPER_FILES)
     reproduction = reproduce(seed)
     for name, text in paper_records(reproduction).items():
-        write(folder / name, text)
+        write_output(folder / name, text)
     for name, picture in paper_pictures(reproduction).items():
-        write(folder / f"{name}.svg", dp.plot.render_figure(picture, "svg"))
-    write(folder / "paper.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
-    write(folder / "paper.html", paper_page(reproduction))
+        write_output(folder / f"{name}.svg", dp.plot.render_figure(picture, "svg"))
+    write_output(folder / "paper.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
+    write_output(folder / "paper.html", paper_page(reproduction))
     record = folder / "paper.csv"
     follow = format_command(
         "fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand"

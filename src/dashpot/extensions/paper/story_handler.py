@@ -11,13 +11,15 @@ from dashpot import workflow
 from dashpot.base import dataclass
 from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
-from dashpot.cli._command_io import CommandResult, claim, format_command, write
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._simulation_options import impact, relaxation, seal_named
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.datamodel.bounds import StiffnessBounds
     from dashpot.workflow.study import Study
+
 
 SEALS = 2
 NAMES = ("paper", "broad")
@@ -49,7 +51,7 @@ def run(folder: Path, seed: int) -> CommandResult:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
     from dashpot.text_output import results
 
-    claim(folder / f"{name}{file}" for name in NAMES for file in _files(name))
+    claim_outputs(folder / f"{name}{file}" for name in NAMES for file in _files(name))
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
@@ -82,14 +84,14 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     bench = relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
     hammer = impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
-        write(folder / f"{name}{file}", text)
+        write_output(folder / f"{name}{file}", text)
     story = dp.report(
         dp.read(folder / f"{name}_relaxation.csv", kind="relaxation"),
         dp.read(folder / f"{name}_impact.csv", kind="impact"),
         mass=seal_named(name).mass,
         seals=SEALS,
     )
-    write(folder / f"{name}.html", workflow.html(story))
+    write_output(folder / f"{name}.html", workflow.html(story))
     return story
 
 
@@ -102,7 +104,7 @@ def _fit_both_temperatures(
     send_progress(f"the {PUZZLE} seal at 0 degC")
     made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
     for file, text in zip(COLD, made, strict=True):
-        write(folder / f"{PUZZLE}{file}", text)
+        write_output(folder / f"{PUZZLE}{file}", text)
     warm, cold = (
         dp.read(folder / f"{PUZZLE}{file}", kind="relaxation").prepare()
         for file in (FILES[0], COLD[0])

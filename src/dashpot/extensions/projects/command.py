@@ -15,7 +15,7 @@ from dashpot.base.number_format import format_count
 from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command import group, opt, verb
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
 from dashpot.extensions.projects.partial_files import find_partial_files

@@ -37,7 +37,7 @@ from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve
 from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.preprocessing.denoising import denoise_displacement
-from dashpot.signals.noise import evenly_sampled
+from dashpot.signals.clock import is_evenly_sampled
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # Test of linearity on one record.
@@ -378,7 +378,7 @@ def _generate_delayed_motions(
 def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
     """The record with its motion late by whole samples, whose counts are as they were read."""
     step = record.step
-    many = round(lag / step) if evenly_sampled(record.time) else 0
+    many = round(lag / step) if is_evenly_sampled(record.time) else 0
     if not many:
         return record, 0.0
 

@@ -16,7 +16,7 @@ from dashpot.reading.columns.vocabulary import STEP_TIME, Role, has_word
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.table import FileTable, LoadedColumns, Question
-from dashpot.signals.recording_faults import CLOCK_LEAP, CLOCK_NEIGHBOURS, find_clock_jumps
+from dashpot.signals.clock import JUMP_RATIO, NEIGHBOUR_STEPS, find_clock_jumps
 
 # Faults of one clock and its samples.
 
@@ -264,7 +264,7 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
 def _late_start(steps: FloatArray) -> list[str]:
     """Say if the first row stands far before all others, which a jump may have parted from it."""
     rest = steps[1:].max(initial=0.0)
-    if len(steps) < 2 * CLOCK_NEIGHBOURS or not steps[0] > CLOCK_LEAP * rest:
+    if len(steps) < 2 * NEIGHBOUR_STEPS or not steps[0] > JUMP_RATIO * rest:
         return []
     message = (
         f"the first row stands {steps[0]:.6g} s before the one after it, further than any other "

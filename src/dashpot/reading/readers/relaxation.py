@@ -22,7 +22,7 @@ from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.cleaning import find_separate_clocks, interpolate_to_force_clock
 from dashpot.reading.readers.header_metadata import add_specimen_temperature, stated_rest
 from dashpot.reading.table import LoadedColumns
-from dashpot.signals.recording_faults import Leap, lasting_change
+from dashpot.signals.clock import ClockJump, find_rate_change
 
 # Relaxation test.
 
@@ -173,9 +173,9 @@ def _refuse_sizes(
     shown = pressed and full - begun >= _SHOWN
     took = float(time[full] - time[begun]) if shown else 0.0
     lasted = float(np.ptp(time))
-    change = lasting_change(time)
+    change = find_rate_change(time)
 
-    def check_step_unit(steps: Leap, ticks: str) -> Check:
+    def check_step_unit(steps: ClockJump, ticks: str) -> Check:
         return size_checks.clock_unit_constant(
             steps.beside, steps.step, float(time[steps.at]), ticks
         )

@@ -37,7 +37,7 @@ _COARSE = {"mm", "cm", "in", "ft"}
 """Units of length in which no one writes a few micrometres."""
 
 
-def _make_size_criterion(
+def make_size_criterion(
     name: str,
     question: str,
     measure: str,
@@ -69,7 +69,7 @@ def _make_size_criterion(
     return judge
 
 
-travel_of_a_seal = _make_size_criterion(
+travel_of_a_seal = make_size_criterion(
     "travel_of_a_seal",
     "The displacement is no larger than in bench tests of seals.",
     f"travel <= {SIZES['travel'].soft[1]!r} m", "few benches press a seal so far",
@@ -97,7 +97,7 @@ def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     )
 
 
-force_of_a_seal = _make_size_criterion(
+force_of_a_seal = make_size_criterion(
     "force_of_a_seal",
     "The force is no greater than a seal carries.",
     f"rise of the force <= {SIZES['force'].soft[1]!r} N", "ten times what a seal carries",
@@ -145,7 +145,7 @@ def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -
     )
 
 
-time_of_a_test = _make_size_criterion(
+time_of_a_test = make_size_criterion(
     "time_of_a_test",
     "The record is long enough for a ramp and a hold.",
     f"length of the record >= {SIZES['record'].soft[0]!r} s", "a ramp alone takes longer",
@@ -176,7 +176,7 @@ def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Fi
     )
 
 
-ramp_not_slow = _make_size_criterion(
+ramp_not_slow = make_size_criterion(
     "ramp_not_slow",
     "The ramp ends before most of the relaxation is over.",
     f"length of the ramp <= {SIZES['ramp'].soft[1]!r} s", "the seal relaxes during the ramp",
@@ -201,58 +201,40 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
     return Finding(message, far, **_make_unit_advice(expected, role, unit, likely))
 
 
-ramp_not_fast = _make_size_criterion(
+ramp_not_fast = make_size_criterion(
     "ramp_not_fast",
     "The ramp is no faster than a test machine.",
     "speed of the ramp <= 0.3 m/s", "no crosshead or screw is faster",
     message="The ramp goes at", role="time",
 )  # fmt: skip
-hammer_not_heavy = _make_size_criterion(
+hammer_not_heavy = make_size_criterion(
     "hammer_not_heavy",
     "The hammer force is no larger than a block on seals can take.",
     "greatest force <= 1e3 N", "a sledge hammer",
     message="The hammer's force reaches", role="hammer",
 )  # fmt: skip
-impact_force_measurable = _make_size_criterion(
+impact_force_measurable = make_size_criterion(
     "impact_force_measurable",
     "The hammer force is large enough for a load cell.",
     "greatest force >= 5e-2 N", "a touch of the hand",
     message="The hammer's force reaches", role="hammer",
 )  # fmt: skip
-acceleration_not_large = _make_size_criterion(
+acceleration_not_large = make_size_criterion(
     "acceleration_not_large",
     "The acceleration is within the range of a modal accelerometer.",
     "greatest acceleration <= 1e4 m/s^2", "a thousand g, twice a modal accelerometer's range",
     message="The acceleration reaches", role="acceleration",
 )  # fmt: skip
-hammer_sampled = _make_size_criterion(
+hammer_sampled = make_size_criterion(
     "hammer_sampled",
     "The sampling rate is high enough for a hammer test.",
     "sampling rate >= 50.0 Hz", "a pulse lasts 20 ms at most",
     message="The record is sampled at", role="time",
 )  # fmt: skip
-hammer_not_oversampled = _make_size_criterion(
+hammer_not_oversampled = make_size_criterion(
     "hammer_not_oversampled",
     "The sampling rate is no higher than that of vibration recorders.",
     "sampling rate <= 2.5e5 Hz", "no vibration recorder is faster",
-    message="The record is sampled at", role="time",
-)  # fmt: skip
-shock_not_large = _make_size_criterion(
-    "shock_not_large",
-    "The acceleration of the indenter is within the range of a shock accelerometer.",
-    "greatest acceleration <= 1e6 m/s^2", "a hundred thousand g, the range of shock accelerometers",
-    message="The acceleration reaches", role="acceleration",
-)  # fmt: skip
-indenter_not_fast = _make_size_criterion(
-    "indenter_not_fast",
-    "The indenter is no faster than in tests of rubber.",
-    "greatest speed <= 100.0 m/s", "rubber is hit more slowly",
-    message="The velocity reaches", role="velocity",
-)  # fmt: skip
-contact_rate = _make_size_criterion(
-    "contact_rate",
-    "The sampling rate is high enough for a contact.",
-    "sampling rate >= 500.0 Hz", "a contact lasts 40 ms at most",
     message="The record is sampled at", role="time",
 )  # fmt: skip
 

@@ -21,7 +21,7 @@ from dashpot.base.checks import (
 from dashpot.base.plain_text import clip_sentences
 from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.fit import Fit
-from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import OperatingPoint
 from dashpot.vibration.modal.peaks import Peak
 

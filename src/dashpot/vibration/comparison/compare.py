@@ -15,7 +15,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.numerics.inference.model_order import significant
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.comparison.checks import checks, format_conclusion
-from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
+from dashpot.vibration.comparison.comparison_result import ArmEvidence, Comparison
 from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
     OperatingPoint,

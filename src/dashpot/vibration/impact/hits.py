@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.signals.recording_faults import frozen_runs
+from dashpot.signals.stuck_channel import find_stuck_runs
 from dashpot.vibration.modal.peaks import run_about
 
 # Detection of hits, blocks, and removal of residual ringing.
@@ -433,7 +433,7 @@ def _standing(hit: HitBlock) -> Iterator[tuple[str, bool]]:
     measured = len(hit.force) - hit.missing
     length = max(measured // 16, 4)
     for number, row in enumerate(hit.acceleration[:, :measured], 1):
-        runs = frozen_runs(row, leaps=False)
+        runs = find_stuck_runs(row, leaps=False)
         if len(runs):
             first, last = runs[np.argmax(np.diff(runs)[:, 0])]
             before = row[max(first - length, 0) : first + 1]

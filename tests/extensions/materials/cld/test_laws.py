@@ -10,8 +10,8 @@ from kit.cld import ARMS, answered, bulb, dashpot_and_arms, fit_of, pressed, sti
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
-from dashpot.datamodel.fit import apply_elastic_law
 from dashpot.extensions.materials.cld.equilibrium_curve import relaxed_law
+from dashpot.extensions.materials.cld.fit_files import apply_elastic_law
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.rate_dependence import fit_rate

@@ -14,7 +14,7 @@ from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import format_arm_count
 from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
 from dashpot.preprocessing.contact import MIN_BASELINE
-from dashpot.signals.recording_faults import frozen_runs
+from dashpot.signals.stuck_channel import find_stuck_runs
 
 if TYPE_CHECKING:
     from dashpot.extensions.curves.datamodel.creep import LoadHold
@@ -81,7 +81,7 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
     x, time = displacement[test.hold], test.time[test.hold]
     turn = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
     # what creeps rises; it is turned, for what relaxes falls
-    runs = frozen_runs(-turn * x, since=time - test.ramp_end)
+    runs = find_stuck_runs(-turn * x, since=time - test.ramp_end)
     if not len(runs):
         return Finding("The displacement stands at no value while it should scatter or change", 0.0)
     first, last = runs[np.argmax(np.diff(runs)[:, 0])]

@@ -59,11 +59,25 @@ from dashpot.fitting.input_tests import end_stiffnesses
 from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks, assess_linearity
 from dashpot.fitting.order_selection import FURTHER, compute_certificate
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
-from dashpot.fitting.valid_band import band_of_hold, find_single_test_band, informed_band
+from dashpot.fitting.valid_band import (
+    _find_widest_band,
+    band_of_hold,
+    compute_posterior_spread,
+    informed_band,
+)
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import Solution, solve
 from dashpot.numerics.inference.model_order import Shortage, chi2_sf
 from dashpot.preprocessing.checks import check_records
+
+
+def find_single_test_band(
+    block: DataBlock, *, stiffness: float, noise: float
+) -> tuple[float, float]:
+    """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
+    frequency, residual = compute_posterior_spread([block], stiffness=stiffness, noise=noise)
+    return _find_widest_band(frequency, residual, float(frequency[0]), float(frequency[-1]))
+
 
 # data that narrow what was held before by no more than this part of its variance say nothing
 _LITTLE = 0.01

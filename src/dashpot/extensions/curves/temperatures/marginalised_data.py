@@ -35,7 +35,7 @@ from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, se
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.numerics.design_matrices.data_compression import compact_block
 from dashpot.numerics.inference.correlated_noise import marginal
-from dashpot.signals.noise import warming
+from dashpot.signals.disturbances import compute_warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -159,7 +159,7 @@ class SingleTemperatureTest:
             Slopes of ln a_T and of ln b_T there, 1/K.
         """
         time, x = self.path
-        column = warming(time, x, solid, by_a=by_a, by_b=by_b)
+        column = compute_warming(time, x, solid, by_a=by_a, by_b=by_b)
         return replace(self, warming=column[self.start :])
 
     def unmeasured_effects(self, solid: GeneralizedMaxwell) -> FloatArray:

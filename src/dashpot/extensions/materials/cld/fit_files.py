@@ -11,15 +11,15 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, HasChecks, select_gravest_check
-from dashpot.base.errors import ReadError
-from dashpot.base.provenance import sources_of
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.provenance import Step, sources_of
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, Range, format_quantity
 from dashpot.datamodel.checks import caution_checks
-from dashpot.datamodel.fit import Fit, apply_elastic_law
+from dashpot.datamodel.fit import Fit, scale_stiffness
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.cld.checks import specimens_capable, specimens_tested_alike
@@ -40,6 +40,47 @@ from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import find_handler
+from dashpot.solids.elastic import ElasticLaw
+
+
+def apply_elastic_law(
+    fit: Fit, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
+) -> Fit:
+    """Return the fit with a law measured otherwise, of which the shape alone is taken.
+
+    Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
+    one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,
+    the fit is of the part that the law is of, and only its memory is taken.
+
+    Raises
+    ------
+    DataError
+        If no part was pressed, or the law ends more than 1 % before the depth that was held.
+    """
+    if fit.elastic_law is None:
+        raise DataError("the fit is of no pressed part: expected one of a relaxation test")
+    held = fit.elastic_law.depth
+    if law.depth < 0.99 * held:
+        raise DataError(
+            f"the law ends at {format_quantity(law.depth, 'mm')}, and the test was held at "
+            f"{format_quantity(held, 'mm')}: expected a cycle at least as deep"
+        )
+    factor = held / float(law.path(held))
+    if stiffness is not None:
+        factor = stiffness / fit.model.k_inf
+    step = Step(
+        "elastic law",
+        (("depth_m", repr(law.depth)), ("of", fit._identity)),
+        f"elastic law of compression load deflection to {format_quantity(law.depth, 'mm')}: "
+        f"stiffnesses there {factor:.4g} times the secant of fit {fit._identity}",
+    )
+    scaled = scale_stiffness(fit, factor, step)
+    return replace(
+        scaled,
+        elastic_law=replace(law, stiffness=scaled.model.k_inf),
+        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks), end_of_hold=None),
+    )
+
 
 _ALIKE = 0.05
 """Relative difference of depths and speeds that are one."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dashpot import workflow
-from dashpot.cli._command_io import CommandResult, format_command, grams
+from dashpot.cli._command_files import format_command, grams
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.drop.fit_files import fit_drop_files
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import click
 
 from dashpot import workflow
-from dashpot.cli._command_io import CommandResult, format_command
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked

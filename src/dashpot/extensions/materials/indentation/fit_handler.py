@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import click
 
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.indentation.fit_files import indent_file
 from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import median
 from dashpot.base.errors import ReadError
+from dashpot.extensions.materials.indentation import size_checks
 from dashpot.extensions.materials.indentation.datamodel import IndentationTest, Motion
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.reading.columns.kind_detection import FileKind
@@ -18,7 +19,7 @@ from dashpot.reading.columns.role_assignment import (
     list_columns,
 )
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers import channels, size_checks
+from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
 
 _NAMED: tuple[Motion, ...] = ("acceleration", "velocity", "displacement", "force")

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
+from dashpot.extensions.materials.rod.options import RodChoices
 from dashpot.reading.read_options import ReadOptions
-from dashpot.workflow.job import RodChoices
 
 _WATER = 1000.0
 """Density of a rod of which none is given, kg/m^3."""

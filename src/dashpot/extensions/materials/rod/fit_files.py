@@ -22,12 +22,13 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
 from dashpot.extensions.materials.rod.fit import fit_rod
+from dashpot.extensions.materials.rod.options import RodChoices
 from dashpot.extensions.materials.rod.wave_equation import rod_modulus
 from dashpot.reading.read_options import ReadOptions
 from dashpot.solids.part_geometry import Block, Disc
 from dashpot.vibration.impact.checks import line_errors_stated
 from dashpot.workflow.frf_prediction import parse_part_shape
-from dashpot.workflow.job import HammerChoices, RodChoices
+from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import read_measured
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4

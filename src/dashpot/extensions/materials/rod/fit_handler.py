@@ -6,7 +6,8 @@ import click
 
 from dashpot.base.errors import ReadError
 from dashpot.base.option_fields import FamilyAsked
-from dashpot.cli._command_io import CommandResult, format_command, grams
+from dashpot.cli._command_files import format_command, grams
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 

@@ -7,7 +7,8 @@ import click
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._command import build_options, group, mark_advanced, opt, verb
-from dashpot.cli._command_io import CommandResult, format_command, format_json, write
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, format_json, write_output
 from dashpot.cli._param_types import WithUnit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.planning.plan_options import PlannedRamp
@@ -83,7 +84,7 @@ def command(
         test=Bench(**terms), relative_noise=relative_noise, modulus=modulus, specimen=specimen,
     )  # fmt: skip
     if output:
-        write(output, format_json(result.fit) + "\n")
+        write_output(output, format_json(result.fit) + "\n")
     follow = _format_next(output, result.fit.unit) if output else ""
     return CommandResult.from_result(result, follow=follow)
 

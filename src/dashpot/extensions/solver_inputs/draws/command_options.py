@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from dashpot.cli._command import CommandOption, group, opt
-from dashpot.cli._command_io import CommandResult
+from dashpot.cli._command_result import CommandResult
 from dashpot.cli._param_types import File
 
 

@@ -14,7 +14,7 @@ from dashpot.base import dataclass
 from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import ExportError
 from dashpot.base.serialisation import Serialisable
-from dashpot.cli._command_io import CommandResult, claim, write
+from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._terminal import to_stderr
 from dashpot.datamodel.fit import Fit
 from dashpot.export import deck_for, reads
@@ -116,7 +116,7 @@ def export_draws(
         for number in range(1, count + 1)
     ]
     index = path.with_name(f"{path.stem}_draws.csv")
-    claim([*files, index])
+    claim_outputs([*files, index])
     base = deck_for(target, fit, **own)
     peak_of = _PeakFinder(mass, choices["seals"], choices["compression"], choices["temperature"])
     peak = peak_of(fit)
@@ -128,9 +128,9 @@ def export_draws(
     fits = [replace_solid(fit, draw, count=count, seed=seed) for draw in drawn]
     peaks = [peak_of(each) for each in fits]
     check = unresolved_arm_drawn(int(times is not None), peak.frequency, has_record=bool(records))
-    write(output, base.file_content)
+    write_output(output, base.file_content)
     for file, each in zip(files, fits, strict=True):
-        write(file, deck_for(target, each, **own).file_content)
+        write_output(file, deck_for(target, each, **own).file_content)
     table = format_index(
         unit_system(choices["units"]),
         [
@@ -138,7 +138,7 @@ def export_draws(
             *zip([file.name for file in files], drawn, fits, peaks, strict=True),
         ],
     )
-    write(index, table)
+    write_output(index, table)
     for mark in base.overrides:
         to_stderr(f"OVERRIDE: {mark}")
     logs = np.log([(each.frequency, each.damping_ratio) for each in peaks])

@@ -9,7 +9,7 @@ import click
 from dashpot.base import dataclass
 from dashpot.base.checks import verdict
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.cli._command_io import CommandResult, format_json, write, write_figure
+from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli.predict import is_page
 from dashpot.extensions.systems.door.analyse_file import door_file
 from dashpot.extensions.systems.door.closing_from_file import close_file
@@ -58,7 +58,7 @@ def run(
         write_figure(picture, shown.plot())
     if output:
         results = [item for item in (result, closed) if item is not None]
-        write(output, door_html(*results) if page else format_json(outcome.found) + "\n")
+        write_output(output, door_html(*results) if page else format_json(outcome.found) + "\n")
     return outcome
 
 

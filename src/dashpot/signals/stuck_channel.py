@@ -1,84 +1,14 @@
-"""Recording faults: a channel stuck at one value, and a clock that jumps."""
+"""Channels stuck at one value: a hung converter, or a lost link."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, erf, log, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
 from dashpot.datamodel.relaxation import quantum
-
-# Jumps of a clock, or missing rows.
-
-
-# how much longer than the usual of so many steps on either side one is a leap
-CLOCK_LEAP, CLOCK_NEIGHBOURS = 10.0, 5
-# steps before and after, of one rate each
-_LASTING = 20
-# steps that are looked at for one, or for how even they are
-_LOOKED_AT = 1000
-# how much longer than the usual of the steps around it one is odd, and the share of such
-_ODD, _UNEVEN = 3.0, 0.03
-
-
-class Leap(NamedTuple):
-    """Jump of a clock: its size, the sample after it, and the usual step there, s."""
-
-    at: int
-    step: float
-    beside: float
-
-
-def find_clock_jumps(time: FloatArray) -> list[Leap]:
-    """Return the steps that are ten times the usual on either side; at an end, of one side."""
-    steps = np.diff(time)
-    if len(steps) < 2 * CLOCK_NEIGHBOURS or not steps.max() > CLOCK_LEAP * steps.min():
-        return []
-    least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
-    longest = np.flatnonzero(steps > CLOCK_LEAP * least)[:_LOOKED_AT]
-    leaps = (Leap(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist())
-    return [leap for leap in leaps if leap.step > CLOCK_LEAP * leap.beside]
-
-
-def lasting_change(time: FloatArray) -> Leap | None:
-    """Return where steps change most, if at once and for twenty to either side, else None.
-
-    `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
-    """
-    steps = np.diff(time)
-    if len(steps) < 2 * _LASTING or steps.min() <= 0 or not steps.max() > CLOCK_LEAP * steps.min():
-        return None
-    change = np.abs(np.diff(np.log(steps)))[_LASTING - 1 : len(steps) - _LASTING]
-    at = int(change.argmax()) + _LASTING
-    before, after = median(steps[at - _LASTING : at]), median(steps[at : at + _LASTING])
-    # steps that grow by and by do so everywhere
-    sudden = change[at - _LASTING] > 0.5 * abs(np.log(after / before)) > 0
-    return Leap(at, after, before) if sudden else None
-
-
-def ticks_evenly(time: FloatArray) -> bool:
-    """True if few steps are far longer than those around them: none waits for a reading to change.
-
-    Such a machine pauses as often as its reading rests; a clock that jumps does so a few times.
-    """
-    steps = np.diff(time)
-    if len(steps) < 2 * CLOCK_NEIGHBOURS:
-        return False
-    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * CLOCK_NEIGHBOURS + 1)
-    around = around[:: max(1, len(around) // _LOOKED_AT)]
-    usual = np.partition(around, CLOCK_NEIGHBOURS, axis=1)[:, CLOCK_NEIGHBOURS]
-    odd = around[:, CLOCK_NEIGHBOURS] > _ODD * usual
-    return bool(np.mean(odd) <= _UNEVEN)
-
-
-def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
-    """The larger of the usual steps before and after one, s; at an end that of its one side."""
-    sides = steps[max(i - CLOCK_NEIGHBOURS, 0) : i], steps[i + 1 : i + 1 + CLOCK_NEIGHBOURS]
-    return max(median(side) for side in sides if len(side))
-
 
 # Stuck channels: a hung converter, or a lost link.
 #
@@ -122,7 +52,7 @@ ROOTS, MORE = 2.0, 4.0
 ROUNDING, CHANGED = 1e-13, 1e-11
 
 
-def frozen_runs(
+def find_stuck_runs(
     values: FloatArray,
     *,
     resting: BoolArray | None = None,

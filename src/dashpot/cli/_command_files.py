@@ -1,0 +1,125 @@
+"""Files that a command is given: read, and their kinds."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.errors import ReadError
+from dashpot.base.units import convert_to_unit
+from dashpot.cli._terminal import to_stderr
+
+if TYPE_CHECKING:
+    from dashpot.reading.read_options import ReadOptions
+    from dashpot.reading.readers.detect_kind import Recognised
+    from dashpot.solids.shift_laws import TemperatureLaw
+
+
+def format_command(*words: object, why: str = "") -> str:
+    """Return a dashpot command as it is typed, with a remark that the shell overlooks."""
+    line = shlex.join(["dashpot", *(str(word) for word in words)])
+    return f"{line}  # {why}" if why else line
+
+
+def grams(mass: float) -> str:
+    """Return a mass, kg, as it is typed."""
+    return f"{convert_to_unit(mass, 'g'):g}g"
+
+
+def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:
+    """Return the solid in a JSON file that holds a fit or a model, and how it follows temperature.
+
+    ``-`` is stdin.
+    """
+    document = workflow.read_json_document(path)
+    if isinstance(document, dp.Fit):
+        shifts = document.temperatures
+        return document.model, None if shifts is None else shifts.law
+    if isinstance(document, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
+        return document.maxwell, None
+    raise ReadError(f"{workflow.format_unexpected_kind(path, document)}; expected a fit or a model")
+
+
+def is_json(path: str) -> bool:
+    """Return whether a file begins like a JSON object, so that it may be a fit."""
+    from dashpot.reading.raw_file import like_json
+
+    if not Path(path).is_file():  # a look into a pipe would take its first bytes away
+        return False
+    with Path(path).open("rb") as file:
+        return like_json(file.read(64))
+
+
+# The kind that each record was taken for, which is reported to the user.
+
+
+def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
+    """Return the kind of each file."""
+    from dashpot.reading.readers.detect_kind import recognise
+
+    return {path: recognise(path, options.for_file(path)) for path in files}
+
+
+def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
+    """Return the word of each file's kind, as it was read with the options.
+
+    Raises
+    ------
+    click.UsageError
+        If one is no record that is known.
+    """
+    for path, item in detections.items():
+        if item.kind in {"unclear", "not-a-test"}:
+            raise click.UsageError(
+                f"{path} is no test that dashpot knows: {item.reason}. {_to_name(path, options)}"
+            )
+    return {path: detection.kind for path, detection in detections.items()}
+
+
+def _to_name(path: str, options: ReadOptions) -> str:
+    """Return how the columns of such a file are named, as it is typed; of too few, what lacks."""
+    from dashpot.reading.readers.detect_kind import as_a_ramp
+
+    see = f"To see its columns: dashpot inspect {path}"
+    named = as_a_ramp(path, options)
+    return (
+        f"If it is a test of a seal, name its columns: {named}. {see}"
+        if named
+        else (f"A test of a seal has time, displacement and force. {see}")
+    )
+
+
+def get_kind_name(kind: str) -> str:
+    """Return the name of a file's kind, such as 'a relaxation test'."""
+    from dashpot.reading.readers import detect_kind
+
+    return detect_kind.get_kind_label(kind)
+
+
+def format_override_hint(kinds: Collection[str]) -> str:
+    """Return how a file is said to be of this kind after all; nothing of a choice of several."""
+    from dashpot.reading.columns.kind_detection import RECOGNISED
+
+    (word, *more) = kinds
+    return f" If it is one after all: --kind {word}." if word in RECOGNISED and not more else ""
+
+
+def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
+    """Print on stderr the kind for which each file was taken."""
+    grouped: dict[str, list[str]] = {}
+    for path, detection in detections.items():
+        grouped.setdefault(detection.kind_title, []).append(Path(path).name)
+    listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in grouped.items())
+    to_stderr(f"recognised {listed}")
+
+
+# Input of ``dashpot fit``: the records, their kinds, and the options.
+
+
+PAGE_SUFFIXES = (".html", ".htm")

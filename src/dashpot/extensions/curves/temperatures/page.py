@@ -1,0 +1,97 @@
+"""Part of the page of a solid that was fitted at several temperatures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from dashpot.base.number_format import round_to_error
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.datamodel.fit import Fit, get_error_label
+from dashpot.datamodel.shift_factors import TemperatureShifts
+from dashpot.report.first_screen import Row
+from dashpot.report.result_page import CollapsibleSection, Group, Topic, row
+from dashpot.report.solid_and_frf_pages import TemperaturePart
+from dashpot.report.tables import TextTable
+
+_MOST_SHIFTS = 3
+"""Shifts that stand beside the stiffnesses; all stand in a fold."""
+_SHIFTS = frozenset({
+    "shifts_determined", "shift_monotone", "law_follows_shifts", "no_temperature_outlier",
+    "glass_below_tests", "shifts_distinguished",
+})  # fmt: skip
+_CURVE = frozenset({
+    "isotherms_overlap", "thermorheologically_simple", "vertical_shift_determined",
+    "vertical_rule_holds",
+})  # fmt: skip
+
+
+def make_page_part(fit: Fit) -> TemperaturePart:
+    """Return what the page of a fit at several temperatures says of them."""
+    shifts = fit.temperatures
+    assert shifts is not None  # noqa: S101
+    law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")
+    temperatures = [shift.temperature for shift in shifts.shifts]
+    ends = " to ".join(
+        round_to_error(convert_to_unit(value, "°C"), digits=3)
+        for value in (min(temperatures), max(temperatures))
+    )
+    return TemperaturePart(
+        "master curve",
+        (Topic("Superposition", _CURVE, "one curve"), Topic("Shifts", _SHIFTS, law)),
+        (
+            ("Reference", format_quantity(shifts.reference, "°C", ".4g")),
+            ("Temperatures", f"{len(temperatures)}, {ends} °C"),
+        ),
+        tuple(_make_groups(fit, shifts)),
+        (_make_shift_table(fit, shifts),),
+    )
+
+
+def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
+    """The constants of the law, and the shifts of the ends."""
+    # an error of the noise alone is no interval, and says so
+    single = "" if fit.estimate.of_noise is None else f" ({get_error_label(fit)})"
+    if shifts.constants:
+        law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
+        yield Group(
+            f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
+            tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
+        )
+    every = shifts.shifts
+    ends = every if len(every) <= _MOST_SHIFTS else (every[0], every[len(every) // 2], every[-1])
+    yield Group(
+        f"Shift, log₁₀ a_T{single}",
+        tuple(
+            _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
+                      single=bool(single))
+            for end in ends
+        ),
+    )  # fmt: skip
+
+
+def _make_error_row(fact: ReportedValue, name: str = "", *, single: bool) -> Row:
+    """A number with its standard error: as its 95 % interval, or beside it where that is more."""
+    error = fact.error or 0.0
+    if single or not 0 < error < math.inf:
+        return row(fact, name)._replace(value=fact.cells.with_error)
+    half = NORMAL * error
+    return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
+
+
+def _make_shift_table(fit: Fit, shifts: TemperatureShifts) -> CollapsibleSection:
+    """Return the table of all shifts."""
+    rows = tuple(
+        (
+            format_quantity(shift.temperature, "°C", ".4g"),
+            along.cells.value,
+            along.cells.error,
+            across.cells.value,
+        )
+        for shift in shifts.shifts
+        for along, across in (shift.facts,)
+    )
+    names = ("temperature", "log₁₀ a_T", get_error_label(fit), "b_T")
+    return CollapsibleSection("Every temperature", f"{len(rows)} shifts", TextTable(names, rows))

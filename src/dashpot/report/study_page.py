@@ -1,0 +1,81 @@
+"""Page of a study: what the report of the main job holds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dashpot.base.provenance import Step
+from dashpot.report import first_screen, tables
+from dashpot.report.figures import figures_of
+from dashpot.report.page_frame import VERDICT_COLOURS, frame, render_template
+from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.study import Study
+
+
+def write_study(study: Study) -> str:
+    """Return the report of a study as HTML."""
+    return render_template("report.html", _build_contents(study))
+
+
+def _build_contents(study: Study) -> dict[str, Any]:
+    """Return the values of the template by name."""
+    length = study.prepared.specimen.length
+    stages = first_screen.stages(study)
+    new_recommendation = recommendation(study)
+    decks = first_screen.decks(new_recommendation)
+    return {
+        "study": study,
+        **frame(),
+        "title": first_screen.title(study),
+        "header": first_screen.header(study),
+        "verdict": study.verdict,
+        "colour": VERDICT_COLOURS[study.verdict.use],
+        "lights": first_screen.lights(study, new_recommendation),
+        "found": new_recommendation,
+        "heading": first_screen.heading(new_recommendation),
+        "under_mass": first_screen.under_mass(study, new_recommendation),
+        "one_seal": (
+            *first_screen.rows(new_recommendation.one_seal),
+            first_screen.band_row(new_recommendation),
+        ),
+        "about_decks": first_screen.about_decks(new_recommendation, decks),
+        "files": first_screen.files(study, new_recommendation, decks),
+        "sentences": first_screen.sentences(study, new_recommendation),
+        "weighty": first_screen.select_decisive_checks(study, new_recommendation),
+        "simulated": first_screen.find_simulated_files(study),
+        "straight": first_screen.straight(study),
+        "inferred": first_screen.inferred_mass(study),
+        "tallies": {
+            stage: first_screen.tally(checks, study.verdict_checks)
+            for stage, checks in first_screen.parts(stages, study.verdict_checks)
+        },
+        "checks": tables.checks(stages, study.verdict_checks),
+        "figures": figures_of(study),
+        "peaks": tables.peaks(study),
+        "facts": tables.test_facts(study.prepared),
+        "solid_heading": first_screen.solid_heading(new_recommendation),
+        "recommended": tables.coefficients(new_recommendation.solid, length),
+        "coefficients": tables.coefficients(study.fit, length),
+        "orders": tables.orders(study),
+        "routes": tables.two_routes(study),
+        "nuisances": tables.nuisances(study.fit),
+        "frequency": tables.make_frequency_table(study),
+        "arms": tables.arms_tested(study.comparison),
+        "resonance": tables.resonance(study),
+        "hits": tables.hits(study.measured),
+        "explanations": tables.explanations(study.joint),
+        "moved": tables.make_change_table(study.joint),
+        "joint_coefficients": tables.coefficients(study.joint, length),
+        "joint_arms": tables.arms_tested(study.joint_comparison),
+        "joint_nuisances": tables.nuisances(study.joint),
+        "assumptions": tables.assumptions(study),
+        "sources": first_screen.sources(study),
+        "steps": _collect_steps(study),
+    }
+
+
+def _collect_steps(study: Study) -> list[Step]:
+    """Return every step since the raw files, each once, in order."""
+    groups = [study.fit.steps or study.prepared.steps]
+    groups += [later.steps for later in (study.measured, study.joint) if later is not None]
+    return list(dict.fromkeys(step for steps in groups for step in steps))

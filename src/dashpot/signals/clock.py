@@ -1,0 +1,101 @@
+"""Clock of a record: even steps, jumps, changes of rate, pauses."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+
+# Recording faults: a channel stuck at one value, and a clock that jumps.
+
+
+# Jumps of a clock, or missing rows.
+
+
+# how much longer than the usual of so many steps on either side one is a leap
+JUMP_RATIO, NEIGHBOUR_STEPS = 10.0, 5
+# steps before and after, of one rate each
+_LEAST_STEPS_OF_A_RATE = 20
+# steps that are looked at for one, or for how even they are
+_MOST_STEPS = 1000
+# how much longer than the usual of the steps around it one is odd, and the share of such
+_PAUSE_RATIO, _MOST_PAUSES = 3.0, 0.03
+
+
+class ClockJump(NamedTuple):
+    """Jump of a clock: its size, the sample after it, and the usual step there, s."""
+
+    at: int
+    step: float
+    beside: float
+
+
+def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
+    """Return the steps that are ten times the usual on either side; at an end, of one side."""
+    steps = np.diff(time)
+    if len(steps) < 2 * NEIGHBOUR_STEPS or not steps.max() > JUMP_RATIO * steps.min():
+        return []
+    least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
+    longest = np.flatnonzero(steps > JUMP_RATIO * least)[:_MOST_STEPS]
+    leaps = (
+        ClockJump(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist()
+    )
+    return [leap for leap in leaps if leap.step > JUMP_RATIO * leap.beside]
+
+
+def find_rate_change(time: FloatArray) -> ClockJump | None:
+    """Return where steps change most, if at once and for twenty to either side, else None.
+
+    `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
+    """
+    steps = np.diff(time)
+    if (
+        len(steps) < 2 * _LEAST_STEPS_OF_A_RATE
+        or steps.min() <= 0
+        or not steps.max() > JUMP_RATIO * steps.min()
+    ):
+        return None
+    change = np.abs(np.diff(np.log(steps)))[
+        _LEAST_STEPS_OF_A_RATE - 1 : len(steps) - _LEAST_STEPS_OF_A_RATE
+    ]
+    at = int(change.argmax()) + _LEAST_STEPS_OF_A_RATE
+    before, after = (
+        median(steps[at - _LEAST_STEPS_OF_A_RATE : at]),
+        median(steps[at : at + _LEAST_STEPS_OF_A_RATE]),
+    )
+    # steps that grow by and by do so everywhere
+    sudden = change[at - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(after / before)) > 0
+    return ClockJump(at, after, before) if sudden else None
+
+
+def has_few_pauses(time: FloatArray) -> bool:
+    """True if few steps are far longer than those around them: none waits for a reading to change.
+
+    Such a machine pauses as often as its reading rests; a clock that jumps does so a few times.
+    """
+    steps = np.diff(time)
+    if len(steps) < 2 * NEIGHBOUR_STEPS:
+        return False
+    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
+    around = around[:: max(1, len(around) // _MOST_STEPS)]
+    usual = np.partition(around, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
+    odd = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual
+    return bool(np.mean(odd) <= _MOST_PAUSES)
+
+
+def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
+    """The larger of the usual steps before and after one, s; at an end that of its one side."""
+    sides = steps[max(i - NEIGHBOUR_STEPS, 0) : i], steps[i + 1 : i + 1 + NEIGHBOUR_STEPS]
+    return max(median(side) for side in sides if len(side))
+
+
+# steps of a clock that differ by less than this part are even but for rounding
+_EVEN = 0.2
+
+
+def is_evenly_sampled(time: FloatArray) -> bool:
+    """Return whether the steps of a clock differ by no more than a fifth of their mean."""
+    steps = np.diff(time)
+    return len(steps) > 1 and bool(np.ptp(steps) <= _EVEN * steps.mean())

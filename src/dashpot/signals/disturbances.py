@@ -1,0 +1,152 @@
+"""Disturbances of the force by machine, mains and climate that no channel shows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.datamodel.machine import USUAL, Machine
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# What a machine and the climate may add to the force of a seal that no channel shows.
+
+
+# Hz, and how far they go from that
+MAINS, MAINS_OFF = (50.0, 60.0), 0.05
+# K, of which the change is taken
+_RISE = 0.5
+# s for which a seal may have been pressed before its record
+PRESSED_FOR = 30.0
+
+
+def build_machine_terms(
+    machine: Machine,
+    solid: GeneralizedMaxwell,
+    time: FloatArray,
+    x: FloatArray,
+    *,
+    since: FloatArray,
+    ramp_time: float,
+    depth: float,
+    settles: bool = True,
+) -> dict[str, tuple[FloatArray, float]]:
+    """Return what machine and crosshead may add, in N a m, and its standard deviation in m.
+
+    The machine gives under the force; its crosshead settles after its stop.
+
+    Parameters
+    ----------
+    machine : Machine
+    solid : GeneralizedMaxwell
+    time, x : array, shape (n,)
+        s, and the motion that it is thought to feel, m.
+    since : array, shape (n,)
+        Since the end of the ramp, s.
+    ramp_time, depth : float
+        s and m.
+    settles : bool
+        No reading would show it if the crosshead did.
+    """
+    force = solid.force(time, x)
+    entries: dict[str, tuple[FloatArray, float]] = {}
+    peak = float(np.abs(force).max())
+    give = machine.give_sd(depth, peak)
+    if give > 0 and peak > 0:
+        entries["give"] = solid.force(time, force / peak), give
+    creep = machine.creep_sd(depth)
+    if creep > 0 and settles:
+        way = np.log1p(np.maximum(since, 0.0) / ramp_time)
+        entries["settling"] = solid.force(time, way), creep
+    return entries
+
+
+def build_earlier_press(
+    machine: Machine, solid: GeneralizedMaxwell, time: FloatArray, *, depth: float
+) -> tuple[FloatArray, float]:
+    r"""Return what a seal still remembers of presses before its record: N a m, and its sd in m.
+
+    An arm that was pressed for D, and left alone for R, pulls by
+
+    .. math:: k_j m_j e^{-t/\tau_j}, \qquad m_j = (1 - e^{-D/\tau_j})\, e^{-R/\tau_j}
+    """
+    tau = np.asarray(solid.tau)
+    memory = _compute_residual_stiffness(solid, machine.min_rest_time)
+    return -np.exp(-time[:, None] / tau) @ memory, USUAL["earlier press"].size * depth
+
+
+def compute_set_sd(
+    machine: Machine, solid: GeneralizedMaxwell, *, depth: float, gap: float
+) -> float:
+    """Return the standard deviation of how much of a gap, m, is the set of an earlier press, m.
+
+    A set goes as what the solid remembers does.
+    """
+    usual = float(_compute_residual_stiffness(solid, USUAL["rest after it"].size).sum())
+    ratio = (
+        float(_compute_residual_stiffness(solid, machine.min_rest_time).sum()) / usual
+        if usual > 0
+        else 0.0
+    )
+    return min(gap / 2, USUAL["set"].size * depth * ratio)
+
+
+def _compute_residual_stiffness(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
+    """Return what each arm keeps of a press after a rest, s, over its compression, N/m."""
+    tau = np.asarray(solid.tau)
+    return np.asarray(-np.expm1(-PRESSED_FOR / tau) * np.exp(-rested / tau) * solid.k)
+
+
+def build_folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ...]:
+    r"""Return lines of the mains that a converter without a filter folds to rest, of size 1.
+
+    At a rate of which 50 or 60 Hz is a multiple, its alias is slower than the record: no spectrum
+    shows it, and it looks like relaxation. The mains are off by up to `MAINS_OFF`; so a record is
+    asked about a half and a whole turn of it. Empty at any other rate.
+
+    Parameters
+    ----------
+    time : array, shape (n,)
+        Since the first sample, s.
+    step : float
+        From one sample to the next, s.
+    """
+    whole = float(time[-1])
+    if not step > 0 or not whole > 0:
+        return ()
+    aliases = [abs(mains - round(mains * step) / step) for mains in MAINS if mains * step > 0.5]
+    if not aliases or min(aliases) > MAINS_OFF + 1 / whole:
+        return ()
+    turns = [2 * np.pi * part * time / whole for part in (0.5, 1.0)]
+    return tuple(np.asarray(line(turn)) for turn in turns for line in (np.cos, np.sin))
+
+
+def compute_warming(
+    time: FloatArray,
+    x: FloatArray,
+    solid: GeneralizedMaxwell,
+    *,
+    by_a: float = -USUAL["faster by warmth"].size,
+    by_b: float = 0.0,
+    since: float = 0.0,
+) -> FloatArray:
+    r"""Return what a seal that warms by one kelvin to the end of its record adds, N/K.
+
+    It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
+
+    Parameters
+    ----------
+    time, x : array, shape (n,)
+        s and m.
+    solid : GeneralizedMaxwell
+        At the temperature of the test.
+    by_a, by_b : float
+        Slopes of ln a_T and of ln b_T there, 1/K.
+    since : float
+        From when on it warms evenly, s: until then it has the temperature that is meant.
+    """
+    rise = _RISE * np.maximum(time - since, 0.0) / (time[-1] - since)
+    # time counts for more as the seal gets faster
+    pace = np.exp(-by_a * rise)
+    reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
+    change = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
+    return np.asarray(change / _RISE)
