@@ -183,14 +183,18 @@ STANDARD = (
         (
             "extensions/projects/document_versions.py",
             "reading/readers/detect_kind.py",
-            "reading/columns/kind_detection.py",
+            "extensions/materials/table_rules.py",
             "extensions/materials/drop/prediction.py",
         ),
     ),
     (
         "slams?(?= )|(?<= )slams?",
         "impact, or drop test",
-        ("extensions/materials/drop/examples.py", "reading/columns/kind_detection.py"),
+        (
+            "extensions/materials/drop/examples.py",
+            "extensions/materials/table_rules.py",
+            "reading/columns/kind_detection.py",
+        ),
     ),
     (
         "pieces?",

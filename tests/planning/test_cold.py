@@ -10,8 +10,9 @@ from kit.plans import planned
 
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
+from dashpot.extensions.curves.temperatures.planned_repeats import build_planned_rows, plan_repeat
 from dashpot.planning.plan import Plan
-from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, PlannedRows, plan_repeat, rows_with
+from dashpot.planning.planned_ramp_hold import Bench, PlannedRows, Repeat
 from dashpot.solids.demo_seals import BROAD, HIDDEN, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import Arrhenius
@@ -43,9 +44,9 @@ def usual(method: str = "full", machine: Machine | None = None) -> Bench:
     return Bench(8e-3, 1.0, 40.0, 1000.0, 5e-3, method, 1.0, machine)
 
 
-def places(*celsius: float, b_t: float | None = None) -> list[Elsewhere]:
+def places(*celsius: float, b_t: float | None = None) -> list[Repeat]:
     found = [plan_repeat(each + 273.15, ROOM, SHIFT) for each in celsius]
-    return found if b_t is None else [Elsewhere(e.temperature, e.a_t, b_t) for e in found]
+    return found if b_t is None else [Repeat(e.temperature, e.a_t, b_t) for e in found]
 
 
 @pytest.mark.parametrize(
@@ -55,7 +56,7 @@ def places(*celsius: float, b_t: float | None = None) -> list[Elsewhere]:
 def test_planned_cold_test_reproduces_the_reference_table(cold, hold, full):
     """By the force alone, b_T free about 1, every arm shifting alike; two digits at most."""
     for method, expected in (("hold", hold), ("full", full)):
-        rows = rows_with(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0).rows
+        rows = build_planned_rows(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0).rows
         assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.05)
 
 
@@ -69,7 +70,7 @@ def test_with_offset_drift_and_a_delay_in_each_record(cold, expected):
             return super().rows(model)  # of a seal that keeps its temperature
 
     bench = Half(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 1.0, Machine())
-    rows = rows_with(HIDDEN, bench, places(*cold, b_t=1.0), slope_sd=0.0).rows
+    rows = build_planned_rows(HIDDEN, bench, places(*cold, b_t=1.0), slope_sd=0.0).rows
     assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.03)
 
 
@@ -91,16 +92,16 @@ def test_the_errors_that_joint_fits_of_another_program_gave(solid, celsius, slop
             return super().rows(model)  # of a seal that keeps its temperature
 
     bench = StatedBench(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 0.5, Machine())
-    rows = rows_with(solid, bench, places(*celsius), slope_sd).rows
+    rows = build_planned_rows(solid, bench, places(*celsius), slope_sd).rows
     assert loss_factor_sd(solid, rows) == pytest.approx(expected, rel=0.04)
 
 
 def test_the_sensitivities_are_slopes_of_both_forces():
     """By differences of two records, each with its offset, drift and delay, in every unknown."""
-    there = Elsewhere(273.15, 7.0, 0.9)
+    there = Repeat(273.15, 7.0, 0.9)
     machine = Machine(sync=1e-3, drift=1e-3)
     bench = Bench(8e-3, 0.5, 5.0, 40.0, 1e-3, "full", 2.0, machine)
-    rows = rows_with(HIDDEN, bench, [there], slope_sd=0.03).rows
+    rows = build_planned_rows(HIDDEN, bench, [there], slope_sd=0.03).rows
     t, n = bench.time(), HIDDEN.arms
     p = np.array([HIDDEN.k_inf, *HIDDEN.k, *np.log(HIDDEN.tau), *np.zeros(4),
                   np.log(there.a_t), np.log(there.b_t), *np.zeros(5)])  # fmt: skip
@@ -138,7 +139,7 @@ def test_the_sensitivities_are_slopes_of_both_forces():
 
 
 def test_unknown_shift_slope_widens_the_error():
-    rows = [rows_with(HIDDEN, usual(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
+    rows = [build_planned_rows(HIDDEN, usual(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
     known, usual_doubt, unknown = (loss_factor_sd(HIDDEN, each) for each in rows)
     assert known < usual_doubt < unknown
 
@@ -156,10 +157,10 @@ def test_the_plan_puts_the_cold_test_into_its_table():
     alone = make_plan().expected.loss_factor_sd
     assert told.alternatives[0].loss_factor_sd == alone
     # what the rig may do unseen, in the cold and at room temperature, is as much as the noise again
-    rows = rows_with(HIDDEN, usual(machine=Machine()), places(0)).rows
+    rows = build_planned_rows(HIDDEN, usual(machine=Machine()), places(0)).rows
     assert told.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
     quiet = make_plan(cold="0degC", force_alone=True).expected.loss_factor_sd
-    bare = loss_factor_sd(HIDDEN, rows_with(HIDDEN, usual(), places(0)).rows)
+    bare = loss_factor_sd(HIDDEN, build_planned_rows(HIDDEN, usual(), places(0)).rows)
     assert quiet == pytest.approx(bare, rel=1e-4)
     assert told.advice[0] == (
         "Repeat it at 0 degC and fit all together. The loss factor at 12.71 Hz is then known to "

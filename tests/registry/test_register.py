@@ -88,7 +88,6 @@ NAMED = {
     "cli/": "a command is called so, too",
     "reading/columns/kind_detection.py": "what a table must hold",
     "reading/readers/": "which files a reader takes",
-    "registry/": "the registry",
     "extensions/curves/": "each kind is its own",
     "extensions/materials/": "each kind is its own",
     "extensions/amplitude/": "each kind is its own",

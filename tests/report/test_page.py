@@ -102,7 +102,9 @@ def sketch(monkeypatch):
     blank = RenderedFigure("blank", "", "", (), (), (), (), 1)
     everything = defaultdict(lambda: blank)
     # by its module: the attribute of the package is the verb
-    monkeypatch.setattr(import_module("dashpot.report"), "figures_of", lambda study: everything)
+    monkeypatch.setattr(
+        import_module("dashpot.report.study_page"), "figures_of", lambda study: everything
+    )
     return lambda study: Page(html(study)).text
 
 

@@ -395,24 +395,3 @@ class BandError(Serialisable):
     def shift_to_temperature(self, a_t: float) -> BandError:
         """Return the errors at another temperature, whose relaxation times are `a_t` as long."""
         return replace(self, frequency=tuple(line / a_t for line in self.frequency))
-
-    def convert_to_solid(self, other: Solid, fitted: Solid) -> BandError:
-        """Return the errors about another solid than the one that they were found about."""
-        omega = 2 * np.pi * np.array(self.frequency)
-        K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, other))
-        return replace(
-            self,
-            stiffness=_increase_errors(self.stiffness, np.abs(K), np.abs(K_other)),
-            loss_factor=_increase_errors(
-                self.loss_factor, K.imag / K.real, K_other.imag / K_other.real
-            ),
-        )
-
-
-def _increase_errors(
-    errors: tuple[float, ...], value: np.ndarray, other: np.ndarray
-) -> tuple[float, ...]:
-    with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.maximum(value / other, other / value)
-    change = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1
-    return tuple(change.tolist())

@@ -245,16 +245,6 @@ class AdmissibleSpectra:
         x = time / self.tau
         return np.concatenate(([0.0, 0.0], x * np.exp(-x)))
 
-    def crept_to(self, time: float) -> FloatArray:
-        r"""Compliance :math:`D_g + D_f t + \sum_i D_i (1 - e^{-t/\lambda_i})` of unit columns."""
-        return np.concatenate(([1.0, time], -np.expm1(-time / self.tau)))
-
-    def creeping_at(self, time: float) -> FloatArray:
-        r"""Return its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
-        slope = self.falling_at(time)
-        slope[1] = time
-        return slope
-
     def value(self, v: FloatArray) -> float:
         """V . k of the best spectrum."""
         return float(v @ (self.best / self.scale))

@@ -29,7 +29,8 @@ from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.datamodel.bounds import STANDS, naming
 from dashpot.datamodel.machine import Machine
-from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, rows_with
+from dashpot.planning.planned_ramp_hold import Bench, Repeat
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.mass_on_seals import accelerance, ringing_pole
 
@@ -80,14 +81,18 @@ def expected_error(
     arm: int | None,
     hammer: FloatArray | None = None,
     *,
-    repeats: Sequence[Elsewhere] = (),
+    repeats: Sequence[Repeat] = (),
 ) -> ExpectedError:
     """Return what the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
 
     `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
     with them both tests are fitted together. `repeats` are the same test at other temperatures.
     """
-    rows, unmeasured = rows_with(model, bench, repeats) if repeats else bench.rows(model)
+    rows, unmeasured = (
+        find_handler("planned rows", "temperatures")(model, bench, repeats)
+        if repeats
+        else bench.rows(model)
+    )
     if hammer is not None:
         value = hammer.shape[1] - 1
         mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))

@@ -32,7 +32,8 @@ from dashpot.planning.expected_errors import (
     record_need,
 )
 from dashpot.planning.plan_options import IN_SI, HammerPlan
-from dashpot.planning.planned_ramp_hold import Bench, Elsewhere, plan_repeat, refuse_twice
+from dashpot.planning.planned_ramp_hold import Bench, Repeat
+from dashpot.registry import find_handler
 from dashpot.solids.demo_seals import SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
@@ -244,7 +245,7 @@ class Plan(HasChecks, Serialisable):
         What to change, most useful first.
     temperature : float
         Of the test, K.
-    repeats : tuple of Elsewhere
+    repeats : tuple of Repeat
         Where it is repeated, as asked.
     arms : tuple of ExpectedArm
         How well a fit of the test, without its repeats, would know each arm of the seal, that which
@@ -269,7 +270,7 @@ class Plan(HasChecks, Serialisable):
     checks: tuple[Check, ...]
     advice: tuple[str, ...]
     temperature: float = SHIFT.reference
-    repeats: tuple[Elsewhere, ...] = ()
+    repeats: tuple[Repeat, ...] = ()
     arms: tuple[ExpectedArm, ...] = ()
 
     @property
@@ -356,8 +357,7 @@ def plan(
     for place in places:
         require_positive(cold=place, expected=IN_SI)
     margin, law = seal.test_temperature, seal.law
-    repeats = tuple(plan_repeat(kelvin, margin, law) for kelvin in places)
-    refuse_twice(places)
+    repeats = find_handler("plan repeats", "temperatures")(places, margin, law) if places else ()
     supposed, arm = seal.with_arm(at)
     index = None if arm is None else supposed.tau.index(arm[1])
     expected = expected_error(supposed, bench, at, index, repeats=repeats)
@@ -394,8 +394,8 @@ def plan(
 
 
 def _build_alternatives(
-    bench: Bench, repeats: Sequence[Elsewhere], margin: float, law: TemperatureLaw
-) -> list[tuple[Bench, Sequence[Elsewhere]]]:
+    bench: Bench, repeats: Sequence[Repeat], margin: float, law: TemperatureLaw
+) -> list[tuple[Bench, Sequence[Repeat]]]:
     """Return the tests beside the one that was asked for, each with its repeats."""
     other = replace(bench, method="hold" if bench.method == "full" else "full")
     faster = [
@@ -410,17 +410,17 @@ def _build_alternatives(
     return [(bench, ()), *single, (other, repeats), *ramps]
 
 
-def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
+def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
     """Return a refrigerator, if it is colder than the room and the law reaches so far."""
     if margin < USUAL_COLD + COLDER:
         return []
     try:
-        return [(plan_repeat(USUAL_COLD, margin, law),)]
+        return [find_handler("plan repeats", "temperatures")([USUAL_COLD], margin, law)]
     except DataError:
         return []
 
 
-def _band(bench: Bench, repeats: Sequence[Elsewhere]) -> tuple[float, float]:
+def _band(bench: Bench, repeats: Sequence[Repeat]) -> tuple[float, float]:
     """Return what ramp and hold inform, Hz; a repeat informs a_T times that of the solid."""
     slower = [1.0, *(repeat.a_t for repeat in repeats)]
     low, high = 1 / (2 * np.pi * bench.hold_time), 1 / (np.pi * bench.ramp_time)

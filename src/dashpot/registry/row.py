@@ -269,7 +269,8 @@ class Extension(NamedTuple):
         sweep"``, ``"read sweep"``, ``"predict at levels"`` (from a fit), ``"random base"`` (what
         a base that shakes at random does to a ``"mass"`` on seals, or to a ``"system"`` of
         bodies), ``"compare"`` (two of a type), ``"simulated record"`` (of a virtual test, through
-        an instrument).
+        an instrument), ``"plan repeats"`` and ``"planned rows"`` (of a test that is repeated at
+        other temperatures).
 
         Of commands: ``"compare files"``, ``"predict file"``, ``"export with option"`` (what
         `export` writes otherwise where an option asks for it), ``"options"`` (those

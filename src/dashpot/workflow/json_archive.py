@@ -25,7 +25,6 @@ from dashpot.base.serialisation import (
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
-from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.reading.raw_file import like_json, open_raw
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
@@ -387,18 +386,10 @@ def _convert_old_depth(entries: dict[str, Any]) -> dict[str, Any]:
     return {"k_inf_most": entries["k_inf"] + NORMAL * error} | entries
 
 
-def _shifts(entries: dict[str, Any]) -> dict[str, Any]:
-    """Return shifts whose law has their reference; the bare contract holds the errors alone."""
-    count = 2 * len(entries["shifts"])
-    law = {**entries["law"], "reference": entries["reference"]}
-    return {"covariance": np.zeros((count, count)).tolist(), **entries, "law": law}
-
-
 _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _model,
     Fit: _fit,
     ElasticLaw: _elastic,
-    TemperatureShifts: _shifts,
     DepthStiffness: _convert_old_depth,
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda entries: {"end_time": np.nan} | entries,

@@ -313,7 +313,7 @@ def end_of_curve(
     k_end, rest = reach(1), reach(AT_REST if ended == "creep" else np.inf)
     if ended == "creep":
         # k = 1/J falls by J'/J^2
-        falling = compute_upper_limit(spectra, spectra.creeping_at(time)) * k_end[1] ** 2
+        falling = compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
     else:
         falling = compute_upper_limit(spectra, spectra.falling_at(time))
     end = EndOfHold(
@@ -328,12 +328,27 @@ def end_of_curve(
     return end.holding(model)
 
 
+def _compute_creep(spectra: AdmissibleSpectra, time: float) -> FloatArray:
+    r"""Return the compliance of unit columns, shape (m,).
+
+    It is :math:`D_g + D_f t + \sum_i D_i (1 - e^{-t/\lambda_i})`.
+    """
+    return np.concatenate(([1.0, time], -np.expm1(-time / spectra.tau)))
+
+
+def _compute_creep_slope(spectra: AdmissibleSpectra, time: float) -> FloatArray:
+    r"""Return its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
+    slope = spectra.falling_at(time)
+    slope[1] = time
+    return slope
+
+
 def _compute_curve_limits(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
     """Return limits of k(t), K'(1/t) or 1/J(t)."""
     if ended == "sweep":
         return compute_nonnegative_limits(spectra, spectra.stiffness_at(1 / time)[0])
     if ended == "creep":
-        least, most = compute_nonnegative_limits(spectra, spectra.crept_to(time))
+        least, most = compute_nonnegative_limits(spectra, _compute_creep(spectra, time))
         return (1 / most if most > 0 else np.inf), (1 / least if least > 0 else np.inf)
     return compute_nonnegative_limits(spectra, spectra.relaxed_to(time))
 

@@ -35,6 +35,9 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "plan repeats": {"temperatures": "dashpot.extensions.curves.temperatures.planned_repeats:plan_repeats"},
+        "planned rows": {"temperatures": "dashpot.extensions.curves.temperatures.planned_repeats:build_planned_rows"},
+        "read document": {"TemperatureShifts": "dashpot.extensions.curves.temperatures.shift_table:complete_document"},
         "fit text": {
             "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.text:format_shifts",
             "dashpot.datamodel.parameter_estimate:CreepEstimate": "dashpot.extensions.curves.creep.text:format_compliances",

@@ -13,6 +13,7 @@ from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
+from dashpot.datamodel.bounds import BandError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
 from dashpot.extensions.curves.checks import FOLLOWED, few_arms_sufficient
@@ -20,7 +21,7 @@ from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.numerics.nonnegative_least_squares import solve_linear
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
 # one farther out shows only its tail
@@ -328,7 +329,7 @@ def _dense(
     error = few.evidence.band_error
     evidence = replace(
         few.evidence,
-        band_error=None if error is None else error.convert_to_solid(dense.model, few.model),
+        band_error=None if error is None else _convert_errors(error, dense.model, few.model),
         certificate=None,
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.holding(dense.model),
@@ -340,3 +341,25 @@ def _dense(
         unit=few.unit,
         temperatures=few.temperatures,
     )
+
+
+def _convert_errors(error: BandError, other: Solid, fitted: Solid) -> BandError:
+    """Return errors about a solid as those about another."""
+    omega = 2 * np.pi * np.array(error.frequency)
+    K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, other))
+    return replace(
+        error,
+        stiffness=_increase_errors(error.stiffness, np.abs(K), np.abs(K_other)),
+        loss_factor=_increase_errors(
+            error.loss_factor, K.imag / K.real, K_other.imag / K_other.real
+        ),
+    )
+
+
+def _increase_errors(
+    errors: tuple[float, ...], value: np.ndarray, other: np.ndarray
+) -> tuple[float, ...]:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.maximum(value / other, other / value)
+    change = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1
+    return tuple(change.tolist())

@@ -106,7 +106,11 @@ EXTENSION = Extension(
             "stress-strain": "dashpot.extensions.materials.hyperelastic.api:read_stress_strain_record",
             "indentation": "dashpot.extensions.materials.indentation.api:read_hit_record",
         },
-        "table rule": {"csr": "dashpot.extensions.materials.csr.table_rule:counterforce"},
+        "table rule": {
+            "csr": "dashpot.extensions.materials.csr.table_rule:has_counterforce",
+            "indentation": "dashpot.extensions.materials.table_rules:has_indenter_motion",
+            "slam": "dashpot.extensions.materials.table_rules:has_drop",
+        },
         "text": {
             "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",

@@ -185,12 +185,11 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
 })  # fmt: skip
 """Every kind that a file can be seen to be; what else is of a kind, ``dashpot.registry`` names."""
 
-_SLAM = {"slam", "slams", "slammed"}
 _SIGNALS = {"force", "displacement", "stress", "strain"}
 
 
 @dataclass(frozen=True, eq=False)
-class _NamedColumns:
+class NamedColumns:
     """What the names and units of a table's columns say."""
 
     table: FileTable
@@ -226,6 +225,7 @@ class _NamedColumns:
             return False
 
     def has_time(self, least: float = 1.5) -> bool:
+        """Return whether there is a clock, or the user states the rate."""
         return self.has("time", least=least) or self.options.rate is not None
 
     def has_ramp_columns(self) -> bool:
@@ -233,9 +233,11 @@ class _NamedColumns:
         return self.has_time(least=1.0) and self.has("force", "displacement", least=1.0)
 
     def has_acceleration(self) -> bool:
+        """Return whether there is an acceleration."""
         return bool(accelerations(self.table, (), self.options))
 
     def response(self) -> bool:
+        """Return whether there is a complex value over frequency."""
         if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
             return True  # over what is called the linear axis, in Hz
         sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
@@ -298,9 +300,11 @@ class _NamedColumns:
         return pair is not None and pushed == any(columns.pushes for columns in pair)
 
     def has_motion_ratio(self) -> bool:
+        """Return whether a response is of a motion to another."""
         return is_motion_ratio(self.table)
 
     def crept(self) -> bool:
+        """Return whether there is a creep compliance, or the header says creep."""
         header = " ".join(self.table.header).casefold()
         names = map(str.casefold, self.unique_names)
         named = any("compliance" in name and "machine" not in name for name in names)
@@ -309,45 +313,24 @@ class _NamedColumns:
         # what moves of columns that the user names is asked of the record
         return named or (stated and not self.names("displacement", "force"))
 
-    def has_indenter_motion(self) -> bool:
-        """Return whether an indenter is named beside its motion, or a velocity stands alone."""
-        if not self.has_time():
-            return False
-        names = " ".join((*self.table.header, *self.unique_names)).casefold()
-        fast = self.has("velocity", least=2.5)
-        if "indent" in names and (fast or self.has_acceleration()):
-            return True
-        return fast and not (
-            self.has_acceleration() or any(self.has(name) for name in ("displacement", "force"))
-        )
-
-    def has_slam(self) -> bool:
-        """Return whether a slam is named beside a force or the motion of its mass."""
-        text = " ".join((*self.table.header, *self.unique_names))
-        named = not _SLAM.isdisjoint(vocabulary.tokens(text))
-        return named and self.has_time() and (self.has("force") or self.has_acceleration())
-
     def has_coordinates(self, *more: str) -> bool:
         """Return whether the columns are named x, y and z, and so."""
-        return {"x", "y", "z", *more} <= self._plain_names
-
-    @cached_property
-    def _plain_names(self) -> frozenset[str]:
-        return frozenset(map(vocabulary.normalise_name, self.unique_names))
+        return {"x", "y", "z", *more} <= set(map(vocabulary.normalise_name, self.unique_names))
 
     def satisfies(self, kind: FileKind) -> bool:
-        """Return whether the rule of a kind finds its columns."""
-        find_columns = find_handler("table rule", kind)
-        return find_columns is not None and find_columns(self.table, self.options) is not None
+        """Return whether the rule of a kind of an extension holds."""
+        rule = find_handler("table rule", kind)
+        return rule is not None and bool(rule(self))
 
     def spectral(self) -> bool:
+        """Return whether a column is a power spectral density."""
         return any(
             "spectral density" in name or ("psd" in name and "psd" in vocabulary.tokens(name))
             for name in map(str.casefold, self.unique_names)
         )
 
 
-_RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
+_RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
     (
         "free-modes",
         "it has mode, frequency, and x, y and z of points",
@@ -373,22 +356,22 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "it has frequency, and a force and a motion, each with its phase",
         lambda s: s.has_signal_pair(pushed=True),
     ),
-    ("frf", "it has frequency, and a complex value", _NamedColumns.response),
+    ("frf", "it has frequency, and a complex value", NamedColumns.response),
     (
         "dma",
         "it has frequency, storage and loss",
-        _NamedColumns.swept,
+        NamedColumns.swept,
     ),
-    ("not-a-test", "it is a power spectral density, which has no phase", _NamedColumns.spectral),
+    ("not-a-test", "it is a power spectral density, which has no phase", NamedColumns.spectral),
     (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
-        _NamedColumns.has_indenter_motion,
+        lambda s: s.satisfies("indentation"),
     ),
     (
         "slam",
         "it has time and a force or an acceleration, and says slam",
-        _NamedColumns.has_slam,
+        lambda s: s.satisfies("slam"),
     ),
     (
         "impact",
@@ -408,7 +391,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "relaxation",
         "it has time, displacement and force",
-        _NamedColumns.has_ramp_columns,
+        NamedColumns.has_ramp_columns,
     ),
     (
         "csr",
@@ -435,7 +418,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "it has displacement and force, and no clock",
         lambda s: not s.has_time() and s.has("force", "displacement", least=2.5),
     ),
-    ("frf", "it has frequency, and a part of a complex value", _NamedColumns.has_partial_response),
+    ("frf", "it has frequency, and a part of a complex value", NamedColumns.has_partial_response),
     (
         "not-a-test",
         "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them",
@@ -466,7 +449,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """
     if options.kind is not None:
         return parse_file_kind(options.kind)
-    named = _NamedColumns(table, options)
+    named = NamedColumns(table, options)
     swept = named.swept()
     meant = named.names("force", "displacement", "acceleration")
     peaks = (

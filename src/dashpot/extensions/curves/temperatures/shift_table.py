@@ -1,6 +1,8 @@
-"""Shift factors as CSV, which `read_shifts` reads."""
+"""Shift factors as CSV, which `read_shifts` reads, and from their document."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -29,3 +31,13 @@ def format_shift_table(fit: Fit) -> str:
     reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
     above = [byline("shift factors"), *stamp, f"{reference}, law {shifts.law.kind}"]
     return format_table(above, head, columns)
+
+
+def complete_document(entries: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of shifts from their document: the law has their reference.
+
+    A document of the bare contract holds the errors alone.
+    """
+    count = 2 * len(entries["shifts"])
+    law = {**entries["law"], "reference": entries["reference"]}
+    return {"covariance": np.zeros((count, count)).tolist(), **entries, "law": law}

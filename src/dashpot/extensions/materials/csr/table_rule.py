@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 
 from dashpot.base import units
+from dashpot.reading.columns.kind_detection import NamedColumns
 from dashpot.reading.columns.role_assignment import score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
@@ -22,6 +23,11 @@ _DIGIT = re.compile(r"\d")
 _SAID = re.compile(
     r"compression stress relaxation|\bcsr\b|\biso\W{0,2}3384\b|\bd6147\b|counterforce"
 )
+
+
+def has_counterforce(columns: NamedColumns) -> bool:
+    """Return whether the columns are a force over hours or days."""
+    return counterforce(columns.table, columns.options) is not None
 
 
 def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:

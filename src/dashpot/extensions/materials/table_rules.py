@@ -1,0 +1,28 @@
+"""Recognition of tables of material tests by their columns."""
+
+from __future__ import annotations
+
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.kind_detection import NamedColumns
+
+_DROP_WORDS = {"slam", "slams", "slammed"}
+
+
+def has_indenter_motion(columns: NamedColumns) -> bool:
+    """Return whether an indenter is named beside its motion, or a velocity stands alone."""
+    if not columns.has_time():
+        return False
+    names = " ".join((*columns.table.header, *columns.unique_names)).casefold()
+    fast = columns.has("velocity", least=2.5)
+    if "indent" in names and (fast or columns.has_acceleration()):
+        return True
+    return fast and not (
+        columns.has_acceleration() or any(columns.has(name) for name in ("displacement", "force"))
+    )
+
+
+def has_drop(columns: NamedColumns) -> bool:
+    """Return whether a slam is named beside a force or the motion of its mass."""
+    text = " ".join((*columns.table.header, *columns.unique_names))
+    named = not _DROP_WORDS.isdisjoint(vocabulary.tokens(text))
+    return named and columns.has_time() and (columns.has("force") or columns.has_acceleration())
