@@ -93,9 +93,9 @@ def test_every_example_has_a_caption() -> None:
     assert list(workflow.CAPTIONS) == list(workflow.EXAMPLES)
 
 
-def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, monkeypatch):
-    monkeypatch.chdir(folder)
-    done = ran("fit", "sweeps.csv", "--at-temperature", "25degC", "-o", "rubber.json")
+def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = ran("fit", folder / "sweeps.csv", "--at-temperature", "25degC", "-o", "rubber.json")
     follow = shlex.split(done.stderr.splitlines()[-1].removeprefix("next: dashpot "))
     assert follow[:2] == ["export", "rubber.json"]
     deck = ran(*follow)

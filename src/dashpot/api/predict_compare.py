@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Records: TypeAlias = RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold]
 To: TypeAlias = Literal[
     "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
-    "statespace", "csv", "fmu", "modelica", "felupe",
+    "statespace", "csv", "fmu", "modelica", "felupe", "optistruct", "comsol",
 ]  # fmt: skip
 
 

@@ -81,7 +81,7 @@ def deck_for(
     Parameters
     ----------
     target : str
-        Or a synonym of it, such as ``"optistruct"``, in upper or lower case.
+        Or a synonym of it, such as ``"mapdl"``, in upper or lower case.
     result : Solid, Fit or another result that a row names
         Of one seal; of a material, whose card is written.
     seals : float

@@ -97,7 +97,7 @@ EXTENSION = Extension(
         FileFormat("text", "dashpot.reading.formats.text"),
     ),
     solver_inputs=(
-        SolverInput("nastran", "dashpot.export.decks.nastran", order=0, synonyms=("optistruct", "msc-nastran", "nx-nastran")),
+        SolverInput("nastran", "dashpot.export.decks.nastran", order=0, synonyms=("msc-nastran", "nx-nastran")),
         SolverInput("abaqus", "dashpot.export.decks.abaqus", order=1),
         SolverInput("statespace", "dashpot.export.decks.statespace", order=8, synonyms=("state-space", "octave", "matlab")),
         SolverInput("csv", "dashpot.export.decks.csv", order=9),

@@ -283,7 +283,9 @@ def test_a_form_that_holds_no_friction_says_who_does(target, form):
         assert f"--to {', '.join(CARRIERS)}" in message
     # arms alone are linear: any deck takes them
     extra = (
-        {"modulus": 1e6} if form == "prony" and target in ("lsdyna", "radioss", "felupe") else {}
+        {"modulus": 1e6}
+        if form == "prony" and target in ("lsdyna", "radioss", "felupe", "comsol")
+        else {}
     )
     extra |= {"bulk_modulus": 1e8, "density": 700.0} if target == "lsdyna" else {}
     assert "slider" not in write(a_level_fit(beside=()), units="SI", form=form, **extra)

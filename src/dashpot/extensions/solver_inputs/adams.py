@@ -1,27 +1,39 @@
-"""Transfer function for multibody codes such as Adams."""
+"""Transfer function and bushing property file for multibody codes such as Adams."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.value_ranges import require_positive
 from dashpot.export.deck import Deck, DeckText
-from dashpot.export.deck_validation import target
+from dashpot.export.deck_validation import NOMINAL, target
 from dashpot.export.unit_systems import text
 from dashpot.solids.networks import creep_of, parallel
 
-FORMS = ("transfer-function",)
+FORMS = ("transfer-function", "bus")
 SUFFIX = "txt"
+_AXES = ("FX", "FY", "FZ", "TX", "TY", "TZ")
+_REACH = 0.02
+"""Length to either side that the curve of a bushing spans, m."""
+_LENGTHS = {"SI": "meter", "mm-t-s": "mm"}
+"""Words of the property file for lengths of the unit systems with newton and second."""
 
 
-@target(*FORMS)
+@target(*FORMS, nominal=("bus",))
 def adams(
     deck: Deck,
+    *,
+    nominal: Quantity | None = None,
 ) -> DeckText:
-    r"""K(s)/k_inf as a transfer function, for frequency-dependent bushings.
+    r"""K(s)/k_inf as a transfer function, or a bushing property file at one frequency.
 
-    A frequency-dependent bushing takes a linear stiffness times a displacement transfer
-    function:
+    ``"bus"`` is a property file of a bushing along x: a force curve of the slope K' and the damping
+    K''/omega at the frequency `nominal`. It is right at that frequency alone.
+
+    ``"transfer-function"`` is for frequency-dependent bushings. Such a bushing takes a linear
+    stiffness times a displacement transfer function:
 
     .. math::
 
@@ -32,13 +44,23 @@ def adams(
     without a root of a polynomial. Both the factors and the coefficients are written: keep the
     factors where the times span many decades.
 
-    Parameters are those of :func:`dashpot.export.nastran`.
+    Parameters
+    ----------
+    solid, units, specimen, allow
+        As in :func:`dashpot.export.nastran`.
+    form : str
+    nominal : float, optional
+        Hz, for ``"bus"``; by default 10 Hz, or the end of the valid band below it.
 
     Raises
     ------
     ExportError
         If k_inf = 0: there is no static stiffness to factor out.
     """
+    if deck.form == "bus":
+        at = convert_to_si(nominal, "frequency")
+        require_positive("--", nominal=at, unit=" Hz", optional=True)
+        return _bushing(deck, at or min(NOMINAL, (deck.band or (0.0, NOMINAL))[1]))
     if not deck.model.k_inf > 0:
         raise ExportError(
             "k_inf = 0: a bushing of stiffness times transfer function needs a static stiffness; "
@@ -78,3 +100,45 @@ def _ascending(times: list[float]) -> list[float]:
     for time in times:
         polynomial = np.convolve(polynomial, [1.0, time])
     return polynomial.tolist()
+
+
+def _bushing(deck: Deck, nominal: float) -> DeckText:
+    units, omega = deck.units, 2 * np.pi * nominal
+    if units.name not in _LENGTHS:
+        raise ExportError(
+            f"a bushing property file is written in newton and second; found {units.name}: take "
+            f"--unit-system {' or '.join(_LENGTHS)}"
+        )
+    stiffness = complex(deck.solid.complex_stiffness(omega=omega))
+    slopes = {"FX": units.stiffness(stiffness.real)}
+    damping = {"FX": units.damping(stiffness.imag / omega)}
+    return deck.format_text(
+        "$",
+        "bushing property file",
+        [
+            *(
+                "[MDI_HEADER]",
+                " FILE_TYPE = 'bus'",
+                " FILE_VERSION = 4.0",
+                " FILE_FORMAT = 'ASCII'",
+            ),
+            *("[UNITS]", f" LENGTH = '{_LENGTHS[units.name]}'", " ANGLE = 'degrees'"),
+            *(" FORCE = 'newton'", " MASS = 'kg'", " TIME = 'second'"),
+            "[DAMPING]",
+            *(f" {axis}_DAMPING = {text(damping.get(axis, 0.0))}" for axis in _AXES),
+            *(line for axis in _AXES for line in _curve(axis, slopes.get(axis, 0.0), units.length)),
+        ],
+        nominal=nominal,
+        remarks=[
+            f"stiffness and damping of {nominal:.6g} Hz along x, and none in other directions:",
+            "right at that frequency alone; --form transfer-function holds all frequencies",
+        ],
+    )
+
+
+def _curve(axis: str, slope: float, length: float) -> list[str]:
+    """Return the block of a straight force or torque curve through zero."""
+    straight = axis.startswith("F")
+    reach = _REACH / length if straight else 180.0
+    rows = [f" {text(x)} {text(slope * x + 0.0)}" for x in (-reach, 0.0, reach)]
+    return [f"[{axis}_CURVE]", f"{{ {'x' if straight else 'ang'} {axis.lower()} }}", *rows]

@@ -29,5 +29,7 @@ EXTENSION = Extension(
         SolverInput("fmu", "dashpot.extensions.solver_inputs.fmu", order=10, synonyms=("fmi",)),
         SolverInput("modelica", "dashpot.extensions.solver_inputs.modelica", order=11),
         SolverInput("felupe", "dashpot.extensions.solver_inputs.felupe", order=12),
+        SolverInput("optistruct", "dashpot.extensions.solver_inputs.optistruct", order=13),
+        SolverInput("comsol", "dashpot.extensions.solver_inputs.comsol", order=14),
     ),
 )  # fmt: skip
