@@ -407,3 +407,46 @@ def test_import_names_what_it_needs(folder, words, says):
 def test_a_network_of_one_material_needs_no_elements():
     (card,) = read_lsdyna_cards("*MAT_SPRING_MAXWELL\n         1       2.0       0.5       4.0\n")
     assert card.spring == GeneralizedMaxwell(0.5, (1.5,), (0.25,))
+
+
+def test_a_blank_line_of_lsdyna_is_a_card_of_zeros():
+    blank = LSDYNA.replace(f"{0:>10}\n", "\n", 1)
+    assert blank != LSDYNA
+    assert import_text(blank).model == import_text(LSDYNA).model
+
+
+def test_a_part_of_lsdyna_may_have_a_blank_title():
+    deck = dp.export(
+        dp.GeneralizedMaxwell(196.5, k=(117.5,), tau=(0.5,)), to="lsdyna", unit_system="mm-t-s"
+    )
+    lines, title = [], False
+    for line in deck.splitlines():
+        lines.append("" if title and not line.startswith("$") else line)
+        title = (title and line.startswith("$")) or line.startswith("*PART")
+    assert lines != deck.splitlines()
+    assert import_text("\n".join(lines)).model == import_text(deck).model
+
+
+ANSYS_IN_PAIRS = """MPTEMP,1,0
+MPDATA,EX,1,,3.0, !!!! E0
+MPDATA,PRXY,1,,0.4995, !!!! nu0
+TB,PRONY,1,1,3,BULK     !!!! pairs
+TBTEMP,0
+{rows}TB,PRONY,1,1,3,SHEAR
+TBTEMP,0
+{rows}"""
+
+
+def test_rows_of_ansys_without_a_number_go_on_where_the_last_ended():
+    rows = "".join(f"TBDATA,, {g} , {tau} , \n" for g, tau in TERMS)
+    fit = import_text(ANSYS_IN_PAIRS.format(rows=rows))
+    found = fit.solid.complex_stiffness(omega=2 * np.pi * HERTZ)
+    assert found == pytest.approx(young(3e6, TERMS, HERTZ), rel=1e-12)
+
+
+def test_matve_that_is_written_is_read():
+    model = dp.GeneralizedMaxwell(1.0, k=(0.5, 0.3, 0.2), tau=(0.01, 0.5, 20.0))
+    deck = dp.export(model, to="optistruct", form="prony", unit_system="mm-t-s")
+    read = import_text(deck + "MAT1,1,2.0,,.4995\n").model
+    assert np.array(read.k) / read.k_0 == pytest.approx(np.array(model.k) / 2.0, rel=1e-4)
+    assert read.tau == pytest.approx(model.tau, rel=1e-4)

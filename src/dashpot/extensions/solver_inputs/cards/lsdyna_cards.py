@@ -40,11 +40,14 @@ class KeywordBlock:
 
 
 def parse_blocks(text: str) -> Iterator[KeywordBlock]:
-    """Yield the keywords of an LS-DYNA input; ``_TITLE`` and its line are taken off."""
+    """Yield the keywords of an LS-DYNA input; ``_TITLE`` and its line are taken off.
+
+    A blank line is a card of defaults.
+    """
     name = ""
     lines: list[str] = []
     for line in [*text.splitlines(), "*END"]:
-        if line.startswith("$") or not line.strip():
+        if line.startswith("$"):
             continue
         if line.startswith("*"):
             if name:
