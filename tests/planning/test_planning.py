@@ -337,7 +337,7 @@ def test_plan_states_the_gain_of_naming_the_machine() -> None:
     assert known.half_width == pytest.approx(told.end.if_machine_named)
     assert known.message == (
         f"At the end of the hold the stiffness k(40.0 s) would be known to about "
-        f"{100 * known.half_width:.2g} %."
+        f"{100 * known.half_width:#.2g} %."
     )
     # each alone gives a part of it
     for one in ({"baseline": 10.0}, {"compliance": 0.0}, {"creep": 0.0}, {"drift": 1e-5}):
