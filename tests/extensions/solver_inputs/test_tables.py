@@ -111,3 +111,22 @@ def test_bushing_property_file_is_right_at_its_frequency(unit_system, unit, word
 def test_bushing_property_file_is_refused_in_kilonewtons():
     with pytest.raises(ExportError, match="take --unit-system SI or mm-t-s"):
         write("adams", "bus", "mm-kg-ms")
+
+
+@pytest.mark.parametrize("k_inf", [196.5, 0.0])
+def test_header_of_lsdyna_material_has_its_number_of_terms(k_inf):
+    deck = dp.export(
+        dp.GeneralizedMaxwell(k_inf, k=(117.5, 17.8), tau=(0.5, 16.0)), to="lsdyna", form="prony",
+        unit_system="mm-t-s", modulus="1MPa", bulk_modulus="2000MPa", density=1200.0,
+        allow="all",
+    )  # fmt: skip
+    (stated,) = re.findall(r"^\$ terms: (\d+);", deck, flags=re.MULTILINE)
+    rows = deck.split("betai\n")[1].split("*END")[0].splitlines()
+    assert int(stated) == len(rows) == 2 + (k_inf > 0)
+    assert ("the first has beta = 0" in deck) == (k_inf > 0)
+
+
+@pytest.mark.parametrize("density", ["1200kg/m^3", None, -1.0])
+def test_density_of_a_card_is_a_number(density):
+    with pytest.raises(ExportError, match=r"density= in kg/m\^3\); found .* and"):
+        write("lsdyna", "prony", modulus="1MPa", bulk_modulus="2GPa", density=density)

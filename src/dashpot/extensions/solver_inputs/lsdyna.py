@@ -218,7 +218,12 @@ def _prony(
     deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
 ) -> DeckText:
     long_term, terms = deck.shear(modulus, "LS-DYNA")
-    if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
+    if not (
+        isinstance(bulk_modulus, int | float)
+        and isinstance(density, int | float)
+        and bulk_modulus > 0
+        and density > 0
+    ):
         raise ExportError(
             "*MAT_GENERAL_VISCOELASTIC needs --bulk-modulus, such as 2000MPa, and --density, such "
             "as 1200 (Python: bulk_modulus= in Pa, density= in kg/m^3); found "
@@ -246,5 +251,9 @@ def _prony(
             *(format_fields(G, beta) for G, beta in terms),
             "*END",
         ],
-        remarks=["the first term has beta = 0: the equilibrium modulus"],
+        remarks=[
+            *(["the first has beta = 0: the equilibrium modulus"] if deck.k_inf > 0 else []),
+            f"terms: {len(terms)}; count them after another tool has rewritten the card:",
+            "ansys-dyna-core 0.12 keeps the first alone",
+        ],
     )

@@ -82,7 +82,7 @@ def _missing(
             "the change of volume was not tested, and no solver takes a rubber without; add "
             "--bulk-modulus, 2000MPa is usual for solid rubber"
         )
-    if target == "lsdyna" and not (density and density > 0):
+    if target == "lsdyna" and not (isinstance(density, int | float) and density > 0):
         yield "an LS-DYNA material needs --density, such as 1200 (kg/m^3)"
 
 
