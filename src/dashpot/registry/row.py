@@ -241,8 +241,9 @@ class Extension(NamedTuple):
         document"`` (fields of that class, or of one without a schema by its name, from its
         values), ``"write frf"`` (to bytes, by the ending of a file), ``"lot columns"`` (what
         the row of a lot lists), ``"solver input"`` (what writes that of a plug-in),
-        ``"procedures"`` (under which of a solver a deck was run), ``"fit text"``, ``"fit page"``
-        and ``"shift table"`` (of a fit, by the type of its part that an extension made).
+        ``"procedures"`` (under which of a solver a deck was run), ``"part text"``,
+        ``"part page"``, ``"deck header"``, ``"deck remarks"`` and ``"shift table"`` (of a result,
+        by the type of its part that an extension made).
 
         Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
         fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured

@@ -210,7 +210,7 @@ class TemperaturePart(NamedTuple):
 
 
 def _make_part(fit: Fit) -> TemperaturePart | None:
-    make_part = None if fit.temperatures is None else find_handler("fit page", fit.temperatures)
+    make_part = None if fit.temperatures is None else find_handler("part page", fit.temperatures)
     return None if make_part is None else cast("TemperaturePart", make_part(fit))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from dashpot.datamodel.parameter_estimate import Residual
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.frf_comparison import FRFComparison
-    from dashpot.workflow.frf_prediction import Prediction, ShakenMass
+    from dashpot.workflow.frf_prediction import Prediction
     from dashpot.workflow.identification import Identified
     from dashpot.workflow.measured_frf import ImpactResult
     from dashpot.workflow.study import Study
@@ -78,7 +77,8 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     for section in (_format_elastic_law, _format_hold_end, _format_alternative):
         lines += section(fit)
     lines += _format_part(fit, fit.temperatures)
-    lines += [*_format_depth_stiffnesses(fit), *_format_explanations(fit)]
+    lines += _format_part(fit, next(iter(fit.evidence.stiffness_by_depth), None))
+    lines += _format_explanations(fit)
     of = (
         " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
     )
@@ -92,10 +92,10 @@ def fit(fit: Fit, *, asked: int | str = "auto") -> Text:
     return Text(lines, [*details, *list_notes(fit.source), *_orders(fit)])
 
 
-def _format_part(fit: Fit, part: object) -> list[str]:
-    """Return the lines of a part of a fit that an extension made."""
-    format_part = None if part is None else find_handler("fit text", part)
-    return [] if format_part is None else list(format_part(fit))
+def _format_part(result: object, part: object) -> list[str]:
+    """Return the lines of a part of a result that an extension made."""
+    format_part = None if part is None else find_handler("part text", part)
+    return [] if format_part is None else list(format_part(result))
 
 
 def _format_fit_heading(fit: Fit, request: int | str) -> str:
@@ -210,20 +210,6 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
         for source in sources
         for note in source.notes
     ]
-
-
-def _format_depth_stiffnesses(fit: Fit) -> list[str]:
-    """Return the stiffnesses of each depth, where each has its own."""
-    if not fit.evidence.stiffness_by_depth:
-        return []
-    fact_groups = [
-        depth_stiffness.list_values(fit.unit) for depth_stiffness in fit.evidence.stiffness_by_depth
-    ]
-    rows = [["  depth", *(fact.label for fact in fact_groups[0])]]
-    for at, group in zip(fit.evidence.stiffness_by_depth, fact_groups, strict=True):
-        cells = (fact.cells.ascii.with_limit for fact in group)
-        rows.append([f"  {format_quantity(at.depth, 'mm')}", *cells])
-    return [f"    by depth, {fact_groups[0][0].word}, ± SE", *table(rows)]
 
 
 def _format_parameter_changes(fit: Fit) -> list[str]:
@@ -379,7 +365,7 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     if prediction.isolation is not None:
         lines.append(f"  the mass moves less than its base above {prediction.isolation:.5g} Hz")
     if prediction.random is not None:
-        lines += _shaken(prediction.random)
+        lines += _format_part(prediction, prediction.random)
     if prediction.at_edge:
         lines.append(f"  This is the end of the band, not a peak.{_wider(prediction.modes)}")
     lines += levels
@@ -391,31 +377,6 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     if prediction.limits is not None:
         lines.append(f"  {ascii_only(prediction.limits.peak_text)}")
     return Text(lines)
-
-
-def _shaken(mass: ShakenMass) -> list[str]:
-    """Return what a base that shakes at random does, and at most."""
-    band, response = mass.band, mass.response
-    reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
-    does = (
-        f"  shaken by {mass.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
-        f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
-        "times a "
-        "second"
-    )
-    lines = [does]
-    if (limits := mass.limits) is not None:
-        text, name = _reach(limits.acceleration), _reach(limits.stretch, "mm")
-        low, high = limits.band_hz
-        part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
-        lines.append(f"  the relaxation test limits these to {text} m/s^2 and {name} mm rms{part}")
-    return lines
-
-
-def _reach(ends: tuple[float, float], unit: str = "1") -> str:
-    """Between which limits something lies; from the lower one on where nothing else limits it."""
-    low, high = (convert_to_unit(end, unit) for end in ends)
-    return f"{low:.4g} to {f'{high:.4g}' if math.isfinite(high) else 'unlimited'}"
 
 
 def _wider(modes: Iterable[Mode]) -> str:

@@ -14,7 +14,6 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 from dashpot.base.errors import DataError, ReadError, Status
-from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import (
     DIGEST,
     NOT_FINITE,
@@ -24,7 +23,6 @@ from dashpot.base.serialisation import (
 )
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.reading.raw_file import like_json, open_raw
 from dashpot.registry import KINDS, find_handler, list_names, load_object
 from dashpot.solids.elastic import ElasticLaw
@@ -378,19 +376,10 @@ def _elastic(entries: dict[str, Any]) -> dict[str, Any]:
     return entries | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
-def _convert_old_depth(entries: dict[str, Any]) -> dict[str, Any]:
-    """Return the stiffnesses of one depth; an older document holds the standard error of k_inf."""
-    error = entries.get("k_inf_se")
-    if error is None:
-        return entries
-    return {"k_inf_most": entries["k_inf"] + NORMAL * error} | entries
-
-
 _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _model,
     Fit: _fit,
     ElasticLaw: _elastic,
-    DepthStiffness: _convert_old_depth,
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda entries: {"end_time": np.nan} | entries,
 }

@@ -39,7 +39,7 @@ def test_matve_holds_relative_moduli_and_times():
     np.testing.assert_allclose(list(map(float, terms)), expected, rtol=2e-6)
 
 
-def test_matve_has_room_for_five_terms():
+def test_matve_holds_at_most_five_terms():
     times = 10.0 ** np.arange(6)
     deck = dp.export(
         dp.GeneralizedMaxwell(1.0, k=(1.0,) * 5, tau=times[:5]), to="optistruct", form="prony",

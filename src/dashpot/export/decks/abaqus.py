@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.units import Range, si_range
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.datamodel.shift_factors import TemperatureShifts
-from dashpot.export.deck import Deck, DeckText, format_stiffness_left_out
+from dashpot.export.deck import Deck, DeckText, format_temperature_lines
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
@@ -38,7 +38,7 @@ def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]
     sentences = [
         "*TRS: temperatures of the model are in K",
         *constants,
-        *format_stiffness_left_out(shifts),
+        *format_temperature_lines("deck remarks", shifts),
     ]
     return [*cards, ", ".join(text(value) for value in row)], sentences
 

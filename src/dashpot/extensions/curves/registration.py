@@ -38,12 +38,18 @@ EXTENSION = Extension(
         "plan repeats": {"temperatures": "dashpot.extensions.curves.temperatures.planned_repeats:plan_repeats"},
         "planned rows": {"temperatures": "dashpot.extensions.curves.temperatures.planned_repeats:build_planned_rows"},
         "read document": {"TemperatureShifts": "dashpot.extensions.curves.temperatures.shift_table:complete_document"},
-        "fit text": {
+        "part text": {
             "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.text:format_shifts",
             "dashpot.datamodel.parameter_estimate:CreepEstimate": "dashpot.extensions.curves.creep.text:format_compliances",
         },
-        "fit page": {
+        "part page": {
             "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.page:make_page_part",
+        },
+        "deck header": {
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.deck_lines:format_law_lines",
+        },
+        "deck remarks": {
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.deck_lines:format_stiffness_left_out",
         },
         "shift table": {
             "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.shift_table:format_shift_table",

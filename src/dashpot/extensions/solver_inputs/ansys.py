@@ -8,7 +8,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.units import Range, si_range
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.datamodel.shift_factors import TemperatureShifts
-from dashpot.export.deck import CARRIERS, Deck, DeckText, format_stiffness_left_out
+from dashpot.export.deck import CARRIERS, Deck, DeckText, format_temperature_lines
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
@@ -30,7 +30,7 @@ def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]
         head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS)
     sentences = [
         "TB,SHIFT: temperatures of the model are in K (TOFFST,0)",
-        *format_stiffness_left_out(shifts),
+        *format_temperature_lines("deck remarks", shifts),
     ]
     return [head, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
 

@@ -12,6 +12,9 @@ EXTENSION = Extension(
             KindOfTest("free-modes", "dashpot.extensions.systems.door.read_modes:read_modes", place="part", order=20),
     ),
     handlers={
+        "part text": {
+            "dashpot.workflow.frf_prediction:ShakenMass": "dashpot.extensions.systems.shaken_text:format_shaken_mass",
+        },
         "random base": {
             "system": "dashpot.extensions.systems.shaken_systems:shake_system",
             "mass": "dashpot.extensions.systems.shaken_systems:shake_mass",

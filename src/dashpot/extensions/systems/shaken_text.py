@@ -1,0 +1,38 @@
+"""Text of a mass on seals whose base shakes at random."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dashpot.base.units import convert_to_unit, format_quantity
+
+if TYPE_CHECKING:
+    from dashpot.workflow.frf_prediction import Prediction
+
+
+def format_shaken_mass(prediction: Prediction) -> list[str]:
+    """Return what a base that shakes at random does to a mass on seals, and at most."""
+    mass = prediction.random
+    assert mass is not None  # noqa: S101
+    band, response = mass.band, mass.response
+    reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
+    does = (
+        f"  shaken by {mass.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
+        f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
+        "times a "
+        "second"
+    )
+    lines = [does]
+    if (limits := mass.limits) is not None:
+        text, name = _format_limits(limits.acceleration), _format_limits(limits.stretch, "mm")
+        low, high = limits.band_hz
+        part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
+        lines.append(f"  the relaxation test limits these to {text} m/s^2 and {name} mm rms{part}")
+    return lines
+
+
+def _format_limits(ends: tuple[float, float], unit: str = "1") -> str:
+    """Between which limits something lies; from the lower one on where nothing else limits it."""
+    low, high = (convert_to_unit(end, unit) for end in ends)
+    return f"{low:.4g} to {f'{high:.4g}' if math.isfinite(high) else 'unlimited'}"
