@@ -110,12 +110,12 @@ def _stage(asked: Criterion[...]) -> str:
 
 
 def _grade(asked: Criterion[...]) -> str:
-    return ", or ".join(filter(None, (asked.grade, asked.otherwise)))
+    return ", or ".join(filter(None, (asked.grade, asked.other_grade)))
 
 
 def _ended(status: Status) -> str:
     names = dict.fromkeys(
-        f"`{one.name}`" for _, one in sorted(REGISTER.items()) if one.ends is status
+        f"`{one.name}`" for _, one in sorted(REGISTER.items()) if one.fit_status is status
     )
     ways = [*names, *([OTHER_CAUSES[status]] if status in OTHER_CAUSES else [])]
     return f"| `{status.name.lower()}` | {status.value} | {', '.join(ways)} |\n"

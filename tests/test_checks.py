@@ -18,7 +18,7 @@ import pytest
 from kit.fits import a_fit
 
 import dashpot
-from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
+from dashpot.base.checks import REGISTER, Check, Finding, criterion, select_fit_status
 from dashpot.base.errors import Status
 from dashpot.base.reported_values import ReportedValue
 from dashpot.datamodel import checks as records
@@ -1178,7 +1178,7 @@ COMPARISON = [
     Case(
         "operating_point",
         lambda x: comparison.operating_point(
-            OperatingPoint(x * DEPTH, DEPTH, 0.8, 0.01, linear=False)
+            OperatingPoint(x * DEPTH, DEPTH, 0.8, 0.01, is_linear=False)
         ),
         0.999,
         1.001,
@@ -2269,25 +2269,29 @@ def test_the_statuses_that_checks_set_are_those_typed_here() -> None:
             ends = ENDS.get(stage, {}).get(case.check)
             for x, status in ((case.passes, Status.CONVERGED), (case.fails, ends)):
                 if x is not None:
-                    assert status_of([case.judge(x)]) is (status or Status.CONVERGED), case.check
+                    assert select_fit_status([case.judge(x)]) is (status or Status.CONVERGED), (
+                        case.check
+                    )
     typed = {(stage, name) for stage, names in ENDS.items() for name in names}
-    assert typed == {at for at, one in REGISTER.items() if one.ends is not None}
+    assert typed == {at for at, one in REGISTER.items() if one.fit_status is not None}
 
 
 def test_the_gravest_of_what_went_wrong_is_how_a_fit_ended() -> None:
     optimum, arms = solid.optimum_found(stationary=False), solid.arms_supported(arm(), WEAK)
-    assert status_of([arms, optimum, arms]) is Status.NOT_CONVERGED
-    assert status_of([arms], {Status.FEWER_ARMS: True}) is Status.FEWER_ARMS
-    assert status_of([arms], {Status.FEWER_ARMS: False}) is Status.NOT_IDENTIFIED
-    assert status_of([solid.arms_supported(arm(), WEAK, needed=True)]) is Status.NOT_IDENTIFIED
+    assert select_fit_status([arms, optimum, arms]) is Status.NOT_CONVERGED
+    assert select_fit_status([arms], {Status.FEWER_ARMS: True}) is Status.FEWER_ARMS
+    assert select_fit_status([arms], {Status.FEWER_ARMS: False}) is Status.NOT_IDENTIFIED
+    assert (
+        select_fit_status([solid.arms_supported(arm(), WEAK, needed=True)]) is Status.NOT_IDENTIFIED
+    )
     for i, grave in enumerate(GRAVEST_FIRST):
-        assert status_of([], dict.fromkeys(GRAVEST_FIRST[i:], True)) is grave
+        assert select_fit_status([], dict.fromkeys(GRAVEST_FIRST[i:], True)) is grave
 
 
 def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set() -> None:
     check = solid.optimum_found(stationary=False)
-    assert check.ends is Status.NOT_CONVERGED
-    assert check == replace(check, ends=None)
+    assert check.fit_status is Status.NOT_CONVERGED
+    assert check == replace(check, fit_status=None)
     assert list(check.to_dict()) == [
         "name", "passed", "grade", "value", "limit", "message", "remedy"
     ]  # fmt: skip
@@ -2470,7 +2474,7 @@ def test_no_status_is_decided_outside_the_criteria() -> None:
         file.relative_to(SOURCES).as_posix(): file.read_text("utf-8")
         for file in SOURCES.rglob("*.py")
     }
-    decide = {name for name, text in texts.items() if "status_of(" in text}
+    decide = {name for name, text in texts.items() if "select_fit_status(" in text}
     assert decide == {
         "base/checks.py",
         "fitting/fit_construction.py",

@@ -428,7 +428,7 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
         assert f"Cpk {cpk} ({low} to {high})" in shell
         assert re.search(rf"{cpk}\s+{low}\s+{high}", text)
     for fact, share in found.main.sources:
-        value, low, high = fact.ends
+        value, low, high = fact.cell_texts
         assert re.search(rf"{share}\s+{value}\s+{low}\s+{high}", text), fact
         assert f"{value} ({low} to {high}), {share} %" in shell
         assert same(fact, value, found.main.quantity.unit)

@@ -19,7 +19,7 @@ from test_checks import STAGES
 
 import dashpot as dp
 from dashpot.base import checks
-from dashpot.base.checks import MOST_WORDS, Check, Finding, Verdict, criterion, verdict
+from dashpot.base.checks import MAX_WORDS, Check, Finding, Verdict, criterion, verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.number_format import ascii_only, format_typographic
 from dashpot.base.plain_text import count_words, sentences
@@ -138,7 +138,7 @@ def test_every_check_that_could_lead_a_verdict_says_it_in_35_words_with_a_number
     for check in of_cases():
         if check.failed and check.grade != "note":
             line = str(verdict([check, replace(check, name="another")]))
-            if count_words(line) > MOST_WORDS or not re.search(r"\d", line):
+            if count_words(line) > MAX_WORDS or not re.search(r"\d", line):
                 faults.append(f"{check.name}: {count_words(line)} words: {line}")
     assert not faults, "\n".join(faults)
 
@@ -310,7 +310,7 @@ def test_verdict_on_every_example_is_a_line_with_a_number(
         if not " ".join(done.stdout.split()).startswith(ascii_only(line)):
             faults.append(f"{command}: not what is printed: {line}")
         faults += [f"{command}: {one}" for one in style(line)]
-        if count_words(line) > MOST_WORDS:
+        if count_words(line) > MAX_WORDS:
             faults.append(f"{command}: {count_words(line)} words: {line}")
         if not re.search(r"\d", line):
             faults.append(f"{command}: no number: {line}")

@@ -45,7 +45,7 @@ def test_reported_value_with_infinite_upper_end_prints_a_lower_limit() -> None:
     found = ReportedValue("life", math.nan, 3.6e6, math.inf, "s", read="h")
     assert found.text == "life at least 1000 h"
     assert found.cells[1:] == ("", "", "at least 1000", "h")
-    assert found.ends == ("unknown", "1000", "no limit")
+    assert found.cell_texts == ("unknown", "1000", "no limit")
     # a value of an infinite interval is known
     assert ReportedValue("life", 7.2e6, 3.6e6, math.inf, "s", read="h").cells.value == "2000"
 

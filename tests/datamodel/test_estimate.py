@@ -44,13 +44,13 @@ def test_either_side_of_a_profile_grows_by_what_the_rig_may_have_done():
     away = value - SEAL.k[0]
     profile = Profile("k_1", value, np.where(away < 0, 2 * away, away) ** 2)
     fit = doubted(profiles=(profile,))
-    ends = fit.estimate.ends(SEAL, 0.95)["k_1"]
+    ends = fit.estimate.confidence_limits(SEAL, 0.95)["k_1"]
     q, by = fit.estimate.quantile(0.95), np.hypot(2.0, 3.0)
     assert SEAL.k[0] - ends[0] == pytest.approx(q * np.hypot(0.5, by), rel=1e-3)
     assert ends[1] - SEAL.k[0] == pytest.approx(q * np.hypot(1.0, by), rel=1e-3)
     # an end that the data leave open stays open
     open_above = Profile("k_1", value, np.where(away < 0, away**2, 0.1 * (away > 0)))
-    assert doubted(profiles=(open_above,)).estimate.ends(SEAL, 0.95)["k_1"][1] == np.inf
+    assert doubted(profiles=(open_above,)).estimate.confidence_limits(SEAL, 0.95)["k_1"][1] == np.inf
 
 
 def test_what_scales_a_fit_scales_both():
@@ -74,9 +74,9 @@ def test_a_document_keeps_both():
     assert again == fit
     assert again.estimate.noise_only == fit.estimate.noise_only
     # one of no doubted rig has one covariance
-    assert "of_noise" not in a_fit(SEAL).to_dict()
+    assert "noise_covariance" not in a_fit(SEAL).to_dict()
 
 
 def test_covariance_must_have_one_row_per_parameter():
-    with pytest.raises(DataError, match="of_noise has shape"):
-        a_fit(SEAL, of_noise=np.eye(3))
+    with pytest.raises(DataError, match="noise_covariance has shape"):
+        a_fit(SEAL, noise_covariance=np.eye(3))

@@ -112,7 +112,7 @@ def test_intervals_of_arms_include_rig_errors(rig: str) -> None:
     }
     known = {fact.name: fact for fact in list_known_values(found)}
     assert all(known[name].low < value < known[name].high for name, value in truth.items())
-    quiet = found.estimate.noise_only.ends(found.solid, 0.95)
+    quiet = found.estimate.noise_only.confidence_limits(found.solid, 0.95)
     missed = [name for name, value in truth.items() if not quiet[name][0] < value < quiet[name][1]]
     assert len(missed) >= 3
     # a stiffness of which nothing is known would be held as well

@@ -554,7 +554,7 @@ def coverage(seeds: int) -> dict[str, float]:
         known = ParameterEstimate(
             found.parameters, found.covariance, found.estimate.dof, Residual(1, 1.0, 1.0)
         )
-        for name, (low, high) in known.ends(found.solid, 0.95).items():
+        for name, (low, high) in known.confidence_limits(found.solid, 0.95).items():
             inside[name] += low <= truth[name] <= high
     return {name: count / seeds for name, count in inside.items()}
 

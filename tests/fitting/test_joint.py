@@ -329,7 +329,9 @@ def test_intervals_of_a_joint_fit_include_rig_errors(rig: str) -> None:
     frf = replace(clean, value=clean.value + sd * noise / np.sqrt(2), sd=sd)
     found = identify(frf, tests=held, mass=mass, seals=2, arms=2, rig=HammerRig(cable=0.0))
     truth = {"k_1": solid.k[0], "tau_1": solid.tau[0], "k_2": solid.k[1], "tau_2": solid.tau[1]}
-    known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only))
+    known, quiet = (
+        e.confidence_limits(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only)
+    )
     assert all(known[name][0] < value < known[name][1] for name, value in truth.items())
     assert not quiet["k_1"][0] < truth["k_1"] < quiet["k_1"][1]
     assert known["k_1"][1] - known["k_1"][0] < 0.15 * truth["k_1"]
@@ -337,7 +339,7 @@ def test_intervals_of_a_joint_fit_include_rig_errors(rig: str) -> None:
     earlier = fit(held, arms=2)
     hangs = HammerRig(cable=0.0)
     again = identify(frf, fit=earlier, mass=mass, seals=2, arms=2, rig=hangs)
-    again = again.estimate.ends(found.solid, 0.95)
+    again = again.estimate.confidence_limits(found.solid, 0.95)
     for name in truth:
         assert np.ptp(again[name]) == pytest.approx(np.ptp(known[name]), rel=0.3)
 
@@ -354,7 +356,9 @@ def test_intervals_at_several_temperatures_include_rig_errors() -> None:
         test = RelaxationTest(one.time, one.displacement, one.force, specimen=there, units="SI")
         records.append(prepare(test))
     found = fit(records, arms=2)
-    known, quiet = (e.ends(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only))
+    known, quiet = (
+        e.confidence_limits(found.solid, 0.95) for e in (found.estimate, found.estimate.noise_only)
+    )
     for j, (k, tau) in enumerate(zip(seal.k, seal.tau, strict=True), start=1):
         assert known[f"k_{j}"][0] < k < known[f"k_{j}"][1]
         assert known[f"tau_{j}"][0] < tau < known[f"tau_{j}"][1]

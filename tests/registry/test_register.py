@@ -76,7 +76,8 @@ def words(kind: KindOfTest) -> list[str]:
     return [
         word
         for word in (
-            kind.reader, kind.fit, kind.row, kind.examples, *kind.nouns, *kind.nouns.values(),
+            kind.reader, kind.fit, kind.lot_row, kind.examples, *kind.classes,
+            *kind.classes.values(),
             *kind.pages, *kind.pages.values(),
         )
         if word
@@ -129,12 +130,12 @@ def test_every_recognised_kind_is_registered() -> None:
 def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
     for word in words(kind):
         assert load_object(word) is not None
-    for noun in kind.nouns:
+    for noun in kind.classes:
         assert isinstance(load_object(noun), type)
-    if kind.panel:
+    if kind.app_form:
         assert asks_of(kind.name)
-        assert callable(load_object(f"{kind.panel}:fit_form_files"))
-    assert not kind.also or KINDS[kind.also].panel
+        assert callable(load_object(f"{kind.app_form}:fit_form_files"))
+    assert not kind.alternative_kind or KINDS[kind.alternative_kind].app_form
     if kind.checks:
         stage = load_object(f"{kind.checks}:__name__")
         assert any(one.judge.__module__ == stage for one in REGISTER.values())
@@ -145,15 +146,15 @@ def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
     said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
     asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.lot_hint}")
     assert set(asked) <= set(COMMANDS)
-    assert asked or not kind.meant or kind.name in SAID
-    assert bool(kind.meant) == bool(kind.fit)
+    assert asked or not kind.fit_route or kind.name in SAID
+    assert bool(kind.fit_route) == bool(kind.fit)
 
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_options_and_columns_named_by_a_kind_exist(kind: KindOfTest) -> None:
-    assert not kind.needs or kind.needs in set(LotSpecimen._fields)
+    assert not kind.required_value or kind.required_value in set(LotSpecimen._fields)
     assert set(kind.columns) <= set(NUMBERS)
-    assert bool(kind.columns) == bool(kind.row)
+    assert bool(kind.columns) == bool(kind.lot_row)
 
 
 @pytest.mark.parametrize("name", [name for name, one in FILES.items() if one.kind])
@@ -171,7 +172,7 @@ def test_every_kind_that_is_fitted_has_an_example() -> None:
 def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
     kind, piece = KINDS[name], OWN_ROWS[name]
     file = next(file for file, one in FILES.items() if one.kind == name)
-    result, numbers = load_object(kind.row)(folder / file, piece)
+    result, numbers = load_object(kind.lot_row)(folder / file, piece)
     assert set(kind.columns) <= set(numbers)
     assert result.verdict.use
     assert row_of(result) is kind
@@ -179,7 +180,7 @@ def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
 
 
 def test_every_kind_with_a_batch_row_is_tested() -> None:
-    assert {kind.name for kind in KINDS.values() if kind.row} == set(OWN_ROWS)
+    assert {kind.name for kind in KINDS.values() if kind.lot_row} == set(OWN_ROWS)
 
 
 READ = {
@@ -226,7 +227,7 @@ MADE: dict[str, Callable[[Path], object]] = {
 
 
 def test_every_class_with_a_schema_is_tested() -> None:
-    nouns = [load_object(noun) for kind in KINDS.values() for noun in kind.nouns]
+    nouns = [load_object(noun) for kind in KINDS.values() for noun in kind.classes]
     kept = {noun.__name__ for noun in nouns if issubclass(noun, Serialisable) and noun.schema
             and noun._is_loadable}  # fmt: skip
     assert kept == set(MADE), "add one of each to MADE"
@@ -251,6 +252,6 @@ def test_find_kinds_by_option_names_the_fits_that_take_it() -> None:
 
 
 def test_the_option_that_names_a_kind_is_taken_by_its_fit() -> None:
-    named = [kind for kind in KINDS.values() if kind.said_by]
+    named = [kind for kind in KINDS.values() if kind.kind_option]
     assert named
-    assert all(kind.said_by in kind.takes for kind in named)
+    assert all(kind.kind_option in kind.fit_options for kind in named)

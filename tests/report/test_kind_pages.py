@@ -234,7 +234,7 @@ def test_constant_of_a_shift_law_shows_interval_or_noise_error():
         (None, "WLF about 23 °C", ("C1", "7.00", "6.80", "7.20")),
         (S.fit.estimate.covariance, "WLF about 23 °C (± noise)", ("C1", "7.00 ± 0.10", "", "")),
     ):
-        estimate = replace(S.fit.estimate, of_noise=noise)
+        estimate = replace(S.fit.estimate, noise_covariance=noise)
         shown = kind_page(altered(S.fit, temperatures=moved, estimate=estimate))
         (one,) = [group for group in shown.groups if group.title == title]
         assert one.rows[0][:4] == row_

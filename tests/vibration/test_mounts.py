@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.reading.write import write_frf
 from dashpot.solids.demo_seals import PAPER, PAPER_MASS
-from dashpot.vibration.mass_on_seals import compute_coupled_mass, on_heavy_mounts, on_light_mounts
+from dashpot.vibration.mass_on_seals import add_mount_mass, compute_coupled_mass, remove_mount_mass
 
 pytestmark = pytest.mark.once
 
@@ -45,21 +45,21 @@ def test_what_each_share_of_the_mounts_mass_leaves():
     assert missed(rod(AT), MASS + HEAVY / 3) == pytest.approx([-1.2, 0.0, 4.9, 16.2], abs=0.15)
     moving, coupled = MASS + HEAVY / 3, compute_coupled_mass(HEAVY / 2, 2)
     assert coupled == pytest.approx(HEAVY / 6)
-    light = on_light_mounts(rod(AT), mass=moving, coupled=coupled)
+    light = remove_mount_mass(rod(AT), mass=moving, coupled=coupled)
     assert missed(light, moving) == pytest.approx([-0.01, -0.02, 0.13, 1.6], abs=0.03)
 
 
 def test_there_and_back():
     f = np.array([5.0, 12.71, 20.0])
     light = dp.systems.predict_frf(SOLID, mass=0.11, frequency=f, kind="transmissibility")
-    heavy = on_heavy_mounts(light, mass=0.11, coupled=0.002)
-    back = on_light_mounts(heavy, mass=0.11, coupled=0.002)
+    heavy = add_mount_mass(light, mass=0.11, coupled=0.002)
+    back = remove_mount_mass(heavy, mass=0.11, coupled=0.002)
     assert back.value == pytest.approx(light.value, rel=1e-12)
     w2 = (2 * np.pi * f) ** 2
     K = SOLID.complex_stiffness(omega=np.sqrt(w2))
     assert heavy.value == pytest.approx((K + 0.002 * w2) / (K - 0.11 * w2), rel=1e-12)
     with pytest.raises(DataError, match="expected a transmissibility"):
-        on_heavy_mounts(light.to("accelerance", mass=0.11), mass=0.11, coupled=0.002)
+        add_mount_mass(light.to("accelerance", mass=0.11), mass=0.11, coupled=0.002)
 
 
 def test_mass_of_seals_option_is_shared_by_fit_and_predict(tmp_path):

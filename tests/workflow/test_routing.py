@@ -16,9 +16,9 @@ def meant(*kinds: str, **said: object) -> str:
     return route({f"{i}.csv": kind for i, kind in enumerate(kinds)}, **said)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("kind", [one.name for one in KINDS.values() if one.meant])
+@pytest.mark.parametrize("kind", [one.name for one in KINDS.values() if one.fit_route])
 def test_several_records_of_a_kind_mean_the_same_fit(kind: str) -> None:
-    assert meant(kind) == meant(kind, kind) == KINDS[kind].meant
+    assert meant(kind) == meant(kind, kind) == KINDS[kind].fit_route
 
 
 @pytest.mark.parametrize(
@@ -84,8 +84,8 @@ def test_every_bench_kind_is_fitted_by_fit_files() -> None:
 @pytest.mark.parametrize("name", FILES)
 def test_every_example_is_fitted_or_refused_in_a_sentence(name: str) -> None:
     kind = FILES[name].kind
-    if kind in KINDS and KINDS[kind].meant:
-        assert route({name: kind}) == KINDS[kind].meant
+    if kind in KINDS and KINDS[kind].fit_route:
+        assert route({name: kind}) == KINDS[kind].fit_route
         return
     with pytest.raises(ReadError) as caught:
         route({name: kind})

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.errors import DataError
-from dashpot.base.serialisation import EDGE
+from dashpot.base.serialisation import FIXED_VALUE
 from dashpot.base.units import Dimension, Unit, find_unit, from_unit, get_default_unit, si_unit
 
 # Read-only finite arrays.
@@ -367,7 +367,7 @@ def make_units_field() -> Any:
 
     Inside a value everything is in SI, so that the field is then ``"SI"``; no document holds it.
     """
-    return field(default="", kw_only=True, repr=False, compare=False, metadata={EDGE: SI})
+    return field(default="", kw_only=True, repr=False, compare=False, metadata={FIXED_VALUE: SI})
 
 
 def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimension]:

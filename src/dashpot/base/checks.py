@@ -27,7 +27,7 @@ Grade = Literal["note", "limit", "stop"]
 GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
 Use = Literal["use", "use with care", "do not use"]
-_CALMEST: tuple[Use, ...] = get_args(Use)
+_USES_BY_SEVERITY: tuple[Use, ...] = get_args(Use)
 
 #: how a value is held against a limit; ``"|x| <="`` asks for its size, ``"x/"`` for a factor
 RULES: dict[str, Callable[[float, float], bool]] = {
@@ -41,9 +41,9 @@ RULES: dict[str, Callable[[float, float], bool]] = {
 }
 
 
-MOST_WORDS = 35
+MAX_WORDS = 35
 """Of a verdict, its *use* included: one line is read, a paragraph is not."""
-VERDICT_WORDS = MOST_WORDS - 3
+MAX_MESSAGE_WORDS = MAX_WORDS - 3
 """Of what it says after *do not use*."""
 
 
@@ -115,7 +115,7 @@ class Check(Serialisable):
     limit: float | None = None
     grade: Grade = "limit"
     remedy: Remedy | None = None
-    ends: Status | None = field(default=None, repr=False, compare=False)
+    fit_status: Status | None = field(default=None, repr=False, compare=False)
 
     @property
     def failed(self) -> bool:
@@ -133,10 +133,10 @@ class Check(Serialisable):
         option = self.remedy.command_option if self.remedy else ""
         return f"{self.message_with_remedy} ({option})" if option else self.message_with_remedy
 
-    def with_location(self, where: str) -> Check:
+    def with_location(self, location: str) -> Check:
         """Return the check with a location, such as "in test 2", before its message."""
         return replace(
-            self, message=f"{sentence(where)[:-1]}, {decapitalise_sentence(self.message)}"
+            self, message=f"{sentence(location)[:-1]}, {decapitalise_sentence(self.message)}"
         )
 
 
@@ -174,7 +174,7 @@ class Verdict(Serialisable):
 
     def is_milder_than(self, other: Verdict) -> bool:
         """Whether this verdict restricts the use less than another."""
-        return _CALMEST.index(self.use) < _CALMEST.index(other.use)
+        return _USES_BY_SEVERITY.index(self.use) < _USES_BY_SEVERITY.index(other.use)
 
     def __str__(self) -> str:
         return f"{self.use.capitalize()}: {decapitalise_sentence(self.message)}"
@@ -213,27 +213,33 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     failed_checks = stops + limits
     if not failed_checks:
         lines = [*sentences(sentence(headline)), format_check_tally(all_checks)]
-        return Verdict("use", clip_sentences(MOST_WORDS - 1, [line for line in lines if line]))
+        return Verdict("use", clip_sentences(MAX_WORDS - 1, [line for line in lines if line]))
     use: Use = "do not use" if stops else "use with care"
-    more = len(failed_checks) - 1
-    others = f"{more} more check{'s' * (more > 1)} failed." if more else ""
-    message = format_short_message(failed_checks[0], VERDICT_WORDS, others)
+    other_count = len(failed_checks) - 1
+    other_text = f"{other_count} more check{'s' * (other_count > 1)} failed." if other_count else ""
+    message = format_short_message(failed_checks[0], MAX_MESSAGE_WORDS, other_text)
     if stops or re.search(r"\d", message):
         return Verdict(use, message, failed_checks)
     # the number is shown to a reader who may use it
-    first = sentences(sentence(headline))[:1]
-    return Verdict(use, clip_sentences(VERDICT_WORDS, [*first, *sentences(message)]), failed_checks)
+    first_sentence = sentences(sentence(headline))[:1]
+    return Verdict(
+        use,
+        clip_sentences(MAX_MESSAGE_WORDS, [*first_sentence, *sentences(message)]),
+        failed_checks,
+    )
 
 
-def format_short_message(check: Check, most: int = VERDICT_WORDS, then: str = "") -> str:
+def format_short_message(
+    check: Check, max_words: int = MAX_MESSAGE_WORDS, closing: str = ""
+) -> str:
     """Return what a check found and what to do in at most so many words, and what follows.
 
     What explains it, and the second thing to do, give way first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
-    text = clip_sentences(most, sentences(sentence(check.message)), (*remedy[:1], then))
-    longer = clip_sentences(most, sentences(sentence(check.message)), (*remedy, then))
-    return longer if len(longer.split()) <= most else text
+    short = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy[:1], closing))
+    full = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy, closing))
+    return full if len(full.split()) <= max_words else short
 
 
 class HasChecks:
@@ -252,18 +258,20 @@ class HasChecks:
         return verdict(self.checks, headline=self._headline)
 
 
-def status_of(checks: Iterable[Check], entries: Mapping[Status, bool] | None = None) -> Status:
+def select_fit_status(
+    checks: Iterable[Check], optimum_statuses: Mapping[Status, bool] | None = None
+) -> Status:
     """Return how a fit ended: the gravest of what its checks and its optimum say.
 
     Parameters
     ----------
     checks : iterable of Check
         Each that failed says how such a fit ends, if its criterion does.
-    entries : mapping of Status to bool, optional
+    optimum_statuses : mapping of Status to bool, optional
         What the optimum itself shows, and no check asks.
     """
-    statuses = {check.ends for check in checks if check.failed}
-    statuses |= {status for status, shown in (entries or {}).items() if shown}
+    statuses = {check.fit_status for check in checks if check.failed}
+    statuses |= {status for status, applies in (optimum_statuses or {}).items() if applies}
     return next((status for status in reversed(Status) if status in statuses), Status.CONVERGED)
 
 
@@ -311,10 +319,10 @@ class Finding(NamedTuple):
     value: float | None = None
     reason: str = ""
     remedy: Remedy | str = ""
-    instead: str = ""
+    failure: str = ""
     limit: float | EllipsisType | None = ...
-    excused: bool = False
-    faulted: bool = False
+    always_passes: bool = False
+    always_fails: bool = False
     grade: Grade | None = None
 
     @property
@@ -365,8 +373,8 @@ class Criterion(Generic[P]):
     limit: float | None
     source: str
     grade: Grade
-    otherwise: str
-    ends: Status | None
+    other_grade: str
+    fit_status: Status | None
     judge: Callable[P, Finding]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Check:
@@ -377,17 +385,17 @@ class Criterion(Generic[P]):
         text, remedy = finding.message, None
         if passed is False:
             text, remedy = (
-                paragraph(finding.instead or finding.message, finding.reason),
+                paragraph(finding.failure or finding.message, finding.reason),
                 finding.advice,
             )
         return Check(
             self.name, passed, expand_powers(sentence(text)), finding.value, limit,
-            finding.grade or self.grade, remedy, self.ends,
+            finding.grade or self.grade, remedy, self.fit_status,
         )  # fmt: skip
 
     def _evaluate_rule(self, finding: Finding, limit: float | None) -> bool | None:
-        if finding.faulted or finding.excused:
-            return not finding.faulted
+        if finding.always_fails or finding.always_passes:
+            return not finding.always_fails
         if not self.rule:
             return None if self.measure and finding.value is None else True
         if finding.value is None or limit is None:
@@ -406,8 +414,8 @@ def criterion(
     source: str = "our choice",
     *,
     grade: Grade = "limit",
-    otherwise: str = "",
-    ends: Status | None = None,
+    other_grade: str = "",
+    fit_status: Status | None = None,
     name: str = "",
     question: str = "",
 ) -> Callable[[Callable[P, Finding]], Criterion[P]]:
@@ -421,19 +429,31 @@ def criterion(
         By default the function's name and the first line of its docstring.
     """
 
-    def enter(judge: Callable[P, Finding]) -> Criterion[P]:
+    def register(judge: Callable[P, Finding]) -> Criterion[P]:
         stage = _stage(judge.__module__)
-        asks = question or (judge.__doc__ or "").strip().partition("\n")[0]
-        title = name or judge.__name__
-        made = Criterion(
-            title, stage, asks, measure, rule, limit, source, grade, otherwise, ends, judge
+        text = question or (judge.__doc__ or "").strip().partition("\n")[0]
+        check_name = name or judge.__name__
+        new_criterion = Criterion(
+            check_name,
+            stage,
+            text,
+            measure,
+            rule,
+            limit,
+            source,
+            grade,
+            other_grade,
+            fit_status,
+            judge,
         )
-        if (stage, made.name) in REGISTER:
-            raise ValueError(f"{stage} has two criteria {made.name}; expected one of each name")
-        REGISTER[stage, made.name] = made
-        return made
+        if (stage, new_criterion.name) in REGISTER:
+            raise ValueError(
+                f"{stage} has two criteria {new_criterion.name}; expected one of each name"
+            )
+        REGISTER[stage, new_criterion.name] = new_criterion
+        return new_criterion
 
-    return enter
+    return register
 
 
 def _stage(module: str) -> str:

@@ -201,7 +201,7 @@ class ReportedValue(Serialisable):
         return TableCells(self.label, text, error, between, self.word)
 
     @property
-    def ends(self) -> tuple[str, str, str]:
+    def cell_texts(self) -> tuple[str, str, str]:
         """Value and both ends of the interval, each in a cell, to two digits of half of it."""
         value, low, high = map(self.to_display_unit, (self.value, self.low, self.high))
         if self.is_lower_bound:

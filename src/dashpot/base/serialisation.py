@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 from dashpot.base.errors import Status
 from dashpot.base.number_format import json_number
 
-EDGE = "edge"
+FIXED_VALUE = "fixed_value"
 """Of a field that no document holds: what it always is within."""
 DIGEST = "digest"
 """The key of a digested document that shows whether the rest was edited."""
@@ -45,9 +45,9 @@ class Key(NamedTuple):
         """The names of the attributes on the way."""
         return (self.attribute or self.name).split(".")
 
-    def item(self, result: object) -> dict[str, Any]:
+    def build_items(self, result: object) -> dict[str, Any]:
         """Return the items of a document for a key: none where it is left out, or several."""
-        value = to_plain_value(reduce(_attribute, self.path, result))
+        value = to_plain_value(reduce(_get_attribute, self.path, result))
         if self.nonfinite_as_null:
             value = replace_nonfinite_numbers(value)
         if self.flatten:
@@ -85,56 +85,60 @@ class Serialisable:
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries, lists, texts and numbers, SI units."""
         entries: dict[str, Any] = {"schema": self.schema} if self.schema else {}
-        kind: Any = type(self)
-        for key in _list_keys(kind):
-            entries |= key.item(self)
-        sealed = entries.pop(DIGEST, None) is not None or self._has_digest
-        return {**entries, DIGEST: compute_document_digest(entries)} if sealed else entries
+        class_: Any = type(self)
+        for key in _list_keys(class_):
+            entries |= key.build_items(self)
+        has_digest = entries.pop(DIGEST, None) is not None or self._has_digest
+        return {**entries, DIGEST: compute_document_digest(entries)} if has_digest else entries
 
 
-def _attribute(result: Any, name: str) -> Any:
+def _get_attribute(result: Any, name: str) -> Any:
     return None if result is None else getattr(result, name)
 
 
 @cache
-def _list_keys(kind: Any) -> tuple[Key, ...]:
+def _list_keys(class_: Any) -> tuple[Key, ...]:
     keys = [
         entry if isinstance(entry, Key) else Key(entry.rpartition(".")[2], entry)
-        for entry in kind._keys or (EVERY_FIELD,)
+        for entry in class_._keys or (EVERY_FIELD,)
     ]
     if EVERY_FIELD not in keys:
         return tuple(keys)
     named = {".".join(key.path) for key in keys if not key.flatten}
-    names = [field.name for field in fields(kind) if EDGE not in field.metadata]
+    names = [field.name for field in fields(class_) if FIXED_VALUE not in field.metadata]
     others = [Key(name) for name in names if name not in named]
-    at = keys.index(EVERY_FIELD)
-    return (*keys[:at], *others, *keys[at + 1 :])
+    index = keys.index(EVERY_FIELD)
+    return (*keys[:index], *others, *keys[index + 1 :])
 
 
-def decode_fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
+def decode_fields(class_: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a value from its document, each attribute converted back.
 
     What was flattened gets the whole document, and takes of it what it knows.
     """
-    names = {field.name for field in fields(kind)}
-    value: dict[str, Any] = {name: document[name] for name in names & document.keys()}
-    value |= {field.name: field.metadata[EDGE] for field in fields(kind) if EDGE in field.metadata}
-    for key in _list_keys(kind) if issubclass(kind, Serialisable) else ():
-        first = key.path[0]
-        if first not in names or first in document:
+    names = {field.name for field in fields(class_)}
+    values: dict[str, Any] = {name: document[name] for name in names & document.keys()}
+    values |= {
+        field.name: field.metadata[FIXED_VALUE]
+        for field in fields(class_)
+        if FIXED_VALUE in field.metadata
+    }
+    for key in _list_keys(class_) if issubclass(class_, Serialisable) else ():
+        attribute = key.path[0]
+        if attribute not in names or attribute in document:
             continue
         if key.flatten:
-            value[first] = document
+            values[attribute] = document
         elif key.name in document:
-            value = _set_nested_value(value, key.path, document[key.name])
-    return value
+            values = _set_nested_value(values, key.path, document[key.name])
+    return values
 
 
-def _set_nested_value(place: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+def _set_nested_value(values: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
     first, *rest = path
     return {
-        **place,
-        first: _set_nested_value(place.get(first, {}), rest, value) if rest else value,
+        **values,
+        first: _set_nested_value(values.get(first, {}), rest, value) if rest else value,
     }
 
 
@@ -153,7 +157,7 @@ def to_plain_value(value: Any) -> Any:
         return {
             field.name: to_plain_value(getattr(value, field.name))
             for field in fields(value)
-            if EDGE not in field.metadata
+            if FIXED_VALUE not in field.metadata
         }
     if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
         return {"real": to_plain_value(value.real), "imag": to_plain_value(value.imag)}
@@ -193,16 +197,16 @@ def replace_nonfinite_numbers(value: Any) -> Any:
 def compute_document_digest(document: dict[str, Any]) -> str:
     """Return 16 hexadecimal digits of what a document says, however it is laid out."""
 
-    def even(value: Any) -> Any:
+    def normalise_numbers(value: Any) -> Any:
         if isinstance(value, dict):
-            return {key: even(item) for key, item in value.items() if key != DIGEST}
+            return {key: normalise_numbers(item) for key, item in value.items() if key != DIGEST}
         if isinstance(value, list):
-            return [even(item) for item in value]
+            return [normalise_numbers(item) for item in value]
         # other programs print 1.0 as 1
         return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
     import hashlib  # where a document is written, which a page of help does without
     import json
 
-    text = json.dumps(even(document), sort_keys=True)
+    text = json.dumps(normalise_numbers(document), sort_keys=True)
     return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:16]

@@ -125,7 +125,9 @@ _OPTIONS = (
 for _one in chain.from_iterable(_OPTIONS):
     if _one.group not in {options.READING, options.RESULT}:
         _one.unheard = frozenset(
-            kind.name for kind in KINDS.values() if kind.fits and not _one.names & set(kind.takes)
+            kind.name
+            for kind in KINDS.values()
+            if kind.fits and not _one.names & set(kind.fit_options)
         )
 
 
@@ -150,7 +152,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     from dashpot.cli.fit_handlers import FitRequest
     from dashpot.workflow.fit_routing import find_selected_fit, route
 
-    stated = (kind.name for kind in KINDS.values() if kind.said_by and said[kind.said_by])
+    stated = (kind.name for kind in KINDS.values() if kind.kind_option and said[kind.kind_option])
     if said["options"].kind is None and (name := next(stated, None)):
         said["options"] = replace(said["options"], kind=name)
     detections = detect_file_kinds(files, said["options"])

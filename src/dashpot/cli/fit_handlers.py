@@ -272,11 +272,11 @@ def run_generic_kind(request: FitRequest) -> CommandResult:
     row = KINDS[request.kinds[request.files[0]]]
     request.check_output_suffix(".json", what="this fit")
     result = load_object(row.fit)(
-        request.files, options=request.reading, **request.some(*row.takes)
+        request.files, options=request.reading, **request.some(*row.fit_options)
     )
-    follow = (request.result_path if part == "FILE" else part for part in row.follow.split())
+    follow = (request.result_path if part == "FILE" else part for part in row.next_command.split())
     return request.write_output(
-        result, follow=format_command(*follow) if request.result_path and row.follow else ""
+        result, follow=format_command(*follow) if request.result_path and row.next_command else ""
     )
 
 

@@ -117,7 +117,7 @@ def _follow(
 
 def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
     kind = KINDS.get(inspection.kind)
-    return ("fit",) if kind and kind.meant and not kind.needs else ()
+    return ("fit",) if kind and kind.fit_route and not kind.required_value else ()
 
 
 def _answer(inspection: InspectedFile, path: str = "") -> list[str]:

@@ -31,7 +31,7 @@ def _fits(kind: KindOfTest) -> list[str]:
     """What a kind that predicts by itself is asked beside, each the file of a fit."""
     return [
         field.name
-        for field in iterate_option_fields(load_object(kind.asked))
+        for field in iterate_option_fields(load_object(kind.predict_options))
         if field.metadata.get("metavar") == "FIT"
     ]
 
@@ -84,12 +84,12 @@ def _fits(kind: KindOfTest) -> list[str]:
         ),
         build_options(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
         *(
-            build_options(load_object(kind.asked), kinds=kind.name, leave=_fits(kind))
+            build_options(load_object(kind.predict_options), kinds=kind.name, leave=_fits(kind))
             for kind in PREDICTED
         ),
         mark_advanced(
             *(
-                build_options(load_object(kind.asked), *_fits(kind), kinds=kind.name)
+                build_options(load_object(kind.predict_options), *_fits(kind), kinds=kind.name)
                 for kind in PREDICTED
                 if _fits(kind)
             ),
@@ -186,7 +186,8 @@ def command(*, path: str, **said: Any) -> CommandResult:
 def _predict_kind(path: str, row: KindOfTest, stated: dict[str, Any]) -> CommandResult:
     """What the fit of a kind predicts by itself."""
     request = {
-        field.name: stated[field.name] for field in iterate_option_fields(load_object(row.asked))
+        field.name: stated[field.name]
+        for field in iterate_option_fields(load_object(row.predict_options))
     }
     request |= {
         name: workflow.read_fit(request[name]) if request[name] else None for name in _fits(row)

@@ -27,7 +27,7 @@ def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
     return Finding(
         "No file says that its numbers may be others than those read",
         float(len(shown)),
-        instead=". ".join(sentence.rstrip(".") for sentence in sentences),
+        failure=". ".join(sentence.rstrip(".") for sentence in sentences),
         remedy=Remedy("Correct the file, or state the units of its columns.", "units"),
     )
 
@@ -49,7 +49,7 @@ def temperature_tested(shifts: TemperatureShifts, temperature: float) -> Finding
     return Finding(
         f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
         max(low - temperature, temperature - high, 0.0),
-        instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
+        failure=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
         f"{celsius(high)}. The {shifts.law.kind.upper()} law is extrapolated",
         remedy="Test at that temperature.",
     )

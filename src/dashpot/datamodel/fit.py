@@ -44,7 +44,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
 from dashpot.solids.part_geometry import Geometry, named_shape
 from dashpot.solids.shift_laws import TemperatureLaw
 
-_One = TypeVar("_One")
+_Value = TypeVar("_Value")
 # of frequencies: stiffness and loss factor change slowly over a decade
 LINES_IN_BAND = 9
 
@@ -100,7 +100,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         "provenance.method",
         "estimate.parameters",
         "estimate.covariance",
-        Key("noise_covariance", "estimate.of_noise", optional=True),
+        Key("noise_covariance", "estimate.noise_covariance", optional=True),
         "estimate.dof",
         "evidence.orders",
         "evidence.certificate",
@@ -156,22 +156,22 @@ class Fit(EqualByValue, Plottable, Serialisable):
         """Errors of stiffness and loss factor in the band, as text; empty without a band."""
         if not self.band[1] > 0:
             return ""
-        within = format_band(self.band)
-        text = "Outside this band the model is an extrapolation."
+        band = format_band(self.band)
+        advice = "Outside this band the model is an extrapolation."
         if self.unit == "N/m" and self.method in get_choice_values(Method):
             # no ramp and hold tells a flow that grows as a power of its force from arms
-            text = "Outside this band a linear seal is assumed: add a hammer test."
+            advice = "Outside this band a linear seal is assumed: add a hammer test."
         shifts = () if self.temperatures is None else self.temperatures.shifts
         if self.method == "full" and 1 < len(shifts) < CONTRADICT:
-            text = "Test at a third temperature: two cannot show arms that shift apart."
+            advice = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self._error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
-            return f"{sentence(within)} {text}"
-        of = "modulus" if self.unit == "Pa" else "stiffness"
-        how = f"{within} the {of} is known to ±{100 * stiffness:.2g} %"
+            return f"{sentence(band)} {advice}"
+        quantity = "modulus" if self.unit == "Pa" else "stiffness"
+        text_in_band = f"{band} the {quantity} is known to ±{100 * stiffness:.2g} %"
         if np.isfinite(loss_factor) and loss_factor < 1:
-            how += f", the loss factor to ±{100 * loss_factor:.2g} %"
-        return f"{sentence(how)} {text}"
+            text_in_band += f", the loss factor to ±{100 * loss_factor:.2g} %"
+        return f"{sentence(text_in_band)} {advice}"
 
     @property
     def _error_in_band(self) -> tuple[float, float]:
@@ -196,9 +196,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
         end = self.evidence.end_of_hold
         if end is not None and np.isfinite(end.k_end[1]):
             # its limits hold for every rig that may have made the test, the covariance for one
-            wide = (end.k_end[1] - end.k_end[0]) / 2
-            held = end.compute_stiffness(self.model)
-            stiffness = max(stiffness, wide / held) if held > 0 else np.inf
+            half_width = (end.k_end[1] - end.k_end[0]) / 2
+            k_end = end.compute_stiffness(self.model)
+            stiffness = max(stiffness, half_width / k_end) if k_end > 0 else np.inf
         return stiffness, loss_factor
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
@@ -275,12 +275,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
         def convert_covariance(covariance: FloatArray) -> FloatArray:
             return shifts.covariance_at(kelvin, self.estimate.parameters, covariance, self.model)
 
-        of_noise = self.estimate.of_noise
+        noise = self.estimate.noise_covariance
         # what a test adds to the force of the solid it adds at any temperature
         estimate = replace(
             scaled.estimate,
             covariance=convert_covariance(self.covariance),
-            of_noise=None if of_noise is None else convert_covariance(of_noise),
+            noise_covariance=None if noise is None else convert_covariance(noise),
             profiles=(),
             nuisance=self.estimate.nuisance,
         )
@@ -292,7 +292,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             evidence=replace(
                 scaled.evidence,
                 band=(low / a_t, high / a_t),
-                end_of_hold=self._end_at(kelvin, scaled.evidence.end_of_hold, a_t),
+                end_of_hold=self._shift_end_of_hold(kelvin, scaled.evidence.end_of_hold, a_t),
                 band_error=error and error.shift_to_temperature(a_t),
             ),
             provenance=replace(
@@ -301,7 +301,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
             temperatures=shifts.change_reference(kelvin),
         )
 
-    def _end_at(self, kelvin: float, end: EndOfHold | None, a_t: float) -> EndOfHold | None:
+    def _shift_end_of_hold(
+        self, kelvin: float, end: EndOfHold | None, a_t: float
+    ) -> EndOfHold | None:
         """Return limits at the end of the test as they are at another temperature, K.
 
         They are of a time that is a_T as long. What shifts and their law add to the errors of the
@@ -310,24 +312,24 @@ class Fit(EqualByValue, Plottable, Serialisable):
         if end is None or self.temperatures is None:
             return None
         s = np.array([1j / end.end_time], dtype=complex)
-        here = self._arm_estimate
-        there = replace(
-            here,
+        arms = self._arm_estimate
+        shifted_arms = replace(
+            arms,
             covariance=self.temperatures.covariance_at(
-                kelvin, here.parameters, here.covariance, self.model
+                kelvin, arms.parameters, arms.covariance, self.model
             ),
         )
-        before, after = (
-            estimate.errors_of_vibration(model, at)[0]
-            for estimate, model, at in (
-                (here, self.model, s),
-                (there, self.at(kelvin), np.asarray(s / a_t, dtype=complex)),
+        error, shifted_error = (
+            estimate.errors_of_vibration(model, s_line)[0]
+            for estimate, model, s_line in (
+                (arms, self.model, s),
+                (shifted_arms, self.at(kelvin), np.asarray(s / a_t, dtype=complex)),
             )
         )
-        if not np.isfinite(after):
+        if not np.isfinite(shifted_error):
             return None
-        more = NORMAL * float(np.sqrt(max(after**2 - before**2, 0.0)))
-        return replace(end.widen(more), end_time=a_t * end.end_time)
+        widening = NORMAL * float(np.sqrt(max(shifted_error**2 - error**2, 0.0)))
+        return replace(end.widen(widening), end_time=a_t * end.end_time)
 
     # -- how well it is known -----------------------------------------------------------------
 
@@ -351,9 +353,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
         have done unseen; without it they are those of `estimate.noise_only`.
         """
         errors = self._arm_estimate.standard_errors(self.model)
-        return {**errors, "k_inf": self._without_error(errors["k_inf"])}
+        return {**errors, "k_inf": self._select_k_inf_error(errors["k_inf"])}
 
-    def _without_error(self, error: float) -> float:
+    def _select_k_inf_error(self, error: float) -> float:
         """The standard error of k_inf: none (nan), unless given or wholly unknown (infinite)."""
         return error if self._has_given_k_inf or not np.isfinite(error) else np.nan
 
@@ -394,8 +396,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         DataError
             If `level` is not between 0 and 1.
         """
-        entries = self.estimate.ends(self.solid, level)
-        return _drop_dashpots({**entries, "k_inf": self._k_inf_between(entries["k_inf"], level)})
+        entries = self.estimate.confidence_limits(self.solid, level)
+        return _exclude_dashpots({**entries, "k_inf": self._k_inf_between(entries["k_inf"], level)})
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
@@ -412,16 +414,18 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     def _bound_k_inf(self, facts: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
         """Facts with what a test leaves of k_inf: what it is at most."""
-        return tuple(self._k_inf_at_most(fact) if fact.name == "k_inf" else fact for fact in facts)
+        return tuple(
+            self._bound_k_inf_from_above(fact) if fact.name == "k_inf" else fact for fact in facts
+        )
 
-    def _k_inf_at_most(self, formal: ReportedValue) -> ReportedValue:
+    def _bound_k_inf_from_above(self, fitted: ReportedValue) -> ReportedValue:
         """k_inf as every table has it, from its formal interval: what it is at most."""
         end = self.evidence.end_of_hold
-        high = formal.high if end is None else end.k_inf[1]
+        high = fitted.high if end is None else end.k_inf[1]
         if self._has_given_k_inf or not np.isfinite(high):
-            return formal
-        below = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
-        return replace(formal, low=np.nan, high=high, error=None, words=below)
+            return fitted
+        words = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
+        return replace(fitted, low=np.nan, high=high, error=None, words=words)
 
     @property
     def _document_intervals(self) -> Intervals:
@@ -520,12 +524,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
         Decks and reports carry it, so that each can be traced to the fit it came from.
         """
         model = self.model
-        stands_for = (
+        content = (
             (model.k_inf, model.k, model.tau, model.b),
             self.method,
             tuple(source.sha256 for source in self.source),
         )
-        return hashlib.sha256(repr(stands_for).encode()).hexdigest()[:16]
+        return hashlib.sha256(repr(content).encode()).hexdigest()[:16]
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -603,12 +607,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
             )
         if isinstance(shape, str):
             shape = named_shape(shape)
-        drawn = isinstance(shape, Geometry)
+        has_geometry = isinstance(shape, Geometry)
         factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
         require_positive("geometry ", factor=factor, unit=" m")
         step = Step(
             "part",
-            (("factor_m", repr(factor)), ("shape", repr(shape) if drawn else "given")),
+            (("factor_m", repr(factor)), ("shape", repr(shape) if has_geometry else "given")),
             f"{factor:.5g} m times the modulus of fit {self._identity}",
         )
         return replace(scale_stiffness(self, factor, step), unit="N/m")
@@ -619,7 +623,7 @@ def scale_stiffness(fit: Fit, factor: float, step: Step) -> Fit:
     scale = np.array(
         [1.0 if name.startswith(SHAPE) else factor for name in fit.estimate.parameters]
     )
-    other = fit.evidence.alternative
+    alternative = fit.evidence.alternative
     return replace(
         fit,
         solid=factor * fit.solid,
@@ -640,14 +644,16 @@ def scale_stiffness(fit: Fit, factor: float, step: Step) -> Fit:
             end_of_hold=None
             if fit.evidence.end_of_hold is None
             else fit.evidence.end_of_hold * factor,
-            alternative=None if other is None else replace(other, solid=factor * other.solid),
+            alternative=None
+            if alternative is None
+            else replace(alternative, solid=factor * alternative.solid),
             band_error=fit.evidence.band_error,
         ),
         provenance=replace(fit.provenance, steps=(*fit.steps, step)),
     )
 
 
-def _drop_dashpots(entries: dict[str, _One]) -> dict[str, _One]:
+def _exclude_dashpots(entries: dict[str, _Value]) -> dict[str, _Value]:
     """Without the dashpots, of which k and tau say all."""
     return {name: entry for name, entry in entries.items() if not name.startswith("b")}
 
@@ -667,10 +673,10 @@ def get_fewest_arms_model(fit: Fit) -> GeneralizedMaxwell:
 
     They weigh a record as well as the many that stand for the fractional model itself.
     """
-    other = fit.evidence.alternative
-    if fit.family == "maxwell" or other is None or other.family != "maxwell":
+    alternative = fit.evidence.alternative
+    if fit.family == "maxwell" or alternative is None or alternative.family != "maxwell":
         return fit.model
-    return other.solid.maxwell
+    return alternative.solid.maxwell
 
 
 def get_temperature_law(fit: Fit) -> TemperatureLaw | None:
@@ -683,7 +689,7 @@ def get_error_label(fit: Fit) -> str:
 
     Rigs may have done more than these errors hold.
     """
-    return "± SE" if fit.estimate.of_noise is None else "± noise"
+    return "± SE" if fit.estimate.noise_covariance is None else "± noise"
 
 
 def list_undetermined_times(fit: Fit) -> tuple[float, ...]:
@@ -696,10 +702,12 @@ def list_undetermined_times(fit: Fit) -> tuple[float, ...]:
     if fit.status is not Status.NOT_IDENTIFIED or len(fit.estimate.parameters) < 1 + 2 * arms:
         return ()
     error = np.sqrt(np.diag(fit.estimate.noise_only.covariance))
-    certain = is_well_determined(
+    is_determined = is_well_determined(
         np.array(fit.model.k), error[1 : 1 + arms], error[1 + arms : 1 + 2 * arms]
     )
-    return tuple(tau for tau, sure in zip(fit.model.tau, certain, strict=True) if not sure)
+    return tuple(
+        tau for tau, determined in zip(fit.model.tau, is_determined, strict=True) if not determined
+    )
 
 
 def list_known_values(fit: Fit) -> tuple[ReportedValue, ...]:
@@ -710,11 +718,14 @@ def list_known_values(fit: Fit) -> tuple[ReportedValue, ...]:
     """
     values, model, end = fit.facts, fit.model, fit.evidence.end_of_hold
     if not fit.estimate.parameters:
-        ends = [("k_inf", model.k_inf, fit.unit), ("k_0", model.k_0, fit.unit)]
+        spectrum_limits = [("k_inf", model.k_inf, fit.unit), ("k_0", model.k_0, fit.unit)]
         if model.arms:
-            ends += [("tau from", model.tau[0], "s"), ("tau to", model.tau[-1], "s")]
+            spectrum_limits += [("tau from", model.tau[0], "s"), ("tau to", model.tau[-1], "s")]
         values = fit._bound_k_inf(
-            tuple(ReportedValue(name, value, unit=of, error=np.inf) for name, value, of in ends)
+            tuple(
+                ReportedValue(name, value, unit=unit, error=np.inf)
+                for name, value, unit in spectrum_limits
+            )
         )
     return values if end is None else (end.fact(model, fit.unit), *values)
 
@@ -736,8 +747,10 @@ def get_fitted_mass(fit: Fit) -> float | None:
 
 def get_hammer_stiffness_factor(fit: Fit) -> float:
     """Return the stiffness of a seal under the hammer over its own, if that explains two tests."""
-    bent = fit.elastic_law is not None and fit.elastic_law.kind != "linear"
-    if bent or not any(explanation.is_sufficient for explanation in fit.evidence.explanations[:1]):
+    is_nonlinear = fit.elastic_law is not None and fit.elastic_law.kind != "linear"
+    if is_nonlinear or not any(
+        explanation.is_sufficient for explanation in fit.evidence.explanations[:1]
+    ):
         return 1.0
     factors = (item.value for item in fit.estimate.nuisance if item.name == "stiffness_factor")
     return next(factors, 1.0)

@@ -182,7 +182,7 @@ class ParameterEstimate(EqualByValue):
     profiles : tuple of Profile
         Where the covariance is no good guide to an interval; of the noise alone.
     nuisance : tuple of Nuisance
-    of_noise : array, shape (p, p), or None
+    noise_covariance : array, shape (p, p), or None
         The covariance for the residuals alone, which decides what the data can tell apart; None
         where no rig was doubted and it is all there is.
     """
@@ -193,11 +193,11 @@ class ParameterEstimate(EqualByValue):
     residual: Residual
     profiles: tuple[Profile, ...] = ()
     nuisance: tuple[Nuisance, ...] = ()
-    of_noise: FloatArray | None = None
+    noise_covariance: FloatArray | None = None
 
     def __post_init__(self) -> None:
         size = len(self.parameters)
-        for name in ("covariance", "of_noise"):
+        for name in ("covariance", "noise_covariance"):
             matrix = getattr(self, name)
             if matrix is None:
                 continue
@@ -212,16 +212,16 @@ class ParameterEstimate(EqualByValue):
     @property
     def noise_only(self) -> ParameterEstimate:
         """As if the rig had done nothing unseen: what the data can tell apart."""
-        if self.of_noise is None:
+        if self.noise_covariance is None:
             return self
-        return replace(self, covariance=self.of_noise, of_noise=None)
+        return replace(self, covariance=self.noise_covariance, noise_covariance=None)
 
     def with_rig(self, unmeasured: FloatArray) -> ParameterEstimate:
         """With what doubts of a rig move the parameters by, a column each, shape (p, d)."""
         return replace(
             self,
             covariance=self.covariance + unmeasured @ unmeasured.T,
-            of_noise=self.noise_only.covariance,
+            noise_covariance=self.noise_only.covariance,
         )
 
     def scale(self, by: FloatArray) -> ParameterEstimate:
@@ -230,7 +230,9 @@ class ParameterEstimate(EqualByValue):
         return replace(
             self,
             covariance=self.covariance * products,
-            of_noise=None if self.of_noise is None else self.of_noise * products,
+            noise_covariance=None
+            if self.noise_covariance is None
+            else self.noise_covariance * products,
         )
 
     def convert_to_arms(self, solid: FractionalZener) -> ParameterEstimate:
@@ -249,7 +251,9 @@ class ParameterEstimate(EqualByValue):
             transform_covariance(self.covariance),
             self.dof,
             self.residual,
-            of_noise=None if self.of_noise is None else transform_covariance(self.of_noise),
+            noise_covariance=None
+            if self.noise_covariance is None
+            else transform_covariance(self.noise_covariance),
         )
 
     def errors_of_vibration(
@@ -294,7 +298,7 @@ class ParameterEstimate(EqualByValue):
             If `level` is not between 0 and 1.
         """
         units = {"k": unit, "tau": "s", "b": "N s/m" if unit == "N/m" else f"{unit} s"}
-        ends = self.ends(solid, level)
+        ends = self.confidence_limits(solid, level)
         facts = [
             ReportedValue(
                 row.name, float(row.value), *ends[row.name],
@@ -322,7 +326,7 @@ class ParameterEstimate(EqualByValue):
         DataError
             If `level` is not between 0 and 1.
         """
-        return cast("Intervals", _split_by_kind(self.ends(solid, level).items()))
+        return cast("Intervals", _split_by_kind(self.confidence_limits(solid, level).items()))
 
     def errors(self, solid: Solid) -> dict[str, float]:
         """Return standard errors of the parameters of `solid` by their names, SI units."""
@@ -342,7 +346,7 @@ class ParameterEstimate(EqualByValue):
             yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
             yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
 
-    def ends(self, solid: Solid, level: float) -> dict[str, Interval]:
+    def confidence_limits(self, solid: Solid, level: float) -> dict[str, Interval]:
         """Intervals at `level` of the parameters of `solid` by their names, SI units.
 
         Raises

@@ -11,7 +11,7 @@ def rows_in_valid_band(outside: int, rows: int, low: float, high: float) -> Find
     return Finding(
         f"All {rows} rows of this deck lie in the valid band of the fit",
         outside,
-        instead=f"{outside} of {rows} rows, from {low:.6g} to {high:.6g} Hz, lie outside the valid "
+        failure=f"{outside} of {rows} rows, from {low:.6g} to {high:.6g} Hz, lie outside the valid "
         "band. Stiffness and damping there are extrapolated",
         remedy=Remedy("Limit the table to the valid band, or add a hammer test.", "band"),
     )
@@ -23,7 +23,7 @@ def nominal_in_valid_band(outside: int, frequency: float) -> Finding:
     return Finding(
         f"The stiffness of this deck is that at {frequency:.6g} Hz, in the valid band of the fit",
         outside,
-        instead=f"The stiffness of this deck is that at {frequency:.6g} Hz, outside the valid "
+        failure=f"The stiffness of this deck is that at {frequency:.6g} Hz, outside the valid "
         "band, and extrapolated",
         remedy=Remedy("Name a frequency in the valid band, or add a hammer test.", "nominal"),
     )

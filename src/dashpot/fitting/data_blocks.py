@@ -14,7 +14,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.option_fields import Method
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
 from dashpot.fitting.nuisance_priors import priors, spread_before, terms_of
-from dashpot.fitting.parameter_errors import Encoder, residual_of, rounding
+from dashpot.fitting.parameter_errors import Encoder, compute_residual, rounding_rms
 from dashpot.numerics.design_matrices.block import DataBlock, DelayedForce
 from dashpot.numerics.design_matrices.data_compression import uniform_step
 from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
@@ -400,9 +400,9 @@ def weighed(
         return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
     solutions = solve_once()
-    series = tuple(ResidualSeries(residual_of(solutions[-1], block)) for block in data.samples)
+    series = tuple(ResidualSeries(compute_residual(solutions[-1], block)) for block in data.samples)
     noises = tuple(
-        noise_of(residual_series, rounding=rounding(data.peak)) for residual_series in series
+        noise_of(residual_series, rounding=rounding_rms(data.peak)) for residual_series in series
     )
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Remedy, select_gravest_check, status_of
+from dashpot.base.checks import Check, Remedy, select_fit_status, select_gravest_check
 from dashpot.base.errors import Status
 from dashpot.base.option_fields import Method
 from dashpot.base.provenance import Step, sources_of, steps_of
@@ -104,7 +104,7 @@ def build_fit(
     shown = {Status.FEWER_ARMS: estimate.fewer, Status.TAU_AT_BOUND: estimate.at_bound}
     fit = Fit(
         solid=estimate.solid,
-        status=status_of(evidence.checks, shown),
+        status=select_fit_status(evidence.checks, shown),
         estimate=estimate.estimate,
         evidence=evidence,
         provenance=provenance,

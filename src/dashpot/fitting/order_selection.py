@@ -29,8 +29,8 @@ from dashpot.fitting.parameter_errors import (
     SolutionEstimate,
     compute_profiles,
     estimate_covariance,
-    noises_of,
-    rounding,
+    estimate_noises,
+    rounding_rms,
     score_solution,
     split_by_record,
 )
@@ -92,8 +92,8 @@ def score_in_noise_metric(
     solutions = [score.solution for score in scores]
     residuals, jacobians = split_by_record(largest, [*every_sample, *priors])
     count = len(every_sample)
-    noises = noises_of(residuals[:count], jacobians[:count], peak=peak)
-    if any(noise.autocovariance[0] <= rounding(peak) ** 2 for noise in noises):
+    noises = estimate_noises(residuals[:count], jacobians[:count], peak=peak)
+    if any(noise.autocovariance[0] <= rounding_rms(peak) ** 2 for noise in noises):
         return None
     blocks = [
         whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)
@@ -212,7 +212,7 @@ class SelectedModel:
 
     def with_depth_doubt(self, doubts: Sequence[float]) -> SelectedModel:
         """As found, with what the encoder's step leaves unknown of each depth."""
-        return replace(self, estimate=self.estimate.with_depth_doubt(doubts, self.stiffnesses))
+        return replace(self, estimate=self.estimate.add_depth_error(doubts, self.stiffnesses))
 
     @property
     def orders(self) -> tuple[OrderScore, ...]:
@@ -246,7 +246,7 @@ class SelectedModel:
         must gain.
         """
         solution = self.solution
-        least = solution.samples * rounding(self.data.peak) ** 2
+        least = solution.samples * rounding_rms(self.data.peak) ** 2
         if self.asked is None or solution.order < self.asked or solution.sse <= least:
             return None
         gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
@@ -393,7 +393,7 @@ def select_order(
         peak=peak,
         priors=data.priors,
         encoders=data.encoders,
-        whole=solve_whole_order(taken),
+        jacobian=solve_whole_order(taken),
         series=first.get_residuals(scores[taken].solution),
     )
     return SelectedModel(data, estimate, scores, choice if auto else None, None if auto else most)

@@ -111,40 +111,50 @@ def encoder_rows(columns: FloatArray, encoder: Encoder, kernel: Kernel) -> Float
     A row (p,) per error. `columns` are J, or any turn of it: a row per sample, or only from some
     sample on.
     """
-    before = len(encoder.time) - len(columns)
-    contact = _contact_row(columns, before, encoder, kernel)
+    first_row = len(encoder.time) - len(columns)
+    contact = _compute_contact_row(columns, first_row, encoder, kernel)
     if encoder.step == 0.0:
         return contact
-    return np.concatenate((contact, _step_rows(columns, before, encoder, kernel)))
+    return np.concatenate((contact, _compute_step_rows(columns, first_row, encoder, kernel)))
 
 
-def _contact_row(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
+def _compute_contact_row(
+    columns: FloatArray, first_row: int, encoder: Encoder, kernel: Kernel
+) -> FloatArray:
     """Return what an error of the contact moves, a step of motion when the plate touches."""
     if encoder.contact_error == 0.0:
         return np.zeros((0, columns.shape[1]))
-    first = max(int(np.searchsorted(encoder.time, encoder.onset)), before)
-    change = kernel(encoder.time[first:] - encoder.onset) @ columns[first - before :]
+    first_sample = max(int(np.searchsorted(encoder.time, encoder.onset)), first_row)
+    change = (
+        kernel(encoder.time[first_sample:] - encoder.onset) @ columns[first_sample - first_row :]
+    )
     return encoder.contact_error * change[None]
 
 
-def _step_rows(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
+def _compute_step_rows(
+    columns: FloatArray, first_row: int, encoder: Encoder, kernel: Kernel
+) -> FloatArray:
     time, readings = encoder.time, encoder.readings
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     ends = np.concatenate((starts[1:], [len(readings)]))
-    rests = ends - starts > _REST * len(readings)
-    rests[0] = True  # all motion is measured from the first reading
+    is_rest = ends - starts > _REST * len(readings)
+    is_rest[0] = True  # all motion is measured from the first reading
     pulses = [
-        _pulse(columns, before, time, kernel, (int(a), int(b)))
-        for a, b in zip(starts[rests], ends[rests], strict=True)
+        _compute_pulse_row(columns, first_row, time, kernel, (int(a), int(b)))
+        for a, b in zip(starts[is_rest], ends[is_rest], strict=True)
     ]
-    seen = ends > before
+    is_recorded = ends > first_row
     k_0 = kernel.k_inf + float(kernel.k.sum())
-    short = np.add.reduceat(columns, np.maximum(starts[seen] - before, 0), axis=0)[~rests[seen]]
-    return encoder.step / float(np.sqrt(12.0)) * np.concatenate((k_0 * short, np.array(pulses)))
+    short_runs = np.add.reduceat(columns, np.maximum(starts[is_recorded] - first_row, 0), axis=0)[
+        ~is_rest[is_recorded]
+    ]
+    return (
+        encoder.step / float(np.sqrt(12.0)) * np.concatenate((k_0 * short_runs, np.array(pulses)))
+    )
 
 
-def _pulse(
-    columns: FloatArray, before: int, time: FloatArray, kernel: Kernel, run: tuple[int, int]
+def _compute_pulse_row(
+    columns: FloatArray, first_row: int, time: FloatArray, kernel: Kernel, run: tuple[int, int]
 ) -> FloatArray:
     """Return J' delta for a unit error over a run of samples.
 
@@ -152,10 +162,12 @@ def _pulse(
     at the run's end.
     """
     values = np.zeros(columns.shape[1])
-    for sign, at in zip((1.0, -1.0), run, strict=True):
-        first = max(at, before)
-        if 0 < at < len(time):
-            values += sign * (kernel(time[first:] - time[at]) @ columns[first - before :])
+    for sign, sample in zip((1.0, -1.0), run, strict=True):
+        first_sample = max(sample, first_row)
+        if 0 < sample < len(time):
+            values += sign * (
+                kernel(time[first_sample:] - time[sample]) @ columns[first_sample - first_row :]
+            )
     return values
 
 
@@ -250,8 +262,8 @@ class SolutionEstimate(ParameterCovariance):
         """Standard deviation of one independent residual, N: the rms times root kappa."""
         return float(np.sqrt(self.sse / self.effective))
 
-    def with_depth_doubt(
-        self, doubts: Sequence[float], stiffnesses: Mapping[str, float]
+    def add_depth_error(
+        self, depth_errors: Sequence[float], stiffnesses: Mapping[str, float]
     ) -> SolutionEstimate:
         r"""Return the estimate with what the encoder's step leaves unknown of each depth.
 
@@ -259,8 +271,8 @@ class SolutionEstimate(ParameterCovariance):
         tests that share them add :math:`\overline{\epsilon^2} k k^T / n` to the covariance;
         `stiffnesses` holds each by its row.
         """
-        doubt = float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
-        change = np.array([doubt * stiffnesses.get(name, 0.0) for name in self.names])
+        error = float(np.sqrt(np.mean(np.square(depth_errors)) / len(depth_errors)))
+        change = np.array([error * stiffnesses.get(name, 0.0) for name in self.names])
         return replace(self, covariance=self.covariance + np.outer(change, change))
 
 
@@ -279,8 +291,8 @@ def estimate_covariance(
     peak: float,
     priors: Sequence[DataBlock] = (),
     encoders: Sequence[Encoder] | None = None,
-    others: Sequence[Callable[[FloatArray], FloatArray]] = (),
-    whole: Jacobian | None = None,
+    error_rows: Sequence[Callable[[FloatArray], FloatArray]] = (),
+    jacobian: Jacobian | None = None,
     series: Sequence[ResidualSeries] = (),
 ) -> SolutionEstimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
@@ -295,50 +307,48 @@ def estimate_covariance(
         Of each record, where the recorded motion is fitted.
     priors : sequence of DataBlock
         What was known before the data.
-    others : sequence of callable, optional
+    error_rows : sequence of callable, optional
         Of each record that has no encoder, as
         :func:`~dashpot.numerics.inference.correlated_noise.sandwich` takes errors that are not
         constant in time.
-    whole : Jacobian, optional
+    jacobian : Jacobian, optional
         Of every sample and then of the priors, where it is known already.
     series : sequence of Series, optional
         The residual of each record, where its correlations are known already.
     """
-    whole = whole or full_jacobian([*every_sample, *priors], solution)
-    every_residual, every_jacobian = split_by_record(whole, [*every_sample, *priors])
+    jacobian = jacobian or full_jacobian([*every_sample, *priors], solution)
+    every_residual, every_jacobian = split_by_record(jacobian, [*every_sample, *priors])
     count = len(every_sample)
-    series, known_by = (
+    series, information = (
         series or [*map(ResidualSeries, every_residual[:count])],
         directions(every_jacobian),
     )
-    noises = noises_of(series, known_by.columns[:count], peak=peak)
-    others = others or [
+    noises = estimate_noises(series, information.columns[:count], peak=peak)
+    error_rows = error_rows or [
         partial(encoder_rows, encoder=encoder, kernel=_build_relaxation_kernel(solution, block))
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
-    resolved_noises = [
-        Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors
+    prior_noises = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
+    gains = [
+        *map(information.compute_record_gain, range(len(every_jacobian)), [*noises, *prior_noises])
     ]
-    met = [
-        *map(known_by.compute_record_gain, range(len(every_jacobian)), [*noises, *resolved_noises])
-    ]
-    covariance = known_by.covariance(np.sum(met, axis=0), others=others)
+    covariance = information.covariance(np.sum(gains, axis=0), others=error_rows)
     residuals = tuple(residual_series.values for residual_series in series)
     return SolutionEstimate(
-        whole.names, covariance, residuals, noises, solution, known_by.turn,
-        noise_gain_ratio(known_by, met[:count]),
+        jacobian.names, covariance, residuals, noises, solution, information.turn,
+        noise_gain_ratio(information, gains[:count]),
     )  # fmt: skip
 
 
 def split_by_record(
-    whole: Jacobian, every_sample: Sequence[DataBlock]
+    jacobian: Jacobian, every_sample: Sequence[DataBlock]
 ) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
     """Return residuals and Jacobians, one of each per record."""
-    cuts = np.cumsum([block.samples for block in every_sample])[:-1]
-    return tuple(np.split(whole.residual, cuts)), np.split(whole.matrix, cuts)
+    row_limits = np.cumsum([block.samples for block in every_sample])[:-1]
+    return tuple(np.split(jacobian.residual, row_limits)), np.split(jacobian.matrix, row_limits)
 
 
-def noises_of(
+def estimate_noises(
     residuals: Sequence[FloatArray | ResidualSeries],
     jacobians: Sequence[FloatArray | JacobianColumns],
     *,
@@ -346,12 +356,12 @@ def noises_of(
 ) -> tuple[Noise, ...]:
     """Return what the residuals of each record say about its noise."""
     return tuple(
-        noise_of(residual, jacobian, rounding=rounding(peak))
+        noise_of(residual, jacobian, rounding=rounding_rms(peak))
         for residual, jacobian in zip(residuals, jacobians, strict=True)
     )
 
 
-def rounding(peak: float) -> float:
+def rounding_rms(peak: float) -> float:
     """Return the rms that rounding alone leaves of data with this largest force."""
     return _ROUNDING * peak
 
@@ -366,7 +376,7 @@ def _build_relaxation_kernel(solution: Solution, block: DataBlock) -> Kernel:
     )
 
 
-def residual_of(solution: Solution, block: DataBlock) -> FloatArray:
+def compute_residual(solution: Solution, block: DataBlock) -> FloatArray:
     """Return what a solution leaves of one record, a row per sample."""
     rows = block.evaluate(solution.log_tau, False)
     fixed = np.array([solution.coefficient(name) for name in block.fixed_names])
@@ -397,7 +407,7 @@ def score_solution(
     priors : sequence of DataBlock
         What was known before the data.
     """
-    floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).rounding_floor)
+    floor = max(solution.samples * rounding_rms(peak) ** 2, Stack(blocks).rounding_floor)
     parameters = len(solution.fixed) + solution.arms.size + solution.order
     criterion = bic(solution.sse, effective=effective, parameters=parameters, floor=floor)
     if not solution.order:
@@ -406,13 +416,13 @@ def score_solution(
 
     def is_significant(independent: float) -> bool:
         variance = (solution.sse + floor) / max(independent - parameters, 1.0)
-        return _significant(solution, information.covariance(variance * information.gram))
+        return _are_arms_significant(solution, information.covariance(variance * information.gram))
 
     # if every sample counted in full and it is not significant, or if only the slowest
     # correlation counted and it is, the sandwich between the two need not be built
     is_clear = is_significant(solution.samples) and (
         is_significant(effective)
-        or _significant(
+        or _are_arms_significant(
             solution,
             estimate_covariance(solution, every_sample, peak=peak, priors=priors).covariance,
         )
@@ -420,7 +430,7 @@ def score_solution(
     return Score(solution, criterion, is_clear)
 
 
-def _significant(solution: Solution, covariance: FloatArray) -> bool:
+def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
     first, arms = len(solution.fixed_names), solution.order
     error = np.sqrt(np.diag(covariance))
     k, se_k = solution.arms.ravel(), error[first : first + arms]
@@ -458,12 +468,12 @@ def compute_profiles(
     if not solution.order or estimate.dof < 1.0:
         return ()
     k = solution.arms[solution.groups.index("k")]
-    doubtful = [
+    uncertain_arms = [
         (number, int(j))
         for number, j in enumerate(np.flatnonzero(k > 0), start=1)
         if not estimate.standard_error(f"ln_tau_{j + 1}") < WALD_SUFFICES
     ]
-    if not doubtful:
+    if not uncertain_arms:
         return ()
     noise_gain = None if every_sample is None else _compute_noise_gain(every_sample, estimate)
     scaling = _ProfileScaling(estimate, noise_gain)
@@ -471,7 +481,7 @@ def compute_profiles(
     targets = {}
     if solution.coefficient("k_inf") > 0:
         targets["k_inf"] = scaling.linear("k_inf")
-    for number, j in doubtful:
+    for number, j in uncertain_arms:
         row = f"k_{j + 1}"
         targets[f"k_{number}"] = scaling.linear(row)
         targets[f"ln_tau_{number}"] = scaling.log_tau(j)
@@ -532,17 +542,17 @@ class _ProfileScaling:
     def _scale_direction(
         self, coordinate: Coordinate, index: int, gradient: FloatArray
     ) -> ProfileTarget:
-        used = gradient != 0.0
-        block = self.estimate.covariance[np.ix_(used, used)]
+        is_used = gradient != 0.0
+        block = self.estimate.covariance[np.ix_(is_used, is_used)]
         directions = self.estimate.directions
         inverse = directions @ (directions.T @ gradient)
-        wide = float(gradient @ inverse)
+        unit_variance = float(gradient @ inverse)
         if np.all(np.isfinite(block)):
-            variance = float(gradient[used] @ block @ gradient[used])
+            variance = float(gradient[is_used] @ block @ gradient[is_used])
         else:
-            variance = wide * self.estimate.spread**2
+            variance = unit_variance * self.estimate.spread**2
         error = float(np.sqrt(variance))
-        scale = variance / wide if wide > 0 else self.estimate.spread**2
+        scale = variance / unit_variance if unit_variance > 0 else self.estimate.spread**2
         step = 0.7 * error
         if coordinate is not Coordinate.LINEAR:
             step = min(step, 0.5)
@@ -583,8 +593,8 @@ class _TestColumns(NamedTuple):
 
     solid: FloatArray
     private: FloatArray
-    known: FloatArray
-    unseen: FloatArray
+    prior: FloatArray
+    unmeasured: FloatArray
 
 
 def compute_rig_sensitivity(
@@ -608,36 +618,36 @@ def compute_rig_sensitivity(
         One standard deviation a column; all are independent.
     """
     all_columns = [_evaluate_test_columns(data, solid) for data in relaxations]
-    whole = all_columns[0].solid.shape[1]
-    stiff = 1 + solid.maxwell.arms if separate else 0
-    value = whole + stiff * (len(all_columns) - 1)
-    shared = np.arange(value - whole + stiff, value)
-    width = value + sum(column.private.shape[1] for column in all_columns)
-    jacobians, first = [], value
+    parameter_count = all_columns[0].solid.shape[1]
+    own_count = 1 + solid.maxwell.arms if separate else 0
+    total_count = parameter_count + own_count * (len(all_columns) - 1)
+    shared = np.arange(total_count - parameter_count + own_count, total_count)
+    column_count = total_count + sum(column.private.shape[1] for column in all_columns)
+    jacobians, next_column = [], total_count
     for i, item in enumerate(all_columns):
-        rows, here = len(item.solid), slice(first, first + item.private.shape[1])
-        J = np.zeros((rows + len(item.known), width))
-        J[:rows, np.r_[i * stiff : (i + 1) * stiff, shared]] = item.solid
-        J[:rows, here], J[rows:, here] = item.private, item.known
+        rows, own_columns = len(item.solid), slice(next_column, next_column + item.private.shape[1])
+        J = np.zeros((rows + len(item.prior), column_count))
+        J[:rows, np.r_[i * own_count : (i + 1) * own_count, shared]] = item.solid
+        J[:rows, own_columns], J[rows:, own_columns] = item.private, item.prior
         jacobians.append(J)
-        first = here.stop
+        next_column = own_columns.stop
     information = directions(jacobians)
-    moves = [
-        information.turn @ (columns.matrix[: len(column.unseen)].T @ column.unseen)
+    shifts = [
+        information.turn @ (columns.matrix[: len(column.unmeasured)].T @ column.unmeasured)
         for column, columns in zip(all_columns, information.columns, strict=True)
     ]
-    return np.hstack(moves)[:value]
+    return np.hstack(shifts)[:total_count]
 
 
 def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
-    model, adds = solid.maxwell, data.unseen
-    values = np.zeros(0) if adds is None else adds.log_tau
+    model, rig_effects = solid.maxwell, data.unseen
+    log_tau = np.zeros(0) if rig_effects is None else rig_effects.log_tau
     # arms of a fractional solid lie beyond what a record shows, too: there they are all alike
     base, arms = np.unique(
         np.clip(np.log(model.tau), *np.log(data.block.window)), return_inverse=True
     )
     # coordinates may change from call to call: all that is compared is of one
-    evaluation = data.block.evaluate(np.concatenate((base, values)))
+    evaluation = data.block.evaluate(np.concatenate((base, log_tau)))
     kinds = [kind_of(name) for name in data.block.fixed_names]
     spring = kinds.index("k_inf")
     columns = np.column_stack(
@@ -650,19 +660,19 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     if isinstance(solid, FractionalZener):
         columns = columns @ solid.arm_gradient()
     private = [i for i in range(len(kinds)) if i != spring]
-    quiet = replace(data.terms, known={**data.terms.known, "drift": data.drift})
-    rows = quiet.rows(data.block, 1 / data.weight)
+    prior_terms = replace(data.terms, known={**data.terms.known, "drift": data.drift})
+    rows = prior_terms.rows(data.block, 1 / data.weight)
     matrix = np.zeros((rows.samples, len(kinds)))
     matrix[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
         np.zeros(0)
     ).fixed
     unmeasured = np.zeros((len(columns), 0))
-    if adds is not None:
-        unmeasured = adds.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
+    if rig_effects is not None:
+        unmeasured = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
         # of the drift itself, what the fit holds to be less than it may be
-        more = data.terms.known["drift"].remaining_after(data.drift)
-        drift = replace(data.terms, known={"drift": more})
+        remaining_drift = data.terms.known["drift"].remaining_after(data.drift)
+        drift = replace(data.terms, known={"drift": remaining_drift})
         unmeasured = np.hstack(
             (unmeasured, drift.doubts(evaluation.fixed, data.block.fixed_names)[0])
         )
@@ -680,7 +690,7 @@ def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwe
     A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The end of a ramp
     is as late as the clocks are apart, and as the encoder's step leaves it.
     """
-    late = [
+    delay_errors = [
         np.hypot(
             delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
         )
@@ -688,4 +698,4 @@ def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwe
     ]
     k, tau = np.asarray(model.k), np.asarray(model.tau)
     change = np.concatenate(([0.0], k / tau, np.zeros(len(k))))
-    return np.asarray(np.sqrt(np.mean(np.square(late)) / len(tests)) * change)[:, None]
+    return np.asarray(np.sqrt(np.mean(np.square(delay_errors)) / len(tests)) * change)[:, None]

@@ -119,25 +119,25 @@ def check_filter_bias(test: RampHold) -> Check:
     test : RampHold
         Filtered, with the record before the filter in ``unfiltered``.
     """
-    raw, by = test.unfiltered, filter_of(test)
-    if raw is None or by is None:
+    unfiltered, filter_ = test.unfiltered, filter_of(test)
+    if unfiltered is None or filter_ is None:
         return checks.filter_bias(None)
     try:
-        model = _select_supported_solid(raw)
-        clean = replace(
-            raw,
-            force=model.force(raw.time, raw.displacement),
+        model = _select_supported_solid(unfiltered)
+        noise_free = replace(
+            unfiltered,
+            force=model.force(unfiltered.time, unfiltered.displacement),
             machine=Machine(),
             machine_deflection=None,
             checks=(),
         )
         changes = {
-            "hold": _compute_filter_changes(clean, by, model.arms, "hold"),
-            "full": _compute_filter_changes(clean, by, model.arms, "full"),
+            "hold": _compute_filter_changes(noise_free, filter_, model.arms, "hold"),
+            "full": _compute_filter_changes(noise_free, filter_, model.arms, "full"),
         }
     except DashpotError as error:
-        return checks.filter_bias(by, str(error))
-    return checks.filter_bias(by, changes, min(model.tau, default=np.inf))
+        return checks.filter_bias(filter_, str(error))
+    return checks.filter_bias(filter_, changes, min(model.tau, default=np.inf))
 
 
 def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
@@ -146,17 +146,19 @@ def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
 
 
 def _compute_filter_changes(
-    clean: RampHold, by: Filter, arms: int, method: Method
+    noise_free: RampHold, filter_: Filter, arms: int, method: Method
 ) -> dict[str, float]:
     """Return relative change of each parameter that the filter makes; -1 where an arm is lost."""
-    behind = filter_record(clean, by)
+    filtered = filter_record(noise_free, filter_)
     if method == "hold":
         # eq. 5 takes the ramp from its corners, which were found before the filter
-        behind = replace(behind, displacement=clean.displacement)
-    before, after = (_solve_parameters(record, arms, method) for record in (clean, behind))
+        filtered = replace(filtered, displacement=noise_free.displacement)
+    parameters, filtered_parameters = (
+        _solve_parameters(record, arms, method) for record in (noise_free, filtered)
+    )
     return {
-        name: after[name] / value - 1 if name in after else -1.0
-        for name, value in before.items()
+        name: filtered_parameters[name] / value - 1 if name in filtered_parameters else -1.0
+        for name, value in parameters.items()
         if value > 0
     }
 
@@ -275,29 +277,31 @@ def fit(
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)
-    most = validate_arm_count(arms, max_arms)
+    count = validate_arm_count(arms, max_arms)
     options = FitOptions(
-        "auto" if arms == "auto" else most, method, law, family, intervals, thorough, max_arms,
+        "auto" if arms == "auto" else count, method, law, family, intervals, thorough, max_arms,
         shift_law, vertical, reference,
     )  # fmt: skip
-    design = _checked_design(records, options, nuisance)
+    setup = _build_setup(records, options, nuisance)
     temperatures = checked_temperatures(records, shared=method == "full")
     reference = convert_to_si(reference, "temperature")
     if len(temperatures) > 1:
-        at = find_reference_index(temperatures, reference)
+        reference_index = find_reference_index(temperatures, reference)
         require_maxwell_family(family)
         fit_shifted = find_handler("fit at several temperatures", records[0])
-        return _with_law(fit_shifted(records, options, at), law)
-    here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
-    refuse_shifts("the tests are", replace(options, reference=None) if here else options)
+        return _record_law_option(fit_shifted(records, options, reference_index), law)
+    is_reference_tested = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
+    refuse_shifts(
+        "the tests are", replace(options, reference=None) if is_reference_tested else options
+    )
     if law == "nonlinear":
         _refuse_history(records)
         nonlinear_fit = _fit_hold_then_ramp(
-            records, _law_of(records, law, options.count), options.count
+            records, _select_elastic_law(records, law, options.count), options.count
         )
-        return _with_law(nonlinear_fit, law)
+        return _record_law_option(nonlinear_fit, law)
     try:
-        return _with_law(_fit_one_temperature(records, design, options), law)
+        return _record_law_option(_fit_one_temperature(records, setup, options), law)
     except FitError as error:
         stops = (check for record in records for check in record.checks if check.failed)
         cause = next((stop.message_with_option for stop in stops if stop.grade == "stop"), "")
@@ -306,7 +310,7 @@ def fit(
         raise FitError(f"{cause} As it is, {error}") from None
 
 
-def _checked_design(
+def _build_setup(
     records: Sequence[RampHold],
     options: FitOptions,
     nuisance: Sequence[str] = NUISANCE,
@@ -350,7 +354,7 @@ def _refuse_history(records: Sequence[RampHold]) -> None:
         )
 
 
-def _with_law(fit: Fit, law: RampLawAsked) -> Fit:
+def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
     """Return a fit whose last step names the elastic law that was asked for, if one was."""
     if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
         return fit
@@ -376,61 +380,65 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     FitError
         If the test has fewer samples than such a fit has parameters.
     """
-    near = np.log(fit.model.tau)
-    arms = len(near)
+    log_tau = np.log(fit.model.tau)
+    arms = len(log_tau)
     method: Method = "hold" if fit.method == "hold" else "full"
-    design = _checked_design([test], FitOptions(arms, method, max_arms=arms))
-    as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], design, near), (0.0,))
-    first = weighed(as_recorded.data, arms, only=True, near=near)
-    return _point(as_recorded, first, design, arms)
+    setup = _build_setup([test], FitOptions(arms, method, max_arms=arms))
+    as_recorded = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
+    initial_fit = weighed(as_recorded.data, arms, only=True, near=log_tau)
+    return _build_point_fit(as_recorded, initial_fit, setup, arms)
 
 
-def _fit_one_temperature(records: Sequence[RampHold], design: FitSetup, options: FitOptions) -> Fit:
+def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
-    late, first, fractional_fit, gate = (
-        DelayedMotion.from_records(records, design),
+    motion, initial_fit, fractional_fit, linearity = (
+        DelayedMotion.from_records(records, setup),
         None,
         None,
         None,
     )
-    if design == FitSetup("full"):
-        late, gate = select_delayed_motion(late, options)
-        first, fractional_fit = gate.first, gate.element
+    if setup == FitSetup("full"):
+        motion, linearity = select_delayed_motion(motion, options)
+        initial_fit, fractional_fit = linearity.first, linearity.element
         # no law is bent by a ramp that answers to earlier loadings as well
-        straight = gate.sound or any(record.loading_start is not None for record in records)
-        bent = None if straight else _law_of(records, options.law, options.count)
-        if bent is not None and not bent.sound:
-            fit = _fit_hold_then_ramp(records, bent, options.count)
+        is_linear = linearity.sound or any(record.loading_start is not None for record in records)
+        ramp_law = None if is_linear else _select_elastic_law(records, options.law, options.count)
+        if ramp_law is not None and not ramp_law.sound:
+            fit = _fit_hold_then_ramp(records, ramp_law, options.count)
             return (
                 fit
                 if fractional_fit is None
-                else with_linear_fractional(fit, bent.residuals, fractional_fit)
+                else with_linear_fractional(fit, ramp_law.residuals, fractional_fit)
             )
     if options.point is not None:
-        first = first or weighed(late.data, options.point, only=True)
-        return _point(late, first, design, options.point)
-    chosen = select_order(late.data, options, first=first)
-    both = chosen_family(chosen, options.family, fractional_fit)
-    if design.method == "hold":
-        doubts = [record.depth_doubt for record in records]
-        both = replace(both, best=both.best.with_depth_doubt(doubts))
-    return _build_linear_fit(late, both, design, gate, options)
+        initial_fit = initial_fit or weighed(motion.data, options.point, only=True)
+        return _build_point_fit(motion, initial_fit, setup, options.point)
+    selected = select_order(motion.data, options, first=initial_fit)
+    families = chosen_family(selected, options.family, fractional_fit)
+    if setup.method == "hold":
+        depth_errors = [record.depth_doubt for record in records]
+        families = replace(families, best=families.best.with_depth_doubt(depth_errors))
+    return _build_linear_fit(motion, families, setup, linearity, options)
 
 
-def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
+def _select_elastic_law(
+    records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None
+) -> RampLaw:
     """Return the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.elastic_law import select_elastic_law
 
     return select_elastic_law(records, law=law, arms=arms)
 
 
-def _point(late: DelayedMotion, first: InitialFit, design: FitSetup, arms: int) -> Fit:
+def _build_point_fit(
+    motion: DelayedMotion, initial_fit: InitialFit, setup: FitSetup, arms: int
+) -> Fit:
     """Return the optimum alone, as a fit of which nothing more is known."""
-    records = late.holds.records
-    solution = first.solutions[: arms + 1][-1]
+    records = motion.holds.records
+    solution = initial_fit.solutions[: arms + 1][-1]
     model = solid_of(solution)
     terms = nuisances(
-        solution.fixed_names, late.coefficients(solution.coefficient), lambda _: np.inf
+        solution.fixed_names, motion.coefficients(solution.coefficient), lambda _: np.inf
     )
     return build_fit(
         SolidEstimate(
@@ -440,20 +448,20 @@ def _point(late: DelayedMotion, first: InitialFit, design: FitSetup, arms: int) 
             at_bound=bool(solution.at_bound.any()),
         ),
         UNJUDGED,
-        provenance_of(design.method, records, *late.steps),
+        provenance_of(setup.method, records, *motion.steps),
         elastic_law=ElasticLaw.linear(model.k_inf, max(record.depth for record in records)),
     )
 
 
 def _build_linear_fit(
-    late: DelayedMotion,
-    both: FamilySelection,
-    design: FitSetup,
-    gate: LinearityResult | None,
+    motion: DelayedMotion,
+    families: FamilySelection,
+    setup: FitSetup,
+    linearity: LinearityResult | None,
     options: FitOptions,
 ) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
-    records, selection = late.holds.records, both.best
+    records, selection = motion.holds.records, families.best
     band = informed_band(
         records,
         selection.data.rows,
@@ -461,24 +469,20 @@ def _build_linear_fit(
         noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    data = _weight_records(records, both.arms, design)
-    spectra = spectra_of_holds(data, **_hold_of(records, both.arms))
-    end = _end_of_hold(records, data, both.arms, spectra).holding(selection.model)
-    band, error = band_of_hold(spectra, selection.solid, band)
+    data = _weight_records(records, families.arms, setup)
+    spectra = spectra_of_holds(data, **_collect_hold_arguments(records, families.arms))
+    end = _compute_end_of_hold(records, data, families.arms, spectra).holding(selection.model)
+    band, band_error = band_of_hold(spectra, selection.solid, band)
     sensitivity = compute_rig_sensitivity(data, selection.solid)
-    if (
-        design.method == "hold"
-        and "delay" in design.nuisance
-        and selection.solid is selection.model
-    ):
+    if setup.method == "hold" and "delay" in setup.nuisance and selection.solid is selection.model:
         sensitivity = np.hstack((sensitivity, compute_clock_sensitivity(records, selection.model)))
-    other = both.alternative(band)
-    steps = (*_motion_steps(records, design), *late.steps)
+    alternative = families.alternative(band)
+    steps = (*_make_motion_steps(records, setup), *motion.steps)
     return build_fit(
         selection.outcome(
             selection.residual,
             selection.nuisances(
-                late.coefficients(selection.solution.coefficient),
+                motion.coefficients(selection.solution.coefficient),
                 delays=[delay_prior(record).sd for record in records],
             ),
             unseen=sensitivity,
@@ -490,17 +494,19 @@ def _build_linear_fit(
             checks=(
                 *(check for record in records for check in record.checks),
                 selection.convergence_check,
-                *_checks(late, selection, design, end),
-                *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
-                *both.checks(other),
+                *_run_checks(motion, selection, setup, end),
+                *([] if linearity is None else [ramp_checks.ramp_explained(linearity.judged)]),
+                *families.checks(alternative),
                 valid_band_exists(band),
-                loss_factor_determined(error),
+                loss_factor_determined(band_error),
             ),
             end_of_hold=end,
-            alternative=other,
-            band_error=error,
+            alternative=alternative,
+            band_error=band_error,
         ),
-        provenance_of(design.method, records, *steps, _step(records, selection, design, options)),
+        provenance_of(
+            setup.method, records, *steps, _make_fit_step(records, selection, setup, options)
+        ),
         elastic_law=ElasticLaw.linear(
             selection.model.k_inf, max(record.depth for record in records)
         ),
@@ -512,17 +518,23 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
     from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
 
     data = held_ramps(records, law)
-    hold = _hold_of(records, law)
-    spectra = spectra_of_holds(data, **hold)
-    end = compute_end_limits(data, **hold, spectra=spectra)
+    hold_arguments = _collect_hold_arguments(records, law)
+    spectra = spectra_of_holds(data, **hold_arguments)
+    end = compute_end_limits(data, **hold_arguments, spectra=spectra)
     sensitivity = compute_rig_sensitivity(data, law.model)
-    extra = () if arms is None else (_holds_enough(records, law),)
+    arm_checks = () if arms is None else (_check_arm_count(records, law),)
     return ramp_fit(
-        records, law, requested=arms, checks=extra, end=end, unmeasured=sensitivity, spectra=spectra
+        records,
+        law,
+        requested=arms,
+        checks=arm_checks,
+        end=end,
+        unmeasured=sensitivity,
+        spectra=spectra,
     )
 
 
-def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
+def _check_arm_count(records: Sequence[RampHold], law: RampLaw) -> Check:
     """Return whether the holds of a bent ramp support no more arms than were asked for."""
     from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
 
@@ -530,28 +542,30 @@ def _holds_enough(records: Sequence[RampHold], law: RampLaw) -> Check:
 
 
 def _weight_records(
-    records: Sequence[RampHold], selection: SelectedModel, design: FitSetup
+    records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup
 ) -> list[RelaxationData]:
     """Return the records as what is claimed of their fit weighs them."""
     model, residuals = selection.model, selection.estimate.residuals
-    if design.method == "hold":
+    if setup.method == "hold":
         tests = zip(records, residuals, strict=True)
         return [build_hold_data(record, model, residual) for record, residual in tests]
     blocks = zip(records, selection.data.blocks, residuals, strict=True)
     return [fitted_data(record, block, model, values) for record, block, values in blocks]
 
 
-def _end_of_hold(
+def _compute_end_of_hold(
     records: Sequence[RampHold],
     data: Sequence[RelaxationData],
     selection: SelectedModel,
     spectra: AdmissibleSpectra,
 ) -> EndOfHold:
     """Return what the records leave open of the stiffness at the end of the hold and beyond."""
-    return compute_end_limits(data, **_hold_of(records, selection), spectra=spectra)
+    return compute_end_limits(data, **_collect_hold_arguments(records, selection), spectra=spectra)
 
 
-def _hold_of(records: Sequence[RampHold], result: SelectedModel | RampLaw) -> _HoldArguments:
+def _collect_hold_arguments(
+    records: Sequence[RampHold], result: SelectedModel | RampLaw
+) -> _HoldArguments:
     """Return what their limits ask of the records and of the fit."""
     return {
         "time": max(record.hold_time for record in records),
@@ -560,14 +574,14 @@ def _hold_of(records: Sequence[RampHold], result: SelectedModel | RampLaw) -> _H
     }
 
 
-def _checks(
-    late: DelayedMotion, selection: SelectedModel, design: FitSetup, end: EndOfHold | None
+def _run_checks(
+    motion: DelayedMotion, selection: SelectedModel, setup: FitSetup, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
-    records, model, estimate = late.holds.records, selection.model, selection.estimate
+    records, model, estimate = motion.holds.records, selection.model, selection.estimate
     choice, error = selection.choice, selection.error
     in_arms = not isinstance(selection, FractionalFit)
-    answers = [
+    all_checks = [
         *(check_filter_bias(record) for record in records if record.unfiltered is not None),
         *run_relaxation_checks(
             records,
@@ -575,33 +589,33 @@ def _checks(
             error,
             Residuals(estimate.residuals, estimate.rms, estimate.kappa),
             end,
-            method=design.method,
+            method=setup.method,
             needed=choice is not None,
             in_arms=in_arms,
         ),
     ]
     if in_arms:
-        slow = _drift_correlation(estimate)
-        answers.append(checks.drift_distinguished_from_arm(model, slow, float(error[-1])))
-    answers += _load_cells(late, selection, end)
+        correlation = _drift_correlation(estimate)
+        all_checks.append(checks.drift_distinguished_from_arm(model, correlation, float(error[-1])))
+    all_checks += _check_load_cells(motion, selection, end)
     if choice is not None:
-        answers.append(order_agreed(choice))
-    answers += selection.enough("N")
-    if design.method == "full" and in_arms:
-        answers.append(
-            checks.hold_and_full_agree(model, late.holds.fit_hold_equation(model), error, end=end)
+        all_checks.append(order_agreed(choice))
+    all_checks += selection.enough("N")
+    if setup.method == "full" and in_arms:
+        all_checks.append(
+            checks.hold_and_full_agree(model, motion.holds.fit_hold_equation(model), error, end=end)
         )
-    return tuple(answers)
+    return tuple(all_checks)
 
 
-def _load_cells(
+def _check_load_cells(
     motion: DelayedMotion, selection: SelectedModel, end: EndOfHold | None
 ) -> list[Check]:
     """Return how far offset, drift and clocks had to go from what was known of them."""
     estimate, records = selection.estimate, motion.holds.records
     value, names = motion.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
 
-    def away(kind: str) -> list[tuple[float, float, float, float]]:
+    def list_departures(kind: str) -> list[tuple[float, float, float, float]]:
         results = []
         for i, record in enumerate(records):
             if f"{kind}@{i}" in names:
@@ -620,22 +634,22 @@ def _load_cells(
         return results
 
     beyond_hold = np.inf if end is None else end.beyond
-    answers = [
-        ramp_checks.offset_plausible(away("offset")),
-        ramp_checks.drift_plausible(away("drift"), beyond_hold),
+    all_checks = [
+        ramp_checks.offset_plausible(list_departures("offset")),
+        ramp_checks.drift_plausible(list_departures("drift"), beyond_hold),
     ]
-    late = [
+    delays = [
         (value(name), estimate.standard_error(name), priors(record).delay.sd)
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
         if name in names
     ]
     resolved_priors = [priors(record) for record in records]
-    answers.append(
+    all_checks.append(
         ramp_checks.baseline_agrees(
             [(prior.slope.mean, prior.conflict) for prior in resolved_priors]
         )
     )
-    return [*answers, ramp_checks.clocks_agree(late)]
+    return [*all_checks, ramp_checks.clocks_agree(delays)]
 
 
 def _drift_correlation(estimate: SolutionEstimate) -> float | None:
@@ -650,27 +664,27 @@ def _drift_correlation(estimate: SolutionEstimate) -> float | None:
     return float(np.nan_to_num(correlation, nan=1.0).max())
 
 
-def _step(
+def _make_fit_step(
     records: Sequence[RampHold],
     selection: SelectedModel,
-    design: FitSetup,
+    setup: FitSetup,
     options: FitOptions,
 ) -> Step:
     requested = selection.asked
     parameters = (
         ("arms", "auto" if requested is None else str(requested)),
-        ("method", design.method),
+        ("method", setup.method),
         ("thorough", str(options.thorough).lower()),
-        ("nuisance", ", ".join(design.nuisance) or "none"),
+        ("nuisance", ", ".join(setup.nuisance) or "none"),
     )
-    plural = f"{len(records)} tests" if len(records) > 1 else "one test"
-    message = f"fitted {describe_fit(selection)} to {plural} by method {design.method!r}"
+    tests = f"{len(records)} tests" if len(records) > 1 else "one test"
+    message = f"fitted {describe_fit(selection)} to {tests} by method {setup.method!r}"
     return Step("fit", parameters, message)
 
 
-def _motion_steps(records: Sequence[RampHold], design: FitSetup) -> tuple[Step, ...]:
+def _make_motion_steps(records: Sequence[RampHold], setup: FitSetup) -> tuple[Step, ...]:
     """Return what was taken out of each recorded displacement before the fit answered to it."""
-    if design.method == "hold":
+    if setup.method == "hold":
         return ()
     steps = []
     for record in records:

@@ -30,7 +30,7 @@ def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
         at,
         remedy="Ramp faster, or add a hammer test.",
         limit=band[1] if at > band[1] else band[0],
-        faulted=not inside,
+        always_fails=not inside,
     )
 
 

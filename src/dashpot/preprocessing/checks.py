@@ -125,7 +125,7 @@ def baseline_recorded(before: Baseline) -> Finding:
         f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
         f"{format_quantity(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
         float(before.samples),
-        instead=f"The record has {count} before contact; at least {MIN_BASELINE:.0f} are needed. "
+        failure=f"The record has {count} before contact; at least {MIN_BASELINE:.0f} are needed. "
         "The fitted offset alone sets the zero of the force",
         remedy="Start the record a second before the ramp.",
     )
@@ -158,7 +158,7 @@ def contact_found(touch: Touch, depth: float, *, provided: bool) -> Finding:
     "<=",
     MAX_PRELOAD,
     grade="note",
-    otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
+    other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
 )
 def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
     """The force before the ramp is close to zero."""
@@ -189,7 +189,7 @@ def ramp_recorded(rise: float, change: float) -> Finding:
     return Finding(
         "The ramp raises the force that relaxes",
         abs(change) / max(abs(rise), 1e-300),
-        instead=f"The record begins within its ramp, or after it. The force changes by "
+        failure=f"The record begins within its ramp, or after it. The force changes by "
         f"{format_quantity(rise, 'mN', '.3g')} in the ramp and by "
         f"{format_quantity(change, 'mN', '.3g')} in the "
         "hold; no part relaxes more than it was loaded",
@@ -240,7 +240,7 @@ def single_loading(
             f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
             "the hold alone (eq. 5) does not apply"
         )
-    return Finding(message, float(len(cycles)), remedy=remedy, excused=requested)
+    return Finding(message, float(len(cycles)), remedy=remedy, always_passes=requested)
 
 
 @criterion(
@@ -263,7 +263,7 @@ def history_explained(past: EarlierLoadings, *, broken: bool, pressed: bool = Fa
         past.misfit,
         "The seal softened, was set, or moved otherwise, so what it remembers is not known",
         "Let it rest before the test, or condition it more often.",
-        faulted=broken or pressed or not past.converged,
+        always_fails=broken or pressed or not past.converged,
     )
 
 
@@ -353,7 +353,7 @@ def samples_unbroken(test: RampHold) -> Finding:
         share,
         f"It is {100 * share:.0f} % of the ramp. The motion in the pause is taken as straight",
         "Restore the missing rows, or sample faster.",
-        excused=worst <= 3 * (median(pauses) if pauses.size else 0.0),
+        always_passes=worst <= 3 * (median(pauses) if pauses.size else 0.0),
     )
 
 
@@ -362,8 +362,8 @@ def samples_unbroken(test: RampHold) -> Finding:
     "<=",
     MAX_PAUSE,
     "our choice; or 3 times the pauses beside it, or 5 % of the rest",
-    otherwise=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all the "
-    "rest",
+    other_grade=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all "
+    "the rest",
 )
 def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     """The clock has no jump.
@@ -395,7 +395,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
             "Cut the record before the pause, or correct its clock.", "time-limits", "hold-end=..."
         ),
         # two leaps side by side do not excuse each other
-        excused=longest <= 3 * float(np.sort(near)[-NEIGHBOUR_STEPS // 2])
+        always_passes=longest <= 3 * float(np.sort(near)[-NEIGHBOUR_STEPS // 2])
         or longest <= 0.05 * rest,
         grade="stop" if longest > rest else None,
     )
@@ -447,7 +447,7 @@ def spikes_absent(test: RampHold) -> Finding:
     "<=",
     MAX_FROZEN,
     "our choice: a shorter stretch moves no stiffness",
-    otherwise=f"stop if the force stands for more than {GROSSLY_FROZEN}",
+    other_grade=f"stop if the force stands for more than {GROSSLY_FROZEN}",
 )
 def readings_not_repeated(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
     """Both channels have a new reading in each row of the hold.
@@ -502,7 +502,7 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     MAX_UNRESOLVED,
     "our choice: 1 noise SD over the samples of a step",
     grade="note",
-    otherwise=f"limit beyond {GROSSLY:g}",
+    other_grade=f"limit beyond {GROSSLY:g}",
 )
 def motion_resolved(test: RampHold) -> Finding:
     r"""The sampling rate resolves the motion of the plate.
@@ -531,7 +531,7 @@ def motion_resolved(test: RampHold) -> Finding:
         value,
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
         f"Sample at {round_to_error(needed, digits=2)} Hz or faster.",
-        faulted=bool(steps_on),
+        always_fails=bool(steps_on),
         grade="limit" if value > GROSSLY else None,
     )
 
@@ -572,10 +572,10 @@ def columns_plausible(test: RampHold) -> Finding:
     return Finding(
         "The displacement rests while the force decays",
         sank,
-        instead=f"Force and displacement look swapped. In the hold the displacement sinks by "
+        failure=f"Force and displacement look swapped. In the hold the displacement sinks by "
         f"{100 * sank:.2g} % while the force rests",
         remedy=Remedy("Name the columns.", "column", "force=NAME"),
-        excused=abs(eased) >= 0.1 * sank,
+        always_passes=abs(eased) >= 0.1 * sank,
     )
 
 
@@ -644,11 +644,11 @@ def force_not_clipped(test: RampHold) -> Finding:
     return Finding(
         f"The force peaks at {top:.4g} N without a flat top",
         float(count),
-        instead=f"The force is clipped at {top:.4g} N. {count} samples have this value while the "
+        failure=f"The force is clipped at {top:.4g} N. {count} samples have this value while the "
         f"compression grows by {100 * change / test.depth:.0f} % of the depth, so every stiffness "
         "is too low",
         remedy="Use a larger range of the sensor, or press less deep.",
-        excused=not (long and (change > far or too_even)),
+        always_passes=not (long and (change > far or too_even)),
     )
 
 
@@ -747,11 +747,11 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
         abs(creep),
         f"The fit of the hold alone (eq. 5) allows {100 * MAX_CREEP:.0f} %",
         Remedy("Fit ramp and hold together.", "method", "full"),
-        excused=full,
+        always_passes=full,
     )
 
 
-@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP, grade="note", otherwise="limit below 3.3")
+@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP, grade="note", other_grade="limit below 3.3")
 def hold_outlasts_ramp(test: RampHold) -> Finding:
     """The hold lasts many times as long as the ramp."""
     ratio = test.hold_time / test.ramp_time
@@ -784,7 +784,7 @@ def ramp_sampled(test: RampHold) -> Finding:
     "<=",
     source="7 SE of a tenth of it, or 0.5 % of the force",
     grade="stop",
-    ends=Status.FORCE_RISES,
+    fit_status=Status.FORCE_RISES,
 )
 def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Finding:
     """The force rises in the hold by no more than the model explains.
@@ -806,7 +806,7 @@ def force_relaxes(test: RampHold, solid: GeneralizedMaxwell | None = None) -> Fi
     return Finding(
         "The force does not rise during the hold",
         rise,
-        instead=f"The force rises by {format_quantity(rise, 'mN', '.3g')} during the hold; noise "
+        failure=f"The force rises by {format_quantity(rise, 'mN', '.3g')} during the hold; noise "
         "explains "
         f"{format_quantity(limit, 'mN', '.3g')}. No relaxing part does that",
         remedy="Look for swelling, warming, a plate that creeps, or a sensor that drifts.",

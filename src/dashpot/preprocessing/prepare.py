@@ -53,13 +53,13 @@ from dashpot.signals.clock import is_evenly_sampled
 from dashpot.signals.noise import median_of_three, scatter, without_spikes
 
 # times that a gap and a delay are found, each with the other
-ROUNDS = 3
+MAX_ITERATIONS = 3
 # of the samples of a ramp, to tell a delay from air
-WATCHED = 8000
+MAX_DELAY_SAMPLES = 8000
 # a later clock and less air explain the force better by this deviance
-TOLD = 10.0
+LEAST_DEVIANCE_GAIN = 10.0
 # of the rise of the force: a loading that raises it by less meets no seal
-LEAST_PRESS = 0.01
+LEAST_FORCE_RISE = 0.01
 
 
 def prepare(
@@ -131,53 +131,77 @@ def prepare(
     )
     hold_end, force_range = convert_to_si(hold_end, "time"), convert_to_si(force_range, "force")
     where = test.source.file if test.source is not None else "the record"
-    by = None if filter is None else parse_filter(filter)
-    _refuse_choices(sign=sign, drift=drift, force_range=force_range)
-    motion = _motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
-    clean = without_spikes(test.time, test.force)
+    parsed_filter = None if filter is None else parse_filter(filter)
+    _refuse_options(sign=sign, drift=drift, force_range=force_range)
+    motion = _find_plate_motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
+    despiked_force = without_spikes(test.time, test.force)
     if motion.departure - motion.start < MIN_BASELINE:
-        checks.refuse_late_start(where, *_loaded_and_relaxed(clean, motion))
-    turn = _force_sign(clean, motion) if sign is None else sign
-    x, force = motion.sign * test.displacement, turn * test.force
-    count = test.displacement_quantum
-    gap = _least_gap(count, motion)
+        checks.refuse_late_start(where, *_compute_force_changes(despiked_force, motion))
+    force_sign = _determine_force_sign(despiked_force, motion) if sign is None else sign
+    x, force = motion.sign * test.displacement, force_sign * test.force
+    encoder_step = test.displacement_quantum
+    least_gap = _compute_least_gap(encoder_step, motion)
     machine = machine or Machine()
     if machine.rest is None:
         machine = replace(machine, rest=test.specimen.rested)
     step = median(np.diff(test.time))
-    late = machine.delay_sd(step)
-    before, touch = _touch(
-        test.time, x, turn * clean, motion, provided=contact, least_gap=gap, delay_sd=late
+    delay_sd = machine.delay_sd(step)
+    baseline, touch = _find_contact(
+        test.time,
+        x,
+        force_sign * despiked_force,
+        motion,
+        provided=contact,
+        least_gap=least_gap,
+        delay_sd=delay_sd,
     )
-    pressed = from_contact(test, motion, touch.displacement, doubt=gap)
-    if pressed is not motion:
+    contact_motion = from_contact(test, motion, touch.displacement, doubt=least_gap)
+    if contact_motion is not motion:
         # the plate was first moved through air: the ramp that meets the seal is the first
-        motion = pressed
-        gap = _least_gap(count, motion)
-        before, touch = _touch(
-            test.time, x, turn * clean, motion, provided=contact, least_gap=gap, delay_sd=late
+        motion = contact_motion
+        least_gap = _compute_least_gap(encoder_step, motion)
+        baseline, touch = _find_contact(
+            test.time,
+            x,
+            force_sign * despiked_force,
+            motion,
+            provided=contact,
+            least_gap=least_gap,
+            delay_sd=delay_sd,
         )
-    earlier = _earlier(test, x, turn * clean, motion, (before, touch), provided=contact, late=late)
+    earlier = _find_earlier_loading(
+        test,
+        x,
+        force_sign * despiked_force,
+        motion,
+        (baseline, touch),
+        provided=contact,
+        delay_sd=delay_sd,
+    )
     if earlier is not None:
-        before, touch = earlier.zero, earlier.met_again
-    force, tared = subtract_tare(test.time, force, before, drift=drift, where=where)
-    times = _times(motion, touch, test.time, step, (onset, ramp_end, hold_end))
-    record = _record(test, x, force, motion, touch, times=times, count=count, earlier=earlier)
+        baseline, touch = earlier.baseline, earlier.last_touch
+    force, tare_step = subtract_tare(test.time, force, baseline, drift=drift, where=where)
+    times = _determine_phase_times(motion, touch, test.time, step, (onset, ramp_end, hold_end))
+    record = _build_record(
+        test, x, force, motion, touch, times=times, encoder_step=encoder_step, earlier=earlier
+    )
     # of a long record every channel weighs: these are not needed beside its spectrum
-    del clean, x, force
-    record = _without_hum(record)
-    rise = _risen(record, before, where, pulled=earlier is not None and earlier.bonded)
+    del despiked_force, x, force
+    record = _subtract_hum(record)
+    rise = _compute_force_rise(
+        record, baseline, where, may_pull=earlier is not None and earlier.is_bonded
+    )
     # a force that is the same whenever the plate is away is the cell's own
-    preload = _preload(record, before, touch, rise)
+    preload = _compute_preload(record, baseline, touch, rise)
     if earlier is not None:
         touch = earlier.touch
     machine.refuse_unused(
         "sync", "drift", "compliance", "creep", "force_filter", "rest", of="a ramp and hold"
     )
-    record = _on_the_machine(record, preload, machine)
-    past = None
+    record = _subtract_machine_deflection(record, preload, machine)
+    history = None
     if earlier is not None:
-        record, past = follow_history(record)
+        record, history = follow_history(record)
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
     SIZES["ramp"].refuse(
@@ -185,9 +209,9 @@ def prepare(
         f"{where}: the ramp takes {format_quantity_short(record.ramp_time, 's')}",
         remedy="Check the unit of time: --units time=ms (Python: units='ms, mm, N').",
     )
-    last = record.last_loading
-    raw = slice(motion.stop + 1 - len(last.time), motion.stop + 1)
-    answers = (
+    loading = record.last_loading
+    loading_samples = slice(motion.stop + 1 - len(loading.time), motion.stop + 1)
+    all_checks = (
         []
         if not judged
         else [
@@ -197,59 +221,63 @@ def prepare(
                 requested=cycle is not None,
                 before=presses_before(motion),
             ),
-            checks.baseline_recorded(before),
+            checks.baseline_recorded(baseline),
             checks.contact_found(touch, record.depth, provided=contact is not None),
             checks.preload_absent(
                 preload, rise, moving=earlier is None and motion.cycle.rest is None
             ),
-            checks.overshoot_small(last, moves=motion.cycle.moves),
-            checks.samples_unbroken(last),
-            checks.clock_steady(last, _clock(test.time, motion, hold_end)),
-            checks.spikes_absent(last),
-            checks.readings_not_repeated(last, test.force[raw], test.displacement[raw]),
-            checks.columns_plausible(last),
-            checks.motion_resolved(last),
-            checks.motion_measured(last),
+            checks.overshoot_small(loading, moves=motion.cycle.moves),
+            checks.samples_unbroken(loading),
+            checks.clock_steady(loading, _select_times(test.time, motion, hold_end)),
+            checks.spikes_absent(loading),
+            checks.readings_not_repeated(
+                loading, test.force[loading_samples], test.displacement[loading_samples]
+            ),
+            checks.columns_plausible(loading),
+            checks.motion_resolved(loading),
+            checks.motion_measured(loading),
             *checks.check_temperature(test.specimen),
             *caution_checks(sources_of([test])),
         ]
     )
     if judged:
-        answers += _check_history(record, motion, earlier, past)
+        all_checks += _check_history(record, motion, earlier, history)
     if judged and force_range is not None:
-        answers.append(checks.load_cell_range_used(rise, force_range))
+        all_checks.append(checks.load_cell_range_used(rise, force_range))
     steps = [
-        _make_orientation_step(motion.sign, turn),
+        _make_orientation_step(motion.sign, force_sign),
         _make_segments_step(motion, record),
         _make_contact_step(touch),
-        tared,
+        tare_step,
     ]
     steps += [
         *_make_machine_steps(record.machine),
         _make_ramp_step(record, motion),
         *hum_step(record.hum),
     ]
-    if past is not None:
-        steps.append(_followed_step(record, past, len(presses_before(motion))))
-    record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(answers)))
-    return record if by is None else filter_record(record, by)
+    if history is not None:
+        steps.append(_make_history_step(record, history, len(presses_before(motion))))
+    record = decimate(replace_notes(record, steps=tuple(steps), checks=tuple(all_checks)))
+    return record if parsed_filter is None else filter_record(record, parsed_filter)
 
 
 def _check_history(
     record: RampHold,
     motion: PlateMotion,
-    earlier: _Earlier | None,
-    past: EarlierLoadings | None,
+    earlier: _EarlierLoading | None,
+    history: EarlierLoadings | None,
 ) -> list[Check]:
     """Return the checks of what came before the loading that is fitted, if anything did."""
-    pressed = begins_with_release(motion)
-    if past is not None and earlier is not None:
-        return checks.history_checks(record, past, earlier.met_again, pressed=pressed)
-    nothing = EarlierLoadings(0.0, 0, converged=True)
-    return [checks.history_explained(nothing, broken=False, pressed=True)] if pressed else []
+    begins_loaded = begins_with_release(motion)
+    if history is not None and earlier is not None:
+        return checks.history_checks(record, history, earlier.last_touch, pressed=begins_loaded)
+    no_history = EarlierLoadings(0.0, 0, converged=True)
+    return (
+        [checks.history_explained(no_history, broken=False, pressed=True)] if begins_loaded else []
+    )
 
 
-class _Earlier(NamedTuple):
+class _EarlierLoading(NamedTuple):
     """What came before the loading that is fitted.
 
     Attributes
@@ -267,13 +295,13 @@ class _Earlier(NamedTuple):
     """
 
     touch: Touch
-    met_again: Touch
-    zero: Baseline
-    bonded: bool
-    moves: int
+    last_touch: Touch
+    baseline: Baseline
+    is_bonded: bool
+    first_sample: int
 
 
-def _earlier(
+def _find_earlier_loading(
     test: RelaxationTest,
     x: FloatArray,
     force: FloatArray,
@@ -281,37 +309,58 @@ def _earlier(
     last: tuple[Baseline, Touch],
     *,
     provided: float | None,
-    late: float,
-) -> _Earlier | None:
+    delay_sd: float,
+) -> _EarlierLoading | None:
     """Return what came before the loading that is fitted; None if nothing that pressed the seal."""
-    before, touch = last
+    last_baseline, touch = last
     if not presses_before(motion):
         return None
     peak = float(np.ptp(force[motion.start : motion.stop + 1]))
-    late_hold = slice(motion.cycle.hold.first, motion.stop + 1)
-    noise = scatter(test.time[late_hold], force[late_hold])
-    least = max(8 * noise, LEAST_PRESS * peak)
-    first = first_press(test, motion, force, least=least)
-    if first is None:
+    hold_samples = slice(motion.cycle.hold.first, motion.stop + 1)
+    noise = scatter(test.time[hold_samples], force[hold_samples])
+    least_force = max(8 * noise, LEAST_FORCE_RISE * peak)
+    first_motion = first_press(test, motion, force, least=least_force)
+    if first_motion is None:
         return None
     # of the depth that is fitted: what is too small for it is none of a shallow press
-    gap = _least_gap(test.displacement_quantum, motion)
-    zero, met = _touch(test.time, x, force, first, provided=provided, least_gap=gap, delay_sd=late)
-    moves = first.departure + 1 + int(np.argmax(x[first.departure + 1 :] > met.displacement))
-    tare = zero.level if zero.long_enough else before.level if before.long_enough else 0.0
-    past = slice(moves, motion.departure + 1)
-    bonded = is_bonded(
-        force[past] - tare, x[past] - met.displacement, noise=noise, peak=peak,
-        depth=motion.level - met.displacement,
-    )  # fmt: skip
-    if bonded:
-        return _Earlier(met, Touch(motion.rest, 0.0), zero, True, moves)
+    gap = _compute_least_gap(test.displacement_quantum, motion)
+    baseline, first_touch = _find_contact(
+        test.time, x, force, first_motion, provided=provided, least_gap=gap, delay_sd=delay_sd
+    )
+    first_sample = (
+        first_motion.departure
+        + 1
+        + int(np.argmax(x[first_motion.departure + 1 :] > first_touch.displacement))
+    )
+    tare = (
+        baseline.level
+        if baseline.long_enough
+        else last_baseline.level
+        if last_baseline.long_enough
+        else 0.0
+    )
+    earlier_samples = slice(first_sample, motion.departure + 1)
+    pulls_back = is_bonded(
+        force[earlier_samples] - tare,
+        x[earlier_samples] - first_touch.displacement,
+        noise=noise,
+        peak=peak,
+        depth=motion.level - first_touch.displacement,
+    )
+    if pulls_back:
+        return _EarlierLoading(first_touch, Touch(motion.rest, 0.0), baseline, True, first_sample)
     # in air the force is zero now; on the seal it was before all
-    away = touch.gap > 0 and before.long_enough
-    return _Earlier(met, touch, before if away or not zero.long_enough else zero, False, moves)
+    is_lifted = touch.gap > 0 and last_baseline.long_enough
+    return _EarlierLoading(
+        first_touch,
+        touch,
+        last_baseline if is_lifted or not baseline.long_enough else baseline,
+        False,
+        first_sample,
+    )
 
 
-def _refuse_choices(
+def _refuse_options(
     *, sign: int | None, drift: float | str | None, force_range: float | None
 ) -> None:
     if sign not in {None, 1, -1}:
@@ -322,7 +371,7 @@ def _refuse_choices(
         raise DataError(f"force_range = {force_range!r} N; expected a number > 0")
 
 
-def _motion(
+def _find_plate_motion(
     test: RelaxationTest,
     where: str,
     sign: int | None,
@@ -336,40 +385,48 @@ def _motion(
         )
     if hold_end is not None:
         # what comes after a given end is not there
-        until = int(np.searchsorted(test.time, hold_end, side="right"))
-        if until < 8:
-            raise DataError(f"hold_end = {hold_end:g} s leaves {until} samples; expected 8 or more")
+        sample_count = int(np.searchsorted(test.time, hold_end, side="right"))
+        if sample_count < 8:
+            raise DataError(
+                f"hold_end = {hold_end:g} s leaves {sample_count} samples; expected 8 or more"
+            )
         test = RelaxationTest(
-            test.time[:until], test.displacement[:until], test.force[:until], units="SI"
+            test.time[:sample_count],
+            test.displacement[:sample_count],
+            test.force[:sample_count],
+            units="SI",
         )
     return find_motion(test, where=where, sign=sign, number=cycle)
 
 
-def _clock(time: FloatArray, motion: PlateMotion, hold_end: float | None) -> FloatArray:
+def _select_times(time: FloatArray, motion: PlateMotion, hold_end: float | None) -> FloatArray:
     """The clock that a record of one loading may be asked about: up to where it is cut by hand."""
     if len(motion.cycles) > 1:
         return time[motion.start : motion.stop + 1]
     return time if hold_end is None else time[time <= hold_end]
 
 
-def _loaded_and_relaxed(force: FloatArray, motion: PlateMotion) -> tuple[float, float]:
+def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[float, float]:
     """How far the force goes from its first value in the ramps, and on from there in the hold."""
-    loaded, held = force[motion.start : motion.cycle.hold.first + 1], force[: motion.stop + 1]
+    ramp_force, hold_force = (
+        force[motion.start : motion.cycle.hold.first + 1],
+        force[: motion.stop + 1],
+    )
     first = median(force[motion.start : motion.departure + 1])
-    furthest = float(loaded[np.argmax(np.abs(loaded - first))])
-    last = median(held[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
-    return furthest - first, last - furthest
+    extreme = float(ramp_force[np.argmax(np.abs(ramp_force - first))])
+    last = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
+    return extreme - first, last - extreme
 
 
-def _force_sign(force: FloatArray, motion: PlateMotion) -> int:
+def _determine_force_sign(force: FloatArray, motion: PlateMotion) -> int:
     """1 if the force rises as the plate presses, else -1."""
-    before = median(force[motion.start : motion.departure + 1][-50:])
-    after = force[motion.line.last : motion.stop + 1]
-    furthest = after[np.argmax(np.abs(after - before))]
-    return 1 if furthest >= before else -1
+    rest_force = median(force[motion.start : motion.departure + 1][-50:])
+    loaded_force = force[motion.line.last : motion.stop + 1]
+    extreme = loaded_force[np.argmax(np.abs(loaded_force - rest_force))]
+    return 1 if extreme >= rest_force else -1
 
 
-def _touch(
+def _find_contact(
     time: FloatArray,
     x: FloatArray,
     force: FloatArray,
@@ -380,28 +437,28 @@ def _touch(
     delay_sd: float,
 ) -> tuple[Baseline, Touch]:
     """First contact, and the baseline before it."""
-    still = slice(motion.start, motion.departure + 1)
-    before = baseline_of(time[still], force[still])
+    rest_samples = slice(motion.start, motion.departure + 1)
+    baseline = baseline_of(time[rest_samples], force[rest_samples])
     if provided is not None:
-        at = motion.sign * provided
-        if at >= motion.cycle.hold.level:
+        contact_displacement = motion.sign * provided
+        if contact_displacement >= motion.cycle.hold.level:
             raise DataError(
                 f"contact = {provided:g} m lies at or beyond the held displacement, "
                 f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
             )
-        touch = Touch(at, at - motion.rest)
+        touch = Touch(contact_displacement, contact_displacement - motion.rest)
     else:
         peak = motion.line.last + int(np.argmax(force[motion.line.last : motion.stop + 1]))
-        rising = slice(motion.start, peak + 1)
-        level, noise = before.level, before.noise
-        if not before.long_enough:
-            level = median(force[rising][:5])
-            noise = scatter(time[rising], force[rising])
+        loading_samples = slice(motion.start, peak + 1)
+        level, noise = baseline.level, baseline.noise
+        if not baseline.long_enough:
+            level = median(force[loading_samples][:5])
+            noise = scatter(time[loading_samples], force[loading_samples])
 
         def find_touch(displacement: FloatArray) -> Touch:
             return find_first_contact(
-                displacement[rising],
-                force[rising] - level,
+                displacement[loading_samples],
+                force[loading_samples] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
                 rest=motion.rest,
                 level=motion.cycle.hold.level,
@@ -409,60 +466,66 @@ def _touch(
                 rested=motion.cycle.rest is not None,
             )
 
-        touch = _but_late(time, x, force, motion, find_touch, delay_sd=delay_sd)
+        touch = _correct_delayed_contact(time, x, force, motion, find_touch, delay_sd=delay_sd)
     if touch.gap > 0:
         # half of the air is far enough from contact to be called quiet
         approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap
-        quiet = slice(motion.start, max(motion.start + int(np.argmax(approach)), still.stop))
-        before = baseline_of(time[quiet], force[quiet])
-    return before, touch
+        quiet_samples = slice(
+            motion.start, max(motion.start + int(np.argmax(approach)), rest_samples.stop)
+        )
+        baseline = baseline_of(time[quiet_samples], force[quiet_samples])
+    return baseline, touch
 
 
-def _but_late(
+def _correct_delayed_contact(
     time: FloatArray,
     x: FloatArray,
     force: FloatArray,
     motion: PlateMotion,
-    met: Callable[[FloatArray], Touch],
+    find_touch: Callable[[FloatArray], Touch],
     *,
     delay_sd: float,
 ) -> Touch:
-    """First contact behind air as `met` finds it, less what only the clock of the force makes."""
-    touch = met(x)
+    """Return first contact behind air, corrected for a delay of the force."""
+    touch = find_touch(x)
     if not touch.gap > 0:
         return touch
-    ends = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
-    until = int(np.searchsorted(time, ends[1] + WATCHED_AFTER_RAMP * (ends[1] - ends[0])))
-    until = min(until, motion.stop + 1)
-    watched = slice(motion.start, until, max(1, (until - motion.start) // WATCHED))
+    ramp_corners = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
+    stop = int(
+        np.searchsorted(
+            time, ramp_corners[1] + WATCHED_AFTER_RAMP * (ramp_corners[1] - ramp_corners[0])
+        )
+    )
+    stop = min(stop, motion.stop + 1)
+    selected = slice(motion.start, stop, max(1, (stop - motion.start) // MAX_DELAY_SAMPLES))
 
-    def late_from(contact: float) -> Lateness:
-        pressed = np.maximum(x[watched] - contact, 0.0)
+    def estimate_delay(contact: float) -> Lateness:
+        pressed = np.maximum(x[selected] - contact, 0.0)
         return estimate_contact_delay(
-            time[watched], pressed, force[watched], corners=ends, delay_sd=delay_sd
+            time[selected], pressed, force[selected], corners=ramp_corners, delay_sd=delay_sd
         )
 
-    best, behind = touch, late_from(touch.displacement)
+    best, lateness = touch, estimate_delay(touch.displacement)
     if touch.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
-        at_rest = late_from(motion.rest)
-        if at_rest.deviance < behind.deviance - TOLD:
-            best, behind = Touch(motion.rest, 0.0), at_rest
-    for _ in range(ROUNDS if behind.delay else 0):
+        at_rest = estimate_delay(motion.rest)
+        if at_rest.deviance < lateness.deviance - LEAST_DEVIANCE_GAIN:
+            best, lateness = Touch(motion.rest, 0.0), at_rest
+    for _ in range(MAX_ITERATIONS if lateness.delay else 0):
         # the plate as it was when the force that is read was felt
-        touch = met(np.interp(time - behind.delay, time, x))
-        again = late_from(touch.displacement)
-        if again.deviance > behind.deviance - TOLD:
+        touch = find_touch(np.interp(time - lateness.delay, time, x))
+        new_lateness = estimate_delay(touch.displacement)
+        if new_lateness.deviance > lateness.deviance - LEAST_DEVIANCE_GAIN:
             break
-        best, behind = touch, again
+        best, lateness = touch, new_lateness
     return best
 
 
-def _least_gap(count: float, motion: PlateMotion) -> float:
+def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:
     """Return the smallest air gap worth telling from none, m."""
-    return max(2 * count, 0.005 * (motion.cycle.hold.level - motion.rest))
+    return max(2 * encoder_step, 0.005 * (motion.cycle.hold.level - motion.rest))
 
 
-def _times(
+def _determine_phase_times(
     motion: PlateMotion,
     touch: Touch,
     time: FloatArray,
@@ -486,7 +549,7 @@ def _snap_to_sample(moment: float, time: FloatArray, step: float) -> float:
     return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
 
 
-def _record(
+def _build_record(
     test: RelaxationTest,
     x: FloatArray,
     force: FloatArray,
@@ -494,8 +557,8 @@ def _record(
     touch: Touch,
     *,
     times: tuple[float, float, float],
-    count: float,
-    earlier: _Earlier | None = None,
+    encoder_step: float,
+    earlier: _EarlierLoading | None = None,
 ) -> RampHold:
     """Trim to the loading, or to all up to it, and count compression from first contact."""
     onset, ramp_end, hold_end = times
@@ -513,31 +576,39 @@ def _record(
     else:
         span, touch = slice(0, motion.stop + 1), earlier.touch
         compression = x - touch.displacement
-        compression[: earlier.moves] = 0.0
-    t = test.time
-    held = slice(int(np.searchsorted(t, max(ramp_end, motion.cycle.hold.start))), motion.stop + 1)
-    if held.stop - held.start < 3:
+        compression[: earlier.first_sample] = 0.0
+    time = test.time
+    hold_samples = slice(
+        int(np.searchsorted(time, max(ramp_end, motion.cycle.hold.start))), motion.stop + 1
+    )
+    if hold_samples.stop - hold_samples.start < 3:
         raise DataError(
-            f"{held.stop - held.start} samples lie between the ramp end, {ramp_end:g} s, and the "
-            f"hold end, {hold_end:g} s; expected at least 3"
+            f"{hold_samples.stop - hold_samples.start} samples lie between the ramp end, "
+            f"{ramp_end:g} s, and the hold end, {hold_end:g} s; expected at least 3"
         )
-    late = slice(held.start + (held.stop - held.start) // 10, held.stop)
+    settled_samples = slice(
+        hold_samples.start + (hold_samples.stop - hold_samples.start) // 10, hold_samples.stop
+    )
     return RampHold(
-        time=t[span],
+        time=time[span],
         displacement=set_readonly(compression)[span],
         force=set_readonly(force)[span],
         onset=onset,
         ramp_end=ramp_end,
         hold_end=hold_end,
-        depth=_mean(t[held], compression[held]),
-        force_noise=scatter(t[late], force[late]),
-        displacement_noise=max(scatter(t[late], x[late]), count / 12**0.5),
+        depth=_time_average(time[hold_samples], compression[hold_samples]),
+        force_noise=scatter(time[settled_samples], force[settled_samples]),
+        displacement_noise=max(
+            scatter(time[settled_samples], x[settled_samples]), encoder_step / 12**0.5
+        ),
         contact_error=touch.standard_error,
         specimen=test.specimen,
         source=test.source,
         gap=max(touch.gap, 0.0),
-        loading_start=None if earlier is None else float(t[motion.start]),
-        plate=None if earlier is None or earlier.bonded else set_readonly(compression.copy())[span],
+        loading_start=None if earlier is None else float(time[motion.start]),
+        plate=None
+        if earlier is None or earlier.is_bonded
+        else set_readonly(compression.copy())[span],
     )
 
 
@@ -558,41 +629,45 @@ def _set_broadband_noise(record: RampHold) -> RampHold:
     )
 
 
-def _without_hum(record: RampHold) -> RampHold:
+def _subtract_hum(record: RampHold) -> RampHold:
     """Take the lines of the hold off the whole force, on a uniform clock."""
-    held = record.hold
-    time, force = record.time[held], record.force[held]
+    hold_samples = record.hold
+    time, force = record.time[hold_samples], record.force[hold_samples]
     if not is_evenly_sampled(time):
         return record
     lines, hum, responds = hum_lines(
         record.time,
         without_spikes(time, force),
-        held,
+        hold_samples,
         noise=record.force_noise,
-        displacement=record.displacement[held],
+        displacement=record.displacement[hold_samples],
     )
     if responds:
         record = _set_broadband_noise(record)
     if not lines:
         return record
     force = set_readonly(record.force - hum)
-    late = slice(held.start + (held.stop - held.start) // 10, held.stop)
-    noise = scatter(record.time[late], force[late])
+    settled_samples = slice(
+        hold_samples.start + (hold_samples.stop - hold_samples.start) // 10, hold_samples.stop
+    )
+    noise = scatter(record.time[settled_samples], force[settled_samples])
     return replace(record, force=force, force_noise=noise, hum=lines)
 
 
-def _mean(time: FloatArray, values: FloatArray) -> float:
+def _time_average(time: FloatArray, values: FloatArray) -> float:
     """Return mean over time, whatever the sampling."""
     steps = np.diff(time)
     return float(steps @ (values[1:] + values[:-1]) / (2 * steps.sum()))
 
 
-def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = False) -> float:
+def _compute_force_rise(
+    record: RampHold, baseline: Baseline, where: str, *, may_pull: bool = False
+) -> float:
     """Return the peak of the force over its baseline, N, on one side of zero."""
-    loaded = record.force[np.searchsorted(record.time, record.onset) :]
-    start = 0.0 if before.long_enough else float(record.force[0])
-    loaded = median_of_three(loaded) if len(loaded) > 50 else loaded
-    peak, least = float(loaded.max()) - start, float(loaded.min()) - start
+    loaded_force = record.force[np.searchsorted(record.time, record.onset) :]
+    start = 0.0 if baseline.long_enough else float(record.force[0])
+    loaded_force = median_of_three(loaded_force) if len(loaded_force) > 50 else loaded_force
+    peak, least = float(loaded_force.max()) - start, float(loaded_force.min()) - start
     if peak <= 8 * record.force_noise:
         raise DataError(
             f"{where}: the force does not rise while the plate presses (by "
@@ -601,7 +676,7 @@ def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = Fal
             "unit and "
             "the sign"
         )
-    if before.long_enough and not pulled and least < -max(8 * record.force_noise, 0.1 * peak):
+    if baseline.long_enough and not may_pull and least < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
             f"{where}: the force has mixed signs: between onset and hold end it rises to "
             f"{peak:.4g} N above its baseline and falls to {-least:.4g} N below it; a pressed seal "
@@ -610,17 +685,17 @@ def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = Fal
     return peak
 
 
-def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> float:
+def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: float) -> float:
     """Return what the load cell carries at the start in contact; an air gap carries nothing."""
     if touch.gap > 0:
         return 0.0
-    if before.long_enough:
-        return before.level if abs(before.level) > checks.MAX_PRELOAD * rise else 0.0
+    if baseline.long_enough:
+        return baseline.level if abs(baseline.level) > checks.MAX_PRELOAD * rise else 0.0
     first = float(record.force[0])
     return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
 
 
-def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampHold:
+def _subtract_machine_deflection(record: RampHold, preload: float, machine: Machine) -> RampHold:
     """Return the record of that machine: its give, C F, is off displacement and depth."""
     if not machine.compliance:
         return replace(record, preload=preload, machine=machine)
@@ -628,13 +703,13 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     force = record.force
     if record.force_noise > 0:
         force, _ = denoise_values(force, record.force_noise)
-    pressed = record.displacement > 0
-    deflection = np.where(pressed, machine.compliance * (force - preload), 0.0)
-    sank = _mean(record.time[record.hold], deflection[record.hold])
-    if not sank < record.depth:
+    is_compressed = record.displacement > 0
+    deflection = np.where(is_compressed, machine.compliance * (force - preload), 0.0)
+    held_deflection = _time_average(record.time[record.hold], deflection[record.hold])
+    if not held_deflection < record.depth:
         raise DataError(
             f"a machine of {format_quantity(machine.compliance, 'um/N')} gives "
-            f"{format_quantity(sank, 'mm')} under "
+            f"{format_quantity(held_deflection, 'mm')} under "
             f"the force of the hold, and the plate moved {format_quantity(record.depth, 'mm')}; "
             "check the "
             "unit of the compliance"
@@ -643,22 +718,23 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
         record,
         displacement=record.displacement - deflection,
         plate=None if record.plate is None else record.plate - deflection,
-        depth=record.depth - sank,
+        depth=record.depth - held_deflection,
         preload=preload,
         machine=machine,
         machine_deflection=deflection,
     )
 
 
-def _followed_step(record: RampHold, past: EarlierLoadings, many: int) -> Step:
-    face = (
+def _make_history_step(record: RampHold, history: EarlierLoadings, count: int) -> Step:
+    surface_text = (
         "the seal is bonded, or the plate never left it: it moves as the plate does"
         if record.plate is None
-        else f"where the plate is away the seal recovers under no force, as a solid of {past.arms} "
-        f"arm{'s' * (past.arms != 1)} does"
+        else "where the plate is away the seal recovers under no force, as a solid of "
+        f"{history.arms} arm{'s' * (history.arms != 1)} does"
     )
-    message = f"{many} earlier loading{'s' * (many != 1)} followed from the first sample on; {face}"
-    return Step("history", (("loadings", str(many)), ("misfit", f"{past.misfit:.4g}")), message)
+    loadings = f"{count} earlier loading{'s' * (count != 1)}"
+    message = f"{loadings} followed from the first sample on; {surface_text}"
+    return Step("history", (("loadings", str(count)), ("misfit", f"{history.misfit:.4g}")), message)
 
 
 def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:

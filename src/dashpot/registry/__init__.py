@@ -136,16 +136,16 @@ SOLVER_NAMES: Mapping[str, str] = MappingProxyType(
 """Each name and synonym of a solver, in lower case, with its name."""
 
 FIT_FILES = "dashpot.workflow.bench_tests:fit_files"
-RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.place in {"response", "base"})
+RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.app_section in {"response", "base"})
 """Kinds that are what a mass on its seals does, over frequency."""
 
-_NOUNS = {name: kind for kind in KINDS.values() for name in kind.nouns}
+_NOUNS = {name: kind for kind in KINDS.values() for name in kind.classes}
 _HANDLERS: dict[str, dict[str, str]] = {}
 for _extension in EXTENSIONS:
     for _task, _words in _extension.handlers.items():
         _HANDLERS.setdefault(_task, {}).update(_words)
 FIGURES = {
-    name: figure for kind in KINDS.values() for name, figure in kind.nouns.items()
+    name: figure for kind in KINDS.values() for name, figure in kind.classes.items()
 } | _HANDLERS.get("figure", {})
 """What draws each record and result."""
 
@@ -188,12 +188,14 @@ def list_names(task: str) -> tuple[str, ...]:
 
 def find_kinds_by_option(option: str) -> str:
     """Return the kinds with a fit of their own that takes an option, as the help wants them."""
-    unrecognised = {kind.also for kind in KINDS.values()}
+    unrecognised = {kind.alternative_kind for kind in KINDS.values()}
     return " ".join(
         kind.name
         for kind in KINDS.values()
         if kind.name not in unrecognised
-        and (option in kind.takes or (kind.name in FITS and option in FITS[kind.name].options))
+        and (
+            option in kind.fit_options or (kind.name in FITS and option in FITS[kind.name].options)
+        )
     )
 
 
@@ -217,7 +219,7 @@ def page_of(result: object) -> Any:
 def asks_of(name: str) -> tuple[FormField, ...]:
     """Return the app's form for the files of a kind."""
     kind = KINDS.get(name)
-    return load_object(f"{kind.panel}:ASKS") if kind is not None and kind.panel else ()
+    return load_object(f"{kind.app_form}:ASKS") if kind is not None and kind.app_form else ()
 
 
 def _type_name(kind: type) -> str:

@@ -15,8 +15,8 @@ EXTENSION = Extension(
     "core",
     kinds=(
             KindOfTest(
-                "relaxation", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.workflow.bench_tests:fit_files", place="test", meant="bench",
-                nouns={
+                "relaxation", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.workflow.bench_tests:fit_files", app_section="test", fit_route="bench",
+                classes={
                     "dashpot.datamodel.relaxation:RelaxationTest": "",
                     "dashpot.datamodel.relaxation:RampHold": "dashpot.plot.relaxation:segments",
                 },
@@ -31,8 +31,8 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "impact", "dashpot.reading.readers.impact:read_impact", "dashpot.workflow.measured_frf:impact_files",
-                place="hammer", lot_hint=_PAIR, resonates=True, meant="hits",
-                nouns={"dashpot.datamodel.vibration_tests:ImpactTest": ""},
+                app_section="hammer", lot_hint=_PAIR, resonates=True, fit_route="hits",
+                classes={"dashpot.datamodel.vibration_tests:ImpactTest": ""},
                 pages={
                     "dashpot.workflow.measured_frf:Modes": "dashpot.report.solid_and_frf_pages:modes_page",
                     "dashpot.workflow.frf_comparison:FRFComparison": "dashpot.report.solid_and_frf_pages:agreement_page",
@@ -41,13 +41,13 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "frf", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.modes.measured_modes:modes_files",
-                place="response", lot_hint=_PAIR, resonates=True, meant="modes", also="rod",
-                nouns={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
+                app_section="response", lot_hint=_PAIR, resonates=True, fit_route="modes", alternative_kind="rod",
+                classes={"dashpot.datamodel.frf:FRF": "dashpot.plot.frf_figure:frf"},
                 checks="dashpot.extensions.modes.checks", order=2,
         ),
             KindOfTest(
                 "transmissibility", "dashpot.reading.readers.frf:read_frf",
-                "dashpot.extensions.modes.measured_modes:modes_files", place="base", meant="modes", also="rod", order=3,
+                "dashpot.extensions.modes.measured_modes:modes_files", app_section="base", fit_route="modes", alternative_kind="rod", order=3,
         ),
     ),
     handlers={

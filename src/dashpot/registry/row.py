@@ -53,84 +53,82 @@ class KindOfTest(NamedTuple):
     Attributes
     ----------
     name : str
-        As a file is recognised; of a test that is said to be one, such as a rod, its command.
+        Name by which a file is recognised; for one that the user names, such as a rod, its command.
     reader : str
-        From a file to its record.
+        Function that reads a file.
     fit : str
-        From files to what is found; empty where nothing is.
-    nouns : mapping of str to str
-        Records and results that are of this kind alone, each with its figure, if it has one; those
-        with a schema are read back from their documents.
-    meant : str
-        What its files are fitted as, if nothing else is given: a word of
-        :mod:`dashpot.workflow.fit_routing`; empty of what is not fitted.
+        Function that fits files; empty if there is none.
+    classes : mapping of str to str
+        Classes of records and results of this kind alone, and for each the function that draws its
+        figure, or an empty text. Those with a schema are read back from documents.
+    fit_route : str
+        Route of :mod:`dashpot.workflow.fit_routing` by default; empty if it is not fitted.
     checks : str
-        The module of what it is asked.
-    place : str
-        Where the app takes it: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
-        force) and ``"base"`` (to a motion), that or one of several levels, ``"bench"`` and
-        ``"level"`` fitted by themselves, ``"judged"`` too, by their kind alone, ``"part"`` of a
-        door; empty where it does not.
+        Module of its criteria.
+    app_section : str
+        Section of the app: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
+        force), ``"base"`` (to a motion), ``"bench"`` and ``"level"`` fitted by themselves,
+        ``"judged"``, fitted by the kind alone, ``"part"`` of a door; empty if the app has none.
     pages : mapping of str to str
-        Results of this kind whose page is laid out by hand, each with what does it.
-    panel : str
-        The module of what the app asks of it beside its files (``ASKS``), and of its fit by what
-        was answered (``answered``); empty where nothing is asked.
-    also : str
-        The kind that no file says it is, as which one of this kind may be taken.
-    alone : bool
+        Result classes with a page of their own, and the function that renders it.
+    app_form : str
+        Module with the form fields of the app (``ASKS``) and the fit from their values
+        (``answered``); empty if there are no fields.
+    alternative_kind : str
+        Kind as which the user may take a file of this one, such as a rod.
+    takes_one_file : bool
         Whether its fit takes one file.
-    row : str
-        Its own row in a lot: from a file and what is known of its specimen to result and numbers.
+    lot_row : str
+        Function from a file and its specimen to result and numbers of a row in a lot.
     columns : tuple of str
-        Which no other kind has, of that row.
-    needs : str
-        What has to be known of the specimen before.
+        Columns of that row which no other kind has.
+    required_value : str
+        Value of the specimen that the row needs.
     lot_hint : str
-        In a lot, which word it waits for; by default who wants it.
+        Message of a lot without that value; by default which command takes the file.
     resonates : bool
         Whether a lot finds a resonance in the file alone.
     examples : str
-        Its example files, each with a caption and what writes it.
+        Mapping of its example files.
     fits : str
-        From records to what is found, where the fit of a kind takes no more than `takes`.
-    said_by : str
-        The option of ``dashpot fit`` that says files to be of it, where they do not show it.
-    takes : tuple of str
-        What of the options of ``dashpot fit`` its fit takes.
+        Function that fits records by `fit_options` alone; plug-ins name it so in their TOML file.
+    kind_option : str
+        Option of ``dashpot fit`` that selects the kind where the file does not show it.
+    fit_options : tuple of str
+        Options of ``dashpot fit`` that its fit takes.
     predict : str
-        From what was found, and what `asked` holds, to a result, where it predicts by itself.
-    asked : str
-        The dataclass whose fields are the options of ``dashpot predict`` for it alone.
-    follow : str
-        What is typed next; FILE stands for where the fit was kept.
+        Function that predicts from a result and its `predict_options`.
+    predict_options : str
+        Dataclass of the options of ``dashpot predict`` for it alone.
+    next_command : str
+        Command to run next; FILE stands for the saved fit.
     order : int
-        Where it stands among all kinds: the order of columns and of examples.
+        Position among all kinds, in columns and examples.
     """
 
     name: str
     reader: str = ""
     fit: str = ""
-    nouns: Mapping[str, str] = _NONE
-    meant: str = ""
+    classes: Mapping[str, str] = _NONE
+    fit_route: str = ""
     checks: str = ""
-    place: Place = ""
+    app_section: Place = ""
     pages: Mapping[str, str] = _NONE
-    panel: str = ""
-    also: str = ""
-    alone: bool = False
-    row: str = ""
+    app_form: str = ""
+    alternative_kind: str = ""
+    takes_one_file: bool = False
+    lot_row: str = ""
     columns: tuple[str, ...] = ()
-    needs: str = ""
+    required_value: str = ""
     lot_hint: str = ""
     resonates: bool = False
     examples: str = ""
     fits: str = ""
-    said_by: str = ""
-    takes: tuple[str, ...] = ()
+    kind_option: str = ""
+    fit_options: tuple[str, ...] = ()
     predict: str = ""
-    asked: str = ""
-    follow: str = ""
+    predict_options: str = ""
+    next_command: str = ""
     order: int = 0
 
 
@@ -232,58 +230,68 @@ class Extension(NamedTuple):
     name : str
     kinds : tuple of KindOfTest
     handlers : mapping of str to mapping of str to str
-        For a task, the function that does it for a type (``"package.module:Class"``) or for a
-        name.
+        Function of each task, by type (``"package.module:Class"``) or name:
 
-        Of a result: ``"text"``, ``"figure"``, ``"page"`` (what its page holds), ``"html"`` (a
-        page of its own look), ``"export"`` (the input of a solver), ``"deck terms"`` (what the
-        solver inputs on its page are asked for), ``"document"`` (the class of a schema), ``"read
-        document"`` (fields of that class, or of one without a schema by its name, from its
-        values), ``"write frf"`` (to bytes, by the ending of a file), ``"lot columns"`` (what
-        the row of a lot lists), ``"solver input"`` (what writes that of a plug-in),
-        ``"procedures"`` (under which of a solver a deck was run), ``"part text"``,
-        ``"part page"``, ``"deck header"``, ``"deck remarks"`` and ``"shift table"`` (of a result,
-        by the type of its part that an extension made).
-
-        Of figures: ``"plot"`` (a figure of `dashpot.plot` by its name), ``"fit figure"`` (of a
-        fit and a record, or the tests of its temperatures), ``"pole figure"`` (of a measured
-        FRF).
-
-        Of files: ``"former document"`` (what ``"convert"`` and ``"name schema"`` make of a
-        document and of a schema of an earlier version), ``"read"`` (of a kind that is no
-        record, or a table in memory by its type), ``"inspect"`` (such a table), ``"make
-        records"`` (of tables or arrays in memory by the type of the first, with the options
-        of a fit), ``"read record"`` (one whose reader asks for more), ``"read several"`` (of
-        one kind, or of a base that is shaken), ``"roles"`` (of the columns of a kind),
-        ``"table rule"`` (whether a table is of a kind), ``"calibrate"`` (a table by a file of
-        its maker), ``"mounts"`` (of a line of seals), ``"stations"`` (of the seal in a file),
-        ``"keep"`` (a job and its report, in a folder).
-
-        Of fits: ``"fit records"`` (tests of a bench of which one is of the type), ``"fit at
-        several temperatures"`` (prepared tests, by the type of the first), ``"fit at several
-        depths"`` (prepared tests, one law of stiffness over depth), ``"fit complex modulus"``
-        (from frequencies and moduli to a model), ``"estimate frf"`` (of a record, with its checks
-        and modes), ``"leave one out"`` (the hits behind a fit), ``"process capability"`` (of
-        values between two limits).
-
-        Of predictions: ``"predict"`` (from a model), ``"predict with option"``, ``"predict with
-        sweep"``, ``"read sweep"``, ``"predict at levels"`` (from a fit), ``"random base"`` (what
-        a base that shakes at random does to a ``"mass"`` on seals, or to a ``"system"`` of
-        bodies), ``"compare"`` (two of a type), ``"simulated record"`` (of a virtual test, through
-        an instrument), ``"plan repeats"`` and ``"planned rows"`` (of a test that is repeated at
-        other temperatures).
-
-        Of commands: ``"compare files"``, ``"predict file"``, ``"export with option"`` (what
-        `export` writes otherwise where an option asks for it), ``"options"`` (those
-        that it has besides), ``"option groups"`` (those under titles of their own), ``"files
-        beside"`` (those that `simulate` writes beside its record).
-
-        Of the app: ``"job"`` (its class, by a name), ``"fit job"`` (a job to its result and its
-        `JobPage`), ``"figure cards"`` (of
-        a result, in place of its picture), ``"file row"`` (what the list of files says of a
-        suffix), ``"predict open files"`` (of a kind that is not fitted), ``"recorder"`` (a device
-        by its driver), ``"record"`` (to a file), ``"open folder"`` (the last job kept in one, and
-        what finds its files).
+        ==============================  =================================================
+        task                            returns
+        ==============================  =================================================
+        text                            text in a terminal, by type
+        figure                          figure, by type
+        page                            content of its page
+        html                            page with a layout of its own
+        export                          solver input from a result
+        deck terms                      options of the solver inputs on its page
+        document                        class of a schema
+        read document                   field values of a class from a document
+        write frf                       bytes of an FRF, by file suffix
+        lot columns                     numbers in a row of a lot
+        solver input                    writer of a plug-in's solver input
+        procedures                      solver procedures under which a deck was run
+        part text, part page            part of a result that an extension made, by its type
+        deck header, deck remarks       lines of a solver input on such a part
+        shift table                     rows of shift factors, by the type of that part
+        plot                            figure of `dashpot.plot`, by name
+        fit figure                      figure of a fit and its record or temperatures
+        pole figure                     figure of the poles of a measured FRF
+        former document                 present form of a former document or schema
+        read                            reader of a kind that is no record, or of a table in memory
+        inspect                         description of such a table
+        make records                    records from tables or arrays in memory
+        read record                     reader that needs options of its own
+        read several                    reader of several files of one kind, or of a base excitation
+        roles                           roles of the columns of a kind
+        table rule                      whether a table is of a kind
+        calibrate                       table corrected by a calibration file
+        mounts                          mounts of a seal line
+        stations                        stations of the seal in a file
+        keep                            job and report saved in a folder
+        fit records                     fit of bench tests, one of the type
+        fit at several temperatures     fit of prepared tests
+        fit at several depths           fit of one stiffness law over depth
+        fit complex modulus             model from frequencies and moduli
+        estimate frf                    FRF of a record, with checks and modes
+        leave one out                   hits of a fit, for leave-one-out
+        process capability              indices of values between two limits
+        predict                         prediction from a model
+        predict with option             the same where an option asks
+        predict with sweep, read sweep  with a strain sweep; its reader
+        predict at levels               FRFs of a fit at several amplitudes
+        random base                     response of a ``"mass"`` or a ``"system"`` to a random base
+        compare                         comparison of two results of a type
+        simulated record                record of a simulated instrument
+        plan repeats, planned rows      plan of a test repeated at other temperatures
+        compare files                   comparison of two files
+        predict file                    prediction from a file
+        export with option              output of `export` where an option asks
+        options, option groups          additional options; those under titles of their own
+        files beside                    additional files of `simulate`
+        job, fit job                    class of a job; its result and `JobPage`
+        figure cards                    cards in place of a picture
+        file row                        entry of a file in the list
+        predict open files              prediction for a kind without a fit
+        recorder, record                device by its driver; recording to a file
+        open folder                     last job of a folder
+        ==============================  =================================================
     fits : tuple of FitRow
         Fits that records may mean.
     commands : tuple of Command

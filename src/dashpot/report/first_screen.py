@@ -283,7 +283,7 @@ def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
 
 def _row(answer: Answer) -> Row:
     measured = "" if answer.measured_fact is None else answer.measured_fact.cells.value
-    return Row(_name(answer), *answer.fact.ends, answer.fact.word, measured, answer.bound)
+    return Row(_name(answer), *answer.fact.cell_texts, answer.fact.word, measured, answer.bound)
 
 
 def _name(answer: Answer) -> str:
@@ -330,7 +330,7 @@ def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
     """Decks of one recommended seal; a solid that hardens is written as the mass feels it."""
     if not recommendation.recommended:
         return ()
-    bent = recommendation.point is not None and not recommendation.point.linear
+    bent = recommendation.point is not None and not recommendation.point.is_linear
     return page_frame.decks(
         recommendation.solid,
         recommendation.point.compression if recommendation.point and bent else None,
@@ -422,7 +422,7 @@ def _end(recommendation: Recommendation) -> str:
 def _resting(study: Study) -> str:
     """Return where the mass rests, if that makes a difference."""
     rests = study.static_equilibrium
-    if rests is None or rests.point.linear:
+    if rests is None or rests.point.is_linear:
         return ""
     tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
     here, there = (

@@ -140,7 +140,7 @@ def row(fact: ReportedValue, name: str = "") -> Row:
     """Return a number as the table has it: value, from, to, unit."""
     certain = fact.has_interval and fact.error != 0
     cells = fact.cells
-    value, low, high = fact.ends if certain else (cells.value, "", "")
+    value, low, high = fact.cell_texts if certain else (cells.value, "", "")
     low = UNKNOWN if not fact.has_interval and cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.is_upper_bound else value

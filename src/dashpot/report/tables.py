@@ -352,7 +352,9 @@ def resonance(study: Study) -> TextTable | None:
         (f"measured: {message}", *_mode_cells(measured, way, c)) for way, message in ways.items()
     ]
     rests = study.static_equilibrium
-    compression = rests.point.compression if rests is not None and rests.point.given else None
+    compression = (
+        rests.point.compression if rests is not None and rests.point.is_compression_given else None
+    )
     for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
         on = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)

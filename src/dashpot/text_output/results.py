@@ -175,7 +175,7 @@ def _format_elastic_law(fit: Fit) -> list[str]:
         f"secant {format_quantity(law.stiffness, 'N/mm')} at "
         f"{format_quantity(law.depth, 'mm', '.3g')}; "
     )
-    noise = "" if fit.estimate.of_noise is None else f" ({get_error_label(fit)})"
+    noise = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
     before = "" if fit.evidence.stiffness_by_depth else secant
     return [f"  elastic     {before}tangent{noise} {_law(law)}"]
 

@@ -34,7 +34,7 @@ def mass_of_a_block(mass: float) -> Finding:
 
 
 @criterion(
-    "compression / tested depth", "<=", 1.0, "the depth of the test", otherwise="stop beyond 3"
+    "compression / tested depth", "<=", 1.0, "the depth of the test", other_grade="stop beyond 3"
 )
 def compression_tested(compression: float, depth: float | None) -> Finding:
     """The seals are compressed no further than in their test."""
@@ -45,7 +45,7 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
     return Finding(
         f"{message}, within the {format_quantity(depth, 'mm', '.3g')} tested",
         part,
-        instead=f"{message}, {part:.3g} times the {format_quantity(depth, 'mm', '.3g')} tested",
+        failure=f"{message}, {part:.3g} times the {format_quantity(depth, 'mm', '.3g')} tested",
         remedy=Remedy("Check the mass and its unit, or test as deep.", "mass"),
         grade="stop" if part > MOST_BEYOND else "limit",
     )
@@ -62,5 +62,5 @@ def stiffness_causal(implied: float, measured: float, *, error: float, peak: flo
         "Mass, gain or phase of the channels is wrong, or another mode is near",
         "Check the mass, and the calibration of both channels.",
         limit=measured,
-        faulted=not near,
+        always_fails=not near,
     )

@@ -61,7 +61,7 @@ class MassOnSeals:
         """The mass, seals and compression as arguments of what predicts or identifies them."""
         return {"mass": self.mass, "seals": self.seals, "compression": self.compression}
 
-    def scaled_down(self, scale: float) -> MassOnSeals:
+    def divide_masses(self, scale: float) -> MassOnSeals:
         """Return masses so many times as small on the same seals."""
         return replace(self, mass=self.mass / scale, coupled=self.coupled / scale)
 
@@ -88,8 +88,8 @@ class OperatingPoint:
     depth: float | None
     factor: float = 1.0
     factor_se: float = 0.0
-    linear: bool = True
-    given: bool = False
+    is_linear: bool = True
+    is_compression_given: bool = False
 
     @property
     def is_extrapolated(self) -> bool:
@@ -98,17 +98,17 @@ class OperatingPoint:
 
     def solid(self, fit: Fit) -> Solid:
         """One seal as small vibration feels it."""
-        return fit.solid if self.linear else self.factor * fit.solid
+        return fit.solid if self.is_linear else self.factor * fit.solid
 
 
-def operating_point(fit: Fit, on: MassOnSeals) -> OperatingPoint:
+def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
     r"""The compression of a mass's weight, or one given, and the tangent there.
 
     Parameters
     ----------
     fit : Fit
         Of one seal.
-    on : MassOnSeals
+    load : MassOnSeals
 
     Raises
     ------
@@ -116,7 +116,7 @@ def operating_point(fit: Fit, on: MassOnSeals) -> OperatingPoint:
         If a number cannot be, the fit is of a material, no compression carries the weight, or
         the seal would be pressed beyond its height or ten times as deep as it was tested.
     """
-    mass, seals, compression = on.mass, on.seals, on.compression
+    mass, seals, compression = load.mass, load.seals, load.compression
     require_positive(mass=mass, seals=seals)
     require_positive(compression=compression, optional=True)
     if fit.unit != "N/m":
@@ -125,38 +125,38 @@ def operating_point(fit: Fit, on: MassOnSeals) -> OperatingPoint:
             'shape: --shape disc:20mm,20mm (Python: fit.part("disc:20mm,20mm"))'
         )
     law, provided = fit.elastic_law, compression is not None
-    bent = law is not None and law.kind != "linear"
+    is_nonlinear = law is not None and law.kind != "linear"
     if compression is None:
         k_inf = fit.model.k_inf
         compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
-        if law is not None and bent:
+        if law is not None and is_nonlinear:
             compression = law.compression(mass * GRAVITY / seals)
     require_plausible_compression(
         compression, law, fit.specimen.height, carried=None if provided else mass / seals
     )
-    if law is None or not bent:
+    if law is None or not is_nonlinear:
         depth = None if law is None else law.depth
-        return OperatingPoint(float(compression), depth, given=provided)
+        return OperatingPoint(float(compression), depth, is_compression_given=provided)
     factor, error = float(law.factor(compression)), float(law.factor_se(compression))
     return OperatingPoint(
-        float(compression), law.depth, factor, error, linear=False, given=provided
+        float(compression), law.depth, factor, error, is_linear=False, is_compression_given=provided
     )
 
 
 # Mass on a viscoelastic solid: poles, FRF, and effect of a finite record.
 
 
-ROUNDING = 1e-14
+FREQUENCY_TOLERANCE = 1e-14
 """A frequency that falls by no more, relatively, has been found."""
 _REAL = 1e-9
 """An imaginary part of no more, relatively, is that of a real pole."""
-_STEPS, _THERE, _CLOSE = 30, 1e-12, 1e-6
+_MAX_NEWTON_STEPS, _POLE_TOLERANCE, _POLE_SEPARATION = 30, 1e-12, 1e-6
 """Of Newton to a pole: at most; what needs no step; what a pole that settled leaves, relatively."""
-LINES, REACH = 4001, 10.0
+LINES, FREQUENCY_FACTOR = 4001, 10.0
 """Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
-OUT_OF_SIGHT = 1e-6
+NEGLIGIBLE_PART = 1e-6
 """Part of its stiffness by which an arm may differ from a dashpot, or from a spring, and be one."""
-DIED = 50.0
+MAX_DECAY = 50.0
 """Folds of decay after which nothing of a motion is left."""
 
 
@@ -216,7 +216,11 @@ def predict_frf(
         model = _apply_temperature(model, temperature)
     model = _assemble_seals(model, mass, seals, compression)
     _refuse_sag(model, mass)
-    f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
+    f = (
+        _default_frequencies(model.k_0, mass)
+        if frequency is None
+        else samples("frequency", frequency)
+    )
     s = 2j * np.pi * f + shift
     stiffness = model.stiffness_at(s)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -250,7 +254,7 @@ def isolation_frequency(model: Solid, mass: float) -> float:
     require_positive(mass=mass, unit=" kg")
     arms = model.maxwell
     omega, last = float(np.sqrt(2 * (arms.k_inf + sum(arms.k)) / mass)), np.inf
-    while omega < last * (1 - ROUNDING):
+    while omega < last * (1 - FREQUENCY_TOLERANCE):
         stiffness = float(arms.complex_stiffness(omega=np.array([omega])).real[0])
         omega, last = float(np.sqrt(2 * max(stiffness, 0.0) / mass)), omega
     return omega / (2 * np.pi)
@@ -294,17 +298,17 @@ def _assemble_seals(
     return model
 
 
-def _lines(stiffness: float, mass: float) -> FloatArray:
+def _default_frequencies(stiffness: float, mass: float) -> FloatArray:
     """Return lines about the highest frequency that the peak can have."""
     if not (np.isfinite(stiffness) and stiffness > 0):
         raise DataError(
             "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
         )
-    top = highest_peak(stiffness, mass)
-    return np.geomspace(top / REACH, top * REACH, LINES)
+    top = compute_peak_limit(stiffness, mass)
+    return np.geomspace(top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR, LINES)
 
 
-def highest_peak(stiffness: float, mass: float) -> float:
+def compute_peak_limit(stiffness: float, mass: float) -> float:
     r"""Return the frequency, Hz, that the peak of a mass cannot pass: :math:`\sqrt{k_0/m}/2\pi`.
 
     `stiffness`, N/m, is that of all the seals together at high frequency, `mass` in kg.
@@ -363,22 +367,24 @@ def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
     twice.
     """
 
-    def off(p: ComplexArray) -> ComplexArray:
+    def evaluate_characteristic(p: ComplexArray) -> ComplexArray:
         return np.asarray(mass * p**2 + model.stiffness_at(p))
 
     p = p[p != 0]
-    for _ in range(_STEPS):
-        away = np.abs(off(p)) > _THERE * np.abs(mass * p**2)
-        if not away.any():
+    for _ in range(_MAX_NEWTON_STEPS):
+        is_unsettled = np.abs(evaluate_characteristic(p)) > _POLE_TOLERANCE * np.abs(mass * p**2)
+        if not is_unsettled.any():
             break
-        updated = p - off(p) / (2 * mass * p + model.slope_at(p))
-        p = np.where(away & np.isfinite(updated), updated, p)
-    still = np.abs(off(p)) <= _CLOSE * np.abs(mass * p**2)
-    values = p[still & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
-    first = [
-        i for i, value in enumerate(values) if not (np.abs(values[:i] / value - 1) < _CLOSE).any()
+        updated = p - evaluate_characteristic(p) / (2 * mass * p + model.slope_at(p))
+        p = np.where(is_unsettled & np.isfinite(updated), updated, p)
+    is_settled = np.abs(evaluate_characteristic(p)) <= _POLE_SEPARATION * np.abs(mass * p**2)
+    values = p[is_settled & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
+    distinct = [
+        i
+        for i, value in enumerate(values)
+        if not (np.abs(values[:i] / value - 1) < _POLE_SEPARATION).any()
     ]
-    return np.asarray(values[first])
+    return np.asarray(values[distinct])
 
 
 def poles(model: Solid, mass: float) -> ComplexArray:
@@ -406,14 +412,14 @@ def ringing_pole(model: Solid, mass: float) -> complex:
     return complex(values[np.argmax(values.imag)])
 
 
-def residues(model: Solid, mass: float, at: ComplexArray) -> ComplexArray:
+def residues(model: Solid, mass: float, pole: ComplexArray) -> ComplexArray:
     r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
-    slope = model.slope_at(at)
+    slope = model.slope_at(pole)
     # an arm too weak to shift its own pole has an infinite slope there, and no residue
     finite = np.isfinite(slope)
-    values = np.zeros(len(at), dtype=complex)
-    values[finite] = 1 / (2 * mass * at[finite] + slope[finite])
-    return values
+    residue = np.zeros(len(pole), dtype=complex)
+    residue[finite] = 1 / (2 * mass * pole[finite] + slope[finite])
+    return residue
 
 
 def accelerance(
@@ -434,7 +440,7 @@ def accelerance(
     return Response(model, mass, np.asarray(s, dtype=complex), record, pulse).accelerance
 
 
-class Lost(NamedTuple):
+class TruncationLoss(NamedTuple):
     """Loss of a response by the end of its record, pole by pole.
 
     Attributes
@@ -447,8 +453,8 @@ class Lost(NamedTuple):
 
     p: ComplexArray
     residue: ComplexArray
-    size: ComplexArray
-    bend: ComplexArray
+    amplitude: ComplexArray
+    curvature: ComplexArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -481,44 +487,46 @@ class Response:
     @cached_property
     def accelerance(self) -> ComplexArray:
         """Shape (n,), 1/kg."""
-        whole, lost = self.s**2 * self.receptance, self._truncation_loss
-        if lost is None:
-            return np.asarray(whole)
-        return np.asarray(whole - (lost.size / (self.s[:, None] - lost.p)).sum(axis=1) * self._end)
+        untruncated, loss = self.s**2 * self.receptance, self._truncation_loss
+        if loss is None:
+            return np.asarray(untruncated)
+        return np.asarray(
+            untruncated - (loss.amplitude / (self.s[:, None] - loss.p)).sum(axis=1) * self._end
+        )
 
     def slope(
         self,
-        at_lines: ComplexArray,
-        at_poles: Callable[[Lost], tuple[ComplexArray, ComplexArray]],
+        line_slopes: ComplexArray,
+        evaluate_pole_slopes: Callable[[TruncationLoss], tuple[ComplexArray, ComplexArray]],
     ) -> ComplexArray:
         """Return derivative of the accelerance by some parameters, shape (n, q).
 
         Parameters
         ----------
-        at_lines : complex array, shape (n, q)
+        line_slopes : complex array, shape (n, q)
             That of m s^2 + K.
-        at_poles : callable
+        evaluate_pole_slopes : callable
             That of m s^2 + K, and of its derivative by s, at the poles, shape (k, q) each.
         """
-        whole = -((self.s * self.receptance) ** 2)[:, None] * at_lines
-        if (lost := self._truncation_loss) is None:
-            return whole
-        change, slope_change = at_poles(lost)
-        p, residue = lost.p[:, None], lost.residue[:, None]
-        shift = -residue * change
+        untruncated = -((self.s * self.receptance) ** 2)[:, None] * line_slopes
+        if (loss := self._truncation_loss) is None:
+            return untruncated
+        pole_change, slope_change = evaluate_pole_slopes(loss)
+        p, residue = loss.p[:, None], loss.residue[:, None]
+        shift = -residue * pole_change
         # of the residue, of p^2, and of the decay until the end
-        grown = -residue * (slope_change + lost.bend[:, None] * shift)
-        grown += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * shift
-        part = lost.size / (self.s[:, None] - lost.p)
-        taken = part @ grown + part / (self.s[:, None] - lost.p) @ shift
-        return np.asarray(whole - taken * self._end[:, None])
+        residue_change = -residue * (slope_change + loss.curvature[:, None] * shift)
+        residue_change += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * shift
+        part = loss.amplitude / (self.s[:, None] - loss.p)
+        truncation_slope = part @ residue_change + part / (self.s[:, None] - loss.p) @ shift
+        return np.asarray(untruncated - truncation_slope * self._end[:, None])
 
     @cached_property
     def _end(self) -> ComplexArray:
         return np.asarray(np.exp(-self.s * (self.record or 0.0) - 0.5 * (self.pulse * self.s) ** 2))
 
     @cached_property
-    def _truncation_loss(self) -> Lost | None:
+    def _truncation_loss(self) -> TruncationLoss | None:
         if self.record is None:
             return None
         sizes, mass = np.abs(self.s), self.mass
@@ -527,12 +535,12 @@ class Response:
         )
         p = poles(arms, mass)
         # of an arm faster than the pulse the width of it tells nothing: it has long died away
-        p = p[p.real * self.record > -DIED]
+        p = p[p.real * self.record > -MAX_DECAY]
         r = residues(arms, mass, p)
         size = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
-        live = np.abs(size) > 0
-        p = p[live]
-        return Lost(p, r[live], size[live], 2 * mass + arms.bend_at(p))
+        is_alive = np.abs(size) > 0
+        p = p[is_alive]
+        return TruncationLoss(p, r[is_alive], size[is_alive], 2 * mass + arms.bend_at(p))
 
 
 def _simplify_distant_arms(
@@ -543,8 +551,8 @@ def _simplify_distant_arms(
     Relaxation times over a hundred decades, as of a flat spectrum, leave no digit of any pole.
     """
     # of a fast arm what is missed is a square
-    fast = np.sqrt(OUT_OF_SIGHT) / max(fastest, 1 / record)
-    slow = max(1 / slowest if slowest > 0 else record, record) / OUT_OF_SIGHT
+    fast = np.sqrt(NEGLIGIBLE_PART) / max(fastest, 1 / record)
+    slow = max(1 / slowest if slowest > 0 else record, record) / NEGLIGIBLE_PART
     if not arms.arms or (arms.tau[0] >= fast and arms.tau[-1] <= slow):
         return arms
     k, tau = np.asarray(arms.k), np.asarray(arms.tau)
@@ -573,10 +581,10 @@ def mass_for_peak(model: Solid, frequency: float, kind: Kind | str = Kind.ACCELE
     w = omega * (1 + np.array([-1e-5, 0.0, 1e-5]))
     u = model.complex_stiffness(omega=w) / w**2
     slope = u[2] - u[0]
-    turning, here = float((np.conj(slope) * u[1]).real), complex(u[1])
+    product, center = float((np.conj(slope) * u[1]).real), complex(u[1])
     if Kind(kind) is Kind.TRANSMISSIBILITY:
-        return 2 * here.real - abs(here) ** 2 * slope.real / turning if turning != 0 else np.nan
-    return float(turning / slope.real) if slope.real != 0 else float("nan")
+        return 2 * center.real - abs(center) ** 2 * slope.real / product if product != 0 else np.nan
+    return float(product / slope.real) if slope.real != 0 else float("nan")
 
 
 def geometry_factor(
@@ -658,7 +666,7 @@ def compute_coupled_mass(seal: float | None, seals: float) -> float:
     return 0.0 if seal is None else seals * seal / 6
 
 
-def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
+def add_mount_mass(frf: FRF, *, mass: float, coupled: float) -> FRF:
     r"""Return the transmissibility to a mass, as mounts that weigh something make of it.
 
     .. math:: K + \omega^2\mu = T\,(K - \omega^2 M), \qquad T - 1 = (T_0 - 1)\,(1 + \mu / M)
@@ -678,7 +686,7 @@ def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
     return _scale_relative_motion(frf, 1 + coupled / mass)
 
 
-def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
+def remove_mount_mass(frf: FRF, *, mass: float, coupled: float) -> FRF:
     """A measured transmissibility as mounts without mass would show it: the other way round."""
     if coupled == 0:
         return frf

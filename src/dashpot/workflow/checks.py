@@ -16,7 +16,7 @@ def hold_fit_possible(obstacle: str) -> Finding:
     return Finding(
         f"The fit of the hold alone (eq. 5) is not possible. {sentence(obstacle)}",
         remedy="Use the fit of ramp and hold.",
-        faulted=True,
+        always_fails=True,
     )
 
 
@@ -35,7 +35,7 @@ def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
     return Finding(
         f"The predicted peak ({peak:.4g} Hz) lies in the valid band of the test",
         factor,
-        instead=f"The damping at {peak:.3g} Hz is not known. The test covers {low:.2g} to "
+        failure=f"The damping at {peak:.3g} Hz is not known. The test covers {low:.2g} to "
         f"{high:.2g} Hz; the peak lies {factor:.3g} times {side}",
         remedy="Measure it with a hammer.",
     )
@@ -47,7 +47,7 @@ def measurement_independent_of_fit(fitted: int) -> Finding:
     return Finding(
         "The fit was not made from this measurement",
         fitted,
-        instead=f"The fit was made from this measurement ({fitted} files)",
+        failure=f"The fit was made from this measurement ({fitted} files)",
         reason="No test: its agreement says nothing",
         remedy="Compare it with other hits, or leave a hit out.",
     )
@@ -60,7 +60,7 @@ def seals_counted(seals: float) -> Finding:
         f"The number of seals is not given, so {format_seals(seals)} is assumed",
         reason="The stiffness of one seal goes with it",
         remedy=Remedy("Count the seals under the block.", "seals"),
-        faulted=True,
+        always_fails=True,
     )
 
 
@@ -80,7 +80,7 @@ def base_band_in_valid_band(
     return Finding(
         f"{message} depends on what the test covers",
         factor,
-        instead=f"{message} is extrapolated by a factor of {factor:.3g}. The test covers "
+        failure=f"{message} is extrapolated by a factor of {factor:.3g}. The test covers "
         f"{band[0]:.2g} to {band[1]:.2g} Hz",
         remedy=Remedy("Narrow the band, or measure on a shaker.", "band"),
     )
@@ -102,5 +102,5 @@ def families_predict_alike(mode: Mode | None, other: Mode | None) -> Finding:
         ratio,
         "The test cannot separate the two",
         "Add a hammer test or a colder test, or ramp faster.",
-        faulted=abs(shift) > 0.01,
+        always_fails=abs(shift) > 0.01,
     )

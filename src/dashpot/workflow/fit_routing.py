@@ -9,10 +9,10 @@ from dashpot.base.errors import ReadError
 from dashpot.reading.readers.detect_kind import get_kind_command, get_kind_label
 from dashpot.registry import FITS, KINDS, RESPONSES
 
-BENCH = frozenset(kind.name for kind in KINDS.values() if kind.meant == "bench")
+BENCH = frozenset(kind.name for kind in KINDS.values() if kind.fit_route == "bench")
 """Kinds of tests of a part on a bench, whose solid is fitted."""
 VIBRATION = frozenset(
-    kind.name for kind in KINDS.values() if kind.meant == "hits" or kind.name in RESPONSES
+    kind.name for kind in KINDS.values() if kind.fit_route == "hits" or kind.name in RESPONSES
 )
 """Kinds that are of a mass on its seals."""
 
@@ -131,5 +131,5 @@ def _some(names: Sequence[str]) -> str:
 
 def _find_common_meaning(have: set[str]) -> str:
     """Return what records mean that are all fitted alike."""
-    words = {KINDS[kind].meant if kind in KINDS else "" for kind in have}
+    words = {KINDS[kind].fit_route if kind in KINDS else "" for kind in have}
     return words.pop() if len(words) == 1 else ""

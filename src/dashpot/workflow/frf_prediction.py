@@ -32,12 +32,12 @@ from dashpot.solids.maxwell import Solid
 from dashpot.solids.part_geometry import Block, Bulb, Bush, Disc, Geometry, named_shape
 from dashpot.vibration.mass_on_seals import (
     MassOnSeals,
+    add_mount_mass,
     compute_coupled_mass,
     geometry_factor,
     isolation_frequency,
     model_modes,
     moving_mass,
-    on_heavy_mounts,
     predict_frf,
 )
 from dashpot.workflow.checks import base_band_in_valid_band, prediction_in_valid_band
@@ -607,7 +607,7 @@ class MountedMass:
         """Return the FRF at some frequencies, Hz."""
         frf = predict_frf(self.solid, mass=self.load.mass, frequency=frequency, kind=self.kind)
         if self.load.coupled > 0:
-            frf = on_heavy_mounts(frf, mass=self.load.mass, coupled=self.load.coupled)
+            frf = add_mount_mass(frf, mass=self.load.mass, coupled=self.load.coupled)
         return frf
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:

@@ -108,7 +108,7 @@ _JSON_KINDS: dict[type, str] = {dict: "an object", list: "an array"}
 @cache
 def schemas() -> dict[str, type[Serialisable]]:
     """What each versioned schema name holds, those of every kind included, which it loads."""
-    of_kinds = (load_object(name) for kind in KINDS.values() for name in kind.nouns)
+    of_kinds = (load_object(name) for kind in KINDS.values() for name in kind.classes)
     retained = (
         kind
         for kind in of_kinds

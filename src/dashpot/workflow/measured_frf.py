@@ -38,7 +38,7 @@ from dashpot.vibration.mass_on_seals import (
     as_relative,
     compute_coupled_mass,
     moving_mass,
-    on_light_mounts,
+    remove_mount_mass,
 )
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.job import BlockOnSeals, HammerChoices
@@ -223,7 +223,7 @@ def remove_seal_mass(frf: FRF, block: BlockOnSeals) -> FRF:
     if not frf.quantity.over_base or mass is None:
         return frf
     coupled = compute_coupled_mass(block.seal_mass, block.seals)
-    return on_light_mounts(frf, mass=mass, coupled=coupled)
+    return remove_mount_mass(frf, mass=mass, coupled=coupled)
 
 
 # Modes of an FRF, with checks.

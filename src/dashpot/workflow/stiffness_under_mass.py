@@ -88,14 +88,14 @@ class StaticEquilibrium:
         """As the document of what stands on it tells it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
-        law = point.is_extrapolated and not point.linear
+        law = point.is_extrapolated and not point.is_linear
         return EquilibriumSummary(at, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
         point, secant, tangent = self.point, self.secant, self.tangent
-        if point.linear:
+        if point.is_linear:
             return ""
-        where = "as given" if point.given else "under its weight"
+        where = "as given" if point.is_compression_given else "under its weight"
         here, depth = (
             format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )
@@ -195,7 +195,7 @@ def frf_limits(
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega=omega)
         values = PredictedFRF(on, kind).magnitude(K, omega)
-        formal = formal_frf_band(here, on.scaled_down(point.factor), frequency=f, kind=kind)
+        formal = formal_frf_band(here, on.divide_masses(point.factor), frequency=f, kind=kind)
         joined = _merge_bounds(bounds, values, formal / point.factor if forced else formal)
     doubt = "; with the doubt of the tangent at the compression of the mass"
     slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
@@ -276,7 +276,7 @@ def formal_limits(
 ) -> FloatArray:
     """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
-    limits = formal_frf_band(fit, on.scaled_down(s), frequency=frequency, kind=kind)
+    limits = formal_frf_band(fit, on.divide_masses(s), frequency=frequency, kind=kind)
     limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)
 

@@ -39,10 +39,10 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import (
-    REACH,
+    FREQUENCY_FACTOR,
     MassOnSeals,
     OperatingPoint,
-    highest_peak,
+    compute_peak_limit,
     predict_frf,
 )
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
@@ -223,7 +223,7 @@ class Study(Plottable, Serialisable):
         if other is None or self.mass is None or self.static_equilibrium is None:
             return None
         point = self.static_equilibrium.point
-        at = point.compression if point.given else None
+        at = point.compression if point.is_compression_given else None
         return predict_frf(other, mass=self.mass, seals=self.seals, compression=at)
 
     @property
@@ -588,8 +588,8 @@ def _prediction_bounds(
     on: MassOnSeals,
 ) -> FRFBounds:
     """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
-    top = highest_peak(on.seals * point.solid(chosen).k_0, on.mass)
-    low, high = top / REACH, top * REACH
+    top = compute_peak_limit(on.seals * point.solid(chosen).k_0, on.mass)
+    low, high = top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
     near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)

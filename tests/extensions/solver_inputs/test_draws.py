@@ -50,7 +50,7 @@ def table_1_fit() -> Fit:
     fit = dp.fit(dp.simulate("relaxation", noise_free=True), arms=2)
     size = np.array([196.5, 117.5, 17.8, 1.0, 1.0])
     covariance = np.diag((np.array(RELATIVE_SD) * size) ** 2)
-    estimate = replace(fit.estimate, covariance=covariance, of_noise=None, profiles=())
+    estimate = replace(fit.estimate, covariance=covariance, noise_covariance=None, profiles=())
     return replace(fit, solid=TABLE_1, estimate=estimate)
 
 

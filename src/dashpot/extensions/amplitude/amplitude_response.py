@@ -34,7 +34,7 @@ from dashpot.registry import RESPONSES
 from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.part_geometry import Block, Disc
-from dashpot.vibration.mass_on_seals import on_heavy_mounts
+from dashpot.vibration.mass_on_seals import add_mount_mass
 from dashpot.workflow.frf_prediction import _PART_SHAPES, parse_part_shape
 from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_machine
 
@@ -218,7 +218,7 @@ class SweptPart(Serialisable):
             solid, dependent, mass=mass, level=level, frequency=frequency, kind=kind
         )
         if coupled > 0:
-            frf = on_heavy_mounts(frf, mass=mass, coupled=coupled)
+            frf = add_mount_mass(frf, mass=mass, coupled=coupled)
         return frf, stretch
 
     def peak(

@@ -37,7 +37,7 @@ def amplitude_dependence_detected(
     return Finding(
         f"{by} explains what arms alone do not (2 ln L = {gain:.3g})",
         gain,
-        instead=linear
+        failure=linear
         if followed
         else "Neither friction nor a cubic spring nor arms alone explain the tests "
         f"(2 ln L = {gain:.3g})",
@@ -75,7 +75,7 @@ def spring_cubic(gain: float) -> Finding:
     return Finding(
         "The spring stiffens as a cubic one",
         gain,
-        instead=f"The spring is not cubic alone (2 ln L = {gain:.3g}), or its friction is not "
+        failure=f"The spring is not cubic alone (2 ln L = {gain:.3g}), or its friction is not "
         "Kraus's",
         reason="The constant k3 is valid in this range of amplitudes",
         remedy="Use k3 in this range only.",
@@ -163,7 +163,7 @@ def levels_controlled(struck: Sequence[str]) -> Finding:
     return Finding(
         "No FRF is of hits",
         len(struck),
-        instead=f"{', '.join(struck)}: an FRF of hits has no single amplitude, as motion "
+        failure=f"{', '.join(struck)}: an FRF of hits has no single amplitude, as motion "
         f"dies away ({len(struck)} such)",
         remedy="Give the hammer's records, or FRFs of a shaker.",
     )
@@ -174,7 +174,7 @@ def levels_controlled(struck: Sequence[str]) -> Finding:
     "<=",
     1.4,
     "1 degree of phase: 1.5; sound records: 0.9 to 1.1",
-    otherwise="stop where a tenth of F/X is left",
+    other_grade="stop where a tenth of F/X is left",
 )
 def levels_residual_small(residual: float, noise: float | None) -> Finding:
     """One model with friction fits the FRFs of every amplitude."""
@@ -203,7 +203,7 @@ def amplitude_in_tested_range(
     return Finding(
         f"{message}, within the {range_}",
         factor,
-        instead=f"{message}, {factor:.3g} times outside the {range_}",
+        failure=f"{message}, {factor:.3g} times outside the {range_}",
         reason="Friction there was not measured",
         remedy="Test at that amplitude.",
     )

@@ -26,7 +26,7 @@ from dashpot.extensions.amplitude.preloaded_mass import (
 from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.mass_on_seals import MassOnSeals, on_heavy_mounts
+from dashpot.vibration.mass_on_seals import MassOnSeals, add_mount_mass
 
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
@@ -345,7 +345,7 @@ class _AtLevels:
         answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
         coupled = self.load.coupled
         return (
-            on_heavy_mounts(answer, mass=self.load.mass, coupled=coupled) if coupled > 0 else answer
+            add_mount_mass(answer, mass=self.load.mass, coupled=coupled) if coupled > 0 else answer
         )
 
     def size(self, orbit: Orbit) -> float:

@@ -7,8 +7,8 @@ EXTENSION = Extension(
     kinds=(
             KindOfTest(
                 "strain-sweep", "dashpot.extensions.amplitude.read:read_amplitude", "dashpot.extensions.amplitude.fit_files:level_files",
-                place="level", meant="level",
-                nouns={
+                app_section="level", fit_route="level",
+                classes={
                     "dashpot.extensions.amplitude.datamodel:AmplitudeSweep": "dashpot.extensions.amplitude.figure:amplitude_sweep",
                     "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "",
                     "dashpot.extensions.amplitude.level_results:LevelFit": "",
@@ -20,8 +20,8 @@ EXTENSION = Extension(
                 checks="dashpot.extensions.amplitude.checks", order=6,
         ),
             KindOfTest(
-                "cyclic", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.extensions.amplitude.fit_files:level_files", place="level",
-                meant="level",
+                "cyclic", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.extensions.amplitude.fit_files:level_files", app_section="level",
+                fit_route="level",
                 checks="dashpot.extensions.amplitude.checks",
                 examples="dashpot.extensions.amplitude.examples:EXAMPLES", order=17,
         ),

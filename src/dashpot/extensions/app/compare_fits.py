@@ -142,7 +142,7 @@ def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
         name, unit = view_models.short_name(item), item.fact.word
         weight = view_models.weight(a.job) if item.quantity in under else "One seal"
         yield ComparedValue(
-            f"{name}, {unit}" if unit else name, item.fact.ends[0], other.fact.ends[0],
+            f"{name}, {unit}" if unit else name, item.fact.cell_texts[0], other.fact.cell_texts[0],
             _format_difference(item, other), _classify_overlap(item, other), weight,
         )  # fmt: skip
 
@@ -212,14 +212,19 @@ def match_time_constants(
 def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: str) -> ComparedValue:
     if a is None or b is None:
         single = "B's alone" if a is None else "A's alone"
-        left, right = ("none" if fact is None else fact.ends[0] for fact in (a, b))
+        left, right = ("none" if fact is None else fact.cell_texts[0] for fact in (a, b))
         return ComparedValue(name, left, right, "", single, group)
     errors = [fact.error for fact in (a, b)]
     size = math.hypot(*(error or 0.0 for error in errors))
     certain = all(error is not None and math.isfinite(error) for error in errors) and size > 0
     held = f"{abs(b.value - a.value) / size:.1f} SE" if certain else ""
     return ComparedValue(
-        name, a.ends[0], b.ends[0], _format_relative_difference(a.value, b.value), held, group
+        name,
+        a.cell_texts[0],
+        b.cell_texts[0],
+        _format_relative_difference(a.value, b.value),
+        held,
+        group,
     )
 
 

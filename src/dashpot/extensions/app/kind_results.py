@@ -52,7 +52,7 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
         stated[str(name)] = text
     row, test = KINDS.get(kind), request.get("test")
     return KindRequest(
-        kind, files[:1] if row is not None and row.alone else files,
+        kind, files[:1] if row is not None and row.takes_one_file else files,
         FormData.from_fields(asks_of(kind), stated),
         part(ReadOptions, request.get("options", {}), "options"),
         str(path_in(folder, test)) if test else "",
@@ -67,10 +67,10 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
         result = _predict_files(request)
         return result, kind_page(result)
     row = KINDS.get(request.kind)
-    if row is None or not (row.panel or row.fits):
+    if row is None or not (row.app_form or row.fits):
         raise DataError(f"'{request.kind}' is no kind of test that is fitted by itself")
-    if row.panel:
-        result = load_object(f"{row.panel}:fit_form_files")(
+    if row.app_form:
+        result = load_object(f"{row.app_form}:fit_form_files")(
             request.files, request.said, request.options
         )
     else:

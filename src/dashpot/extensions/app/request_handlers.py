@@ -33,7 +33,7 @@ from dashpot.registry import KINDS, asks_of, find_handler
 from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import VERDICT_COLOURS
-from dashpot.vibration.mass_on_seals import MassOnSeals, highest_peak, predict_frf
+from dashpot.vibration.mass_on_seals import MassOnSeals, compute_peak_limit, predict_frf
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
@@ -79,10 +79,10 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
 def _get_kind_fields(kind: str) -> dict[str, Any]:
     """Return what is asked beside a file, or, of one that may be taken as of another kind, then."""
     row = KINDS.get(kind)
-    of = KINDS[row.also] if row is not None and row.also else row
+    of = KINDS[row.alternative_kind] if row is not None and row.alternative_kind else row
     if of is None:
         return {"asks": [], "alone": False}
-    return {"asks": view_models.make_form_fields(asks_of(of.name)), "alone": of.alone}
+    return {"asks": view_models.make_form_fields(asks_of(of.name)), "alone": of.takes_one_file}
 
 
 def _consequences(
@@ -223,7 +223,7 @@ def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
     """Return the response on lines that are multiples of the highest frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
-    top = highest_peak(job.seals * fit.solid.k_0, job.mass)
+    top = compute_peak_limit(job.seals * fit.solid.k_0, job.mass)
     return predict_frf(
         fit, mass=job.mass, frequency=top * about, kind=kind, seals=job.seals,
         compression=job.compression,

@@ -13,7 +13,7 @@ from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.app import record_cache
 from dashpot.fitting.relaxation import fit, refit_nearby
-from dashpot.vibration.mass_on_seals import highest_peak
+from dashpot.vibration.mass_on_seals import compute_peak_limit
 from dashpot.workflow.bench_tests import prepared_tests
 from dashpot.workflow.frf_prediction import Prediction, prediction
 from dashpot.workflow.job import Job, TimeLimits
@@ -179,7 +179,7 @@ def base_motion(job: Job) -> Prediction:
     new_study = study(job)
     block = replace(job.block, mass=new_study.mass, seal_mass=None)
     solid = new_study.joint or new_study.fit
-    top = highest_peak(job.seals * solid.solid.k_0, block.weighed_mass)
+    top = compute_peak_limit(job.seals * solid.solid.k_0, block.weighed_mass)
     return prediction(
         solid,
         block=block,

@@ -519,7 +519,7 @@ def term(fact: ReportedValue) -> Term:
     half = (fact.high - fact.low) / 2
     # known to half of itself is seen; beyond, it is not determined
     mark = "good" if 0 < half < 0.5 * abs(fact.value) else "care"
-    return Term(fact.symbol, *fact.ends, fact.word, mark)
+    return Term(fact.symbol, *fact.cell_texts, fact.word, mark)
 
 
 class ArmRow(NamedTuple):
@@ -553,7 +553,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
     rows = []
     for name, *of in pairs:
         facts = [reported_values[text] for text in of if text in reported_values]
-        cells = [text for fact in facts for text in (fact.ends[0], _plus_minus(fact))]
+        cells = [text for fact in facts for text in (fact.cell_texts[0], _plus_minus(fact))]
         marks = [term(fact).mark for fact in facts]
         new = (
             len(facts) > 1
@@ -721,7 +721,7 @@ def _pulses(study: Study) -> dict[str, str]:
 
 def place_of(inspection: InspectedFile) -> str:
     """Return where the page takes a file; empty where it does not."""
-    return KINDS[inspection.kind].place if inspection.kind in KINDS else ""
+    return KINDS[inspection.kind].app_section if inspection.kind in KINDS else ""
 
 
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
 
 
 @criterion(
-    "files without a fit", "<=", 0, "by definition", otherwise="stop where no file was fitted"
+    "files without a fit", "<=", 0, "by definition", other_grade="stop where no file was fitted"
 )
 def files_fitted(without: int, files: int) -> Finding:
     """Every file of the batch is a test, and was fitted."""
@@ -73,7 +73,7 @@ def records_distinct(again: int, tests: int) -> Finding:
     "<=",
     LIMIT,
     "AIAG, Measurement Systems Analysis, 4th ed.",
-    otherwise="stop where all of its interval is above; note where a good gauge may do that",
+    other_grade="stop where all of its interval is above; note where a good gauge may do that",
 )
 def gauge_discriminates(study: Gauge) -> Finding:
     """The gauge contributes less than 30 % of the total standard deviation."""
@@ -136,7 +136,7 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
 
 
 @criterion("Cpk", ">=", None, "asked for with the limits",
-           otherwise="stop where all of its interval is below")  # fmt: skip
+           other_grade="stop where all of its interval is below")  # fmt: skip
 def capability_as_asked(
     words: str, lowest: tuple[str, Capability] | None, unknown: int, target: float
 ) -> Finding:
@@ -144,12 +144,12 @@ def capability_as_asked(
     if lowest is None or unknown:
         return Finding(
             "",
-            instead=f"Cpk of {words} is not known of {format_count(unknown, 'lot')}; {target:.2f} "
+            failure=f"Cpk of {words} is not known of {format_count(unknown, 'lot')}; {target:.2f} "
             "is "
             "asked",
             remedy="Test two or more different seals of each lot.",
             limit=target,
-            faulted=True,
+            always_fails=True,
         )
     lot, of = lowest
     low, high = of.cpk_interval or (0.0, 0.0)
@@ -196,7 +196,7 @@ def frequencies_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     return Finding(
         "The frequencies asked for lie in the valid band of every test",
         tests,
-        instead=f"{where} Hz lies outside the valid band of {format_count(tests, 'test')}. "
+        failure=f"{where} Hz lies outside the valid band of {format_count(tests, 'test')}. "
         "Stiffness and loss factor there are extrapolated",
         remedy=Remedy("Add a hammer test, or ramp faster.", "pair"),
     )
@@ -208,7 +208,7 @@ def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
     return Finding(
         "The lots were tested alike",
         len(otherwise),
-        instead=f"The lots were not tested alike ({', '.join(otherwise)}). The tests may cause the "
+        failure=f"The lots were not tested alike ({', '.join(otherwise)}). The tests may cause the "
         "difference",
         remedy="Test both lots alike.",
     )

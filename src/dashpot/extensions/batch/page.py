@@ -272,7 +272,7 @@ def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
     rows, at = [], 0.0
     for item, (fact, share) in zip(main.components, main.sources, strict=True):
-        sd, low, high = fact.ends
+        sd, low, high = fact.cell_texts
         rows.append({
             "source": item.source, "share": share, "sd": sd,
             "low": low * fact.has_interval, "high": high * fact.has_interval,
@@ -290,7 +290,7 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
     for variation in study.variations:
         shares = (f"{100 * end:.0f}" for end in variation.share_interval)
         fact = main.quantity.fact(_SOURCES[variation.name], variation.deviation, variation.interval)
-        rows.append((fact.name, *fact.ends, f"{100 * variation.share:.1f}", *shares))
+        rows.append((fact.name, *fact.cell_texts, f"{100 * variation.share:.1f}", *shares))
     share = study["gauge"].share
     distance = None if main.limits is None else main.limits.distance
     return {

@@ -556,7 +556,7 @@ def _lines(quantity_summary: OfQuantity) -> Iterator[str]:
     if quantity_summary.sources:
         yield f"  scatter, standard deviations, {quantity_summary.quantity.unit}:"
     for fact, share in quantity_summary.sources:
-        value, low, high = map(ascii_only, fact.ends)
+        value, low, high = map(ascii_only, fact.cell_texts)
         between = f" ({low} to {high})" if fact.has_interval else ""
         yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
     yield from (

@@ -114,7 +114,9 @@ def _build_other_row(
 ) -> dict[str, Any]:
     """Return the row of what is no test of a bench: its own, or what it is and waits for."""
     specimen = _describe_lot_specimen(entry, choices, mass)
-    if kind.row and (not kind.needs or getattr(specimen, kind.needs) is not None):
+    if kind.lot_row and (
+        not kind.required_value or getattr(specimen, kind.required_value) is not None
+    ):
         return _build_kind_row(kind, entry, specimen)
     texts = {
         "kind": kind.name,
@@ -134,7 +136,7 @@ def _describe_lot_specimen(entry: Entry, choices: BatchOptions, mass: float | No
 def _build_kind_row(kind: KindOfTest, entry: Entry, specimen: LotSpecimen) -> dict[str, Any]:
     """Return the row of a kind that has its own."""
     try:
-        result, numbers = load_object(kind.row)(entry.file, specimen)
+        result, numbers = load_object(kind.lot_row)(entry.file, specimen)
     except DashpotError as error:
         return {"kind": kind.name, "outcome": "refused", "reason": str(error)}
     source = result.source

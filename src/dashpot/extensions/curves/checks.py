@@ -59,7 +59,7 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
         return Finding(
             "A storage is not above 0, so storage and loss cannot be compared",
             remedy="Check the sign of storage and force.",
-            faulted=True,
+            always_fails=True,
         )
     smooth = [_without_scatter(error) for error in misfit]
     return Finding(
@@ -68,7 +68,7 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
         max(smooth),
         "Storage and loss contradict each other (Kramers-Kronig), so no fit can follow both",
         "Look for a wrong shift, slip, or a changed temperature or strain.",
-        excused=all(
+        always_passes=all(
             value <= max(MAX_INCONSISTENT, _compute_chance_level(error))
             for value, error in zip(smooth, misfit, strict=True)
         ),
@@ -109,7 +109,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
 
 @criterion(
     "losses below 0", "<=", 0.0, "passivity; 3 standard deviations of their scatter",
-    otherwise="stop where most losses are below zero",
+    other_grade="stop where most losses are below zero",
 )  # fmt: skip
 def loss_positive(data: DynamicTest) -> Finding:
     """No loss is negative by more than its scatter."""
@@ -137,7 +137,7 @@ def storage_rises(data: DynamicTest) -> Finding:
     return Finding(
         "The storage does not fall with frequency beyond scatter",
         float(falls[worst]),
-        instead=f"The storage falls by {100 * falls[worst]:.2g} % at {frequency[worst]:.3g} Hz. No "
+        failure=f"The storage falls by {100 * falls[worst]:.2g} % at {frequency[worst]:.3g} Hz. No "
         "relaxing part does that: mass moved along, or the part warmed up",
         remedy=Remedy("Leave those frequencies out.", "band"),
     )
@@ -152,7 +152,7 @@ def modulus_falls(modulus: FloatArray) -> Finding:
     return Finding(
         "The modulus falls with time",
         ratio,
-        instead=f"It rises with time, from {first:.3g} in its first third to {last:.3g} in its "
+        failure=f"It rises with time, from {first:.3g} in its first third to {last:.3g} in its "
         "last. A relaxation modulus falls; a creep compliance rises",
         remedy=Remedy("Read it as creep.", "kind", "creep"),
     )
@@ -171,7 +171,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
         extra,
         limit=3.0 * se,
         # exact data leave a plateau of rounding size, and a standard error to match
-        faulted=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
+        always_fails=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
     )
 
 
@@ -180,7 +180,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
     ">=",
     LEVEL,
     "simulation: above it 1 plateau in 20 is off by more than 10 %",
-    otherwise=f"{LEVEL_OF_CREEP:g} of creep",
+    other_grade=f"{LEVEL_OF_CREEP:g} of creep",
 )
 def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     """The curve levels off: no model that fits the data relaxes much further."""
@@ -198,7 +198,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     "<=",
     MAX_FALLING,
     "as for a hold",
-    otherwise=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
+    other_grade=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
 def curve_level_at_end(end: EndOfHold, fallen: float) -> Finding:
     """At the end of the curve, no model that fits the data still falls much.
@@ -241,8 +241,8 @@ def plateau(
     "rms error of the fit",
     "<",
     FOLLOWED,
-    otherwise="note where several temperatures share the spectrum",
-    ends=Status.NOT_IDENTIFIED,
+    other_grade="note where several temperatures share the spectrum",
+    fit_status=Status.NOT_IDENTIFIED,
 )
 def few_arms_sufficient(
     missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
@@ -255,7 +255,7 @@ def few_arms_sufficient(
     return Finding(
         f"Arms that follow the curves: {arms}",
         missed,
-        instead=f"No number of arms up to {most} follows the curves: best {arms}, "
+        failure=f"No number of arms up to {most} follows the curves: best {arms}, "
         f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
         f"{100 * dense[1]:.2g} %",
         remedy="Use it as a table for a solver; its single arms mean nothing.",
@@ -268,8 +268,8 @@ def few_arms_sufficient(
     "scatter jointly / alone",
     "<=",
     MORE_TOGETHER,
-    otherwise=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTED:g}",
-    ends=Status.TESTS_DISAGREE,
+    other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTED:g}",
+    fit_status=Status.TESTS_DISAGREE,
 )
 def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
     r"""One model fits all data sets about as well as a model for each does.

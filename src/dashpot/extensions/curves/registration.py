@@ -6,27 +6,27 @@ EXTENSION = Extension(
     "curves",
     kinds=(
             KindOfTest(
-                "dma", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
-                nouns={"dashpot.extensions.curves.datamodel.dynamic:DynamicTest": ""},
+                "dma", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",
+                classes={"dashpot.extensions.curves.datamodel.dynamic:DynamicTest": ""},
                 checks="dashpot.extensions.curves.checks",
                 examples="dashpot.extensions.curves.examples:SWEEPS", order=4,
         ),
             KindOfTest(
-                "master-curve", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
-                nouns={"dashpot.extensions.curves.datamodel.superposition:Superposition": "dashpot.extensions.curves.superposition.figure:superposition"},
+                "master-curve", "dashpot.extensions.curves.dynamic.read:read_dynamic", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",
+                classes={"dashpot.extensions.curves.datamodel.superposition:Superposition": "dashpot.extensions.curves.superposition.figure:superposition"},
                 checks="dashpot.extensions.curves.superposition.checks", order=5,
         ),
             KindOfTest("temperature-sweep", order=7),
             KindOfTest("one-frequency", order=8),
             KindOfTest(
-                "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
-                nouns={"dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": ""},
+                "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",
+                classes={"dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": ""},
                 checks="dashpot.extensions.curves.checks",
                 examples="dashpot.extensions.curves.examples:CURVES", order=9,
         ),
             KindOfTest(
-                "creep", "dashpot.extensions.curves.creep.read:read_creep", "dashpot.workflow.bench_tests:fit_files", place="bench", meant="bench",
-                nouns={
+                "creep", "dashpot.extensions.curves.creep.read:read_creep", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",
+                classes={
                     "dashpot.extensions.curves.datamodel.creep:CreepTest": "",
                     "dashpot.extensions.curves.datamodel.creep:LoadHold": "",
                     "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "",

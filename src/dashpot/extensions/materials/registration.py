@@ -6,16 +6,16 @@ EXTENSION = Extension(
     "materials",
     kinds=(
             KindOfTest(
-                "cld", "dashpot.extensions.materials.cld.read:read_cld", "dashpot.extensions.materials.cld.fit_files:cld_files", meant="cld",
-                place="judged",
-                nouns={
+                "cld", "dashpot.extensions.materials.cld.read:read_cld", "dashpot.extensions.materials.cld.fit_files:cld_files", fit_route="cld",
+                app_section="judged",
+                classes={
                     "dashpot.extensions.materials.cld.datamodel:CLDTest": "",
                     "dashpot.extensions.materials.cld.datamodel:CLD": "dashpot.extensions.materials.cld.figure:cld",
                 },
                 pages={"dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.page:page"},
-                panel="dashpot.extensions.materials.cld.app_form",
+                app_form="dashpot.extensions.materials.cld.app_form",
                 checks="dashpot.extensions.materials.cld.checks",
-                row="dashpot.extensions.materials.cld.lot_row:build_lot_row",
+                lot_row="dashpot.extensions.materials.cld.lot_row:build_lot_row",
                 columns=(
                     "cld_at_m", "cld_force_N", "cld_force_se_N", "cld_per_100mm_N", "cld_slope_N_per_m",
                     "cld_hysteresis", "cld_softening", "cld_set_m",
@@ -24,15 +24,15 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "indentation", "dashpot.extensions.materials.indentation.read:read_indentation",
-                "dashpot.extensions.materials.indentation.fit_files:indent_file", meant="indentation", place="judged",
-                nouns={
+                "dashpot.extensions.materials.indentation.fit_files:indent_file", fit_route="indentation", app_section="judged",
+                classes={
                     "dashpot.extensions.materials.indentation.datamodel:IndentationTest": "",
                     "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.figure:indentation",
                 },
                 pages={"dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.page:page"},
-                panel="dashpot.extensions.materials.indentation.app_form", alone=True,
+                app_form="dashpot.extensions.materials.indentation.app_form", takes_one_file=True,
                 checks="dashpot.extensions.materials.indentation.checks",
-                row="dashpot.extensions.materials.indentation.lot_row:build_lot_row", needs="mass",
+                lot_row="dashpot.extensions.materials.indentation.lot_row:build_lot_row", required_value="mass",
                 lot_hint="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
                 columns=(
                     "indent_modulus_Pa", "indent_modulus_low_Pa", "indent_modulus_high_Pa",
@@ -41,57 +41,57 @@ EXTENSION = Extension(
                 examples="dashpot.extensions.materials.indentation.examples:EXAMPLES", order=12,
         ),
             KindOfTest(
-                "rod", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.materials.rod.fit_files:rod_files", meant="rod",
-                nouns={"dashpot.extensions.materials.rod.datamodel:RodModulus": "dashpot.extensions.materials.rod.figure:rod"},
+                "rod", "dashpot.reading.readers.frf:read_frf", "dashpot.extensions.materials.rod.fit_files:rod_files", fit_route="rod",
+                classes={"dashpot.extensions.materials.rod.datamodel:RodModulus": "dashpot.extensions.materials.rod.figure:rod"},
                 pages={"dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.page:page"},
-                panel="dashpot.extensions.materials.rod.app_form", alone=True,
+                app_form="dashpot.extensions.materials.rod.app_form", takes_one_file=True,
                 checks="dashpot.extensions.materials.rod.checks",
                 examples="dashpot.extensions.materials.rod.examples:EXAMPLES", order=13,
         ),
             KindOfTest(
                 "stress-strain", "dashpot.extensions.materials.hyperelastic.read:read_stress_strain",
-                "dashpot.extensions.materials.hyperelastic.fit_files:hyperelastic_files", meant="stress-strain", place="judged",
-                nouns={
+                "dashpot.extensions.materials.hyperelastic.fit_files:hyperelastic_files", fit_route="stress-strain", app_section="judged",
+                classes={
                     "dashpot.extensions.materials.hyperelastic.datamodel:StressStrainTest": "",
                     "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.figure:hyperelastic",
                 },
                 pages={"dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.page:page"},
-                panel="dashpot.extensions.materials.hyperelastic.app_form",
+                app_form="dashpot.extensions.materials.hyperelastic.app_form",
                 checks="dashpot.extensions.materials.hyperelastic.checks",
                 examples="dashpot.extensions.materials.hyperelastic.examples:EXAMPLES", order=14,
         ),
             KindOfTest(
-                "csr", "dashpot.extensions.materials.csr.read:read_csr", "dashpot.extensions.materials.csr.fit_files:csr_files", meant="csr",
-                place="judged",
-                nouns={
+                "csr", "dashpot.extensions.materials.csr.read:read_csr", "dashpot.extensions.materials.csr.fit_files:csr_files", fit_route="csr",
+                app_section="judged",
+                classes={
                     "dashpot.extensions.materials.csr.datamodel:CSRTest": "",
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
                     "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:draw_aged_force",
                 },
                 pages={"dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page"},
                 checks="dashpot.extensions.materials.csr.checks",
-                row="dashpot.extensions.materials.csr.lot_row:build_lot_row",
+                lot_row="dashpot.extensions.materials.csr.lot_row:build_lot_row",
                 columns=(
                     "csr_loss_per_decade", "csr_chemical_time_s", "csr_chemical_time_low_s",
                     "csr_activation_J_per_mol",
                 ),
                 examples="dashpot.extensions.materials.csr.examples:EXAMPLES",
-                fits="dashpot.extensions.materials.csr.fit:fit_aging", takes=("temperatures", "machine"),
-                predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", asked="dashpot.extensions.materials.csr.options:AgingPredictionOptions",
-                follow="predict FILE --temperature 70degC --end 50%", order=15,
+                fits="dashpot.extensions.materials.csr.fit:fit_aging", fit_options=("temperatures", "machine"),
+                predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", predict_options="dashpot.extensions.materials.csr.options:AgingPredictionOptions",
+                next_command="predict FILE --temperature 70degC --end 50%", order=15,
         ),
             KindOfTest(
-                "slam", "dashpot.extensions.materials.drop.read:read_drop_test", "dashpot.extensions.materials.drop.fit_files:fit_drop_files", meant="slam",
-                place="judged",
-                nouns={
+                "slam", "dashpot.extensions.materials.drop.read:read_drop_test", "dashpot.extensions.materials.drop.fit_files:fit_drop_files", fit_route="slam",
+                app_section="judged",
+                classes={
                     "dashpot.extensions.materials.drop.datamodel:DropTest": "",
                     "dashpot.extensions.materials.drop.datamodel:DropFit": "dashpot.extensions.materials.drop.figure:draw_drop_fit",
                     "dashpot.extensions.materials.drop.prediction:DropPrediction": "dashpot.extensions.materials.drop.figure:draw_drop_prediction",
                 },
-                panel="dashpot.extensions.materials.drop.app_form",
+                app_form="dashpot.extensions.materials.drop.app_form",
                 checks="dashpot.extensions.materials.drop.checks",
                 examples="dashpot.extensions.materials.drop.examples:EXAMPLES",
-                fits="dashpot.extensions.materials.drop.fit:fit_drop_tests", said_by="drop", takes=("mass", "drop", "relaxation", "specimen"), order=16,
+                fits="dashpot.extensions.materials.drop.fit:fit_drop_tests", kind_option="drop", fit_options=("mass", "drop", "relaxation", "specimen"), order=16,
         ),
     ),
     handlers={

@@ -32,7 +32,7 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
     return Finding(
         f"Every mode is stable at {fewest} or more {of}",
         fewest,
-        instead=f"Modes are stable at few {of}: {doubtful}",
+        failure=f"Modes are stable at few {of}: {doubtful}",
         reason="They may be noise, or too close to another mode",
         remedy="Compare them with other points, or record longer.",
     )
@@ -73,7 +73,7 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
     return Finding(
         f"{pair} move the same points",
         least,
-        instead=f"{pair} hardly share a point",
+        failure=f"{pair} hardly share a point",
         reason="One mode measured at two states looks so: an accelerometer adds mass, or the "
         "seals warm up",
         remedy="Measure the points at once.",
@@ -96,7 +96,7 @@ def one_solid_explains_masses(
     return Finding(
         f"One linear model has the poles under {listed} g",
         distance,
-        instead=f"No linear model has the poles under {listed} g. The closest misses "
+        failure=f"No linear model has the poles under {listed} g. The closest misses "
         f"{format_quantity(kilogram, 'g')} by {by}",
         reason="A larger mass compresses the seals more, or a mass or the temperature is wrong",
         remedy="Weigh the masses, and compress the seals alike.",
@@ -118,7 +118,7 @@ def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Findi
     return Finding(
         f"Every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
         float(len(outside)),
-        instead=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
+        failure=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
         f"{band[1]:.4g} Hz",
         reason="It stands for what lies beyond them",
         remedy=Remedy("Widen the band.", "band"),
@@ -138,7 +138,7 @@ def channels_not_clipped(test: ShakenTest) -> Finding:
     return Finding(
         "Neither channel stays at the end of its range",
         runs[worst],
-        instead=f"The acceleration of the {worst} is clipped {runs[worst]} times, so the damping "
+        failure=f"The acceleration of the {worst} is clipped {runs[worst]} times, so the damping "
         "is wrong",
         remedy="Use a larger range, or shake less.",
     )

@@ -7,8 +7,8 @@ EXTENSION = Extension(
     kinds=(
             KindOfTest(
                 "plug-in", "dashpot.extensions.plugins.read:read_plugged", "dashpot.extensions.plugins.fit_files:plugged_files",
-                meant="plug-in",
-                nouns={
+                fit_route="plug-in",
+                classes={
                     "dashpot.extensions.plugins.datamodel:PluggedTest": "",
                     "dashpot.extensions.plugins.datamodel:PluggedFit": "dashpot.extensions.plugins.figure:draw_plugin_result",
                 },

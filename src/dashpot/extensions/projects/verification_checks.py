@@ -18,7 +18,7 @@ def history_present(lines: int) -> Finding:
     return Finding(
         f"The history has {lines} lines",
         lines,
-        instead=f"The history has {lines} lines: it is empty or missing, so nothing is proven",
+        failure=f"The history has {lines} lines: it is empty or missing, so nothing is proven",
         remedy="Restore history.jsonl from a copy.",
     )
 
@@ -28,10 +28,10 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
     """The last line of the history is complete."""
     return Finding(
         f"The history ends with line {lines}, whole",
-        instead=f"A line after line {lines} of the history was cut short. That operation did not "
+        failure=f"A line after line {lines} of the history was cut short. That operation did not "
         "happen",
         remedy="Repeat that operation.",
-        faulted=torn,
+        always_fails=torn,
     )
 
 
@@ -49,7 +49,7 @@ def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) ->
     return Finding(
         "No line is missing at the end of the history",
         max(written - lines, 1) if shortened else int(not headed),
-        instead=instead,
+        failure=instead,
         remedy="Restore history.jsonl from a copy."
         if shortened
         else "Restore history.head from a copy, and compare the last hash with one that you noted.",
@@ -62,10 +62,10 @@ def history_expected(expected: str, place: int | None, lines: int) -> Finding:
     since = "" if place is None else f"; {lines - 1 - place} lines were added since"
     return Finding(
         f"The history has the line {expected[:16]}... that is expected{since}",
-        instead=f"The history has no line {expected[:16]}... It was shortened or rewritten, or the "
+        failure=f"The history has no line {expected[:16]}... It was shortened or rewritten, or the "
         "hash is of another project",
         remedy=Remedy("Check the hash, or restore history.jsonl from a copy.", "expect"),
-        faulted=place is None,
+        always_fails=place is None,
     )
 
 
@@ -75,9 +75,9 @@ def history_unchanged(number: int, *, whole: bool) -> Finding:
     line = f"Line {number} of history.jsonl is "
     return Finding(
         line + "as it was written",
-        instead=line + "not as it was written, or out of place",
+        failure=line + "not as it was written, or out of place",
         remedy="Restore history.jsonl from a copy.",
-        faulted=not whole,
+        always_fails=not whole,
     )
 
 
@@ -85,7 +85,7 @@ def history_unchanged(number: int, *, whole: bool) -> Finding:
 def file_present(file: str, number: int) -> Finding:
     """Every recorded file exists."""
     return Finding(
-        f"{file} (line {number}) is missing", remedy="Restore it from a copy.", faulted=True
+        f"{file} (line {number}) is missing", remedy="Restore it from a copy.", always_fails=True
     )
 
 
@@ -95,7 +95,7 @@ def inputs_listed(files: Sequence[str], number: int) -> Finding:
     return Finding(
         f"Line {number} reads {', '.join(files)}, of which it records no hash",
         remedy="Make that result again.",
-        faulted=True,
+        always_fails=True,
     )
 
 
@@ -106,7 +106,7 @@ def files_listed(added: Sequence[str]) -> Finding:
     return Finding(
         "Every file is in the history",
         len(added),
-        instead=f"The history does not list {', '.join(added[:LISTED])}{more}",
+        failure=f"The history does not list {', '.join(added[:LISTED])}{more}",
         remedy="Move them out of the project, if they do not belong there.",
     )
 
@@ -118,7 +118,7 @@ def nothing_half_written(remaining: Sequence[str]) -> Finding:
     return Finding(
         "Runs that were killed left no half-written file",
         len(remaining),
-        instead=f"Runs that were killed left {', '.join(remaining[:LISTED])}{more}",
+        failure=f"Runs that were killed left {', '.join(remaining[:LISTED])}{more}",
         remedy=Remedy("Clear them.", "overwrite"),
     )
 
@@ -128,9 +128,9 @@ def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
     """No recorded file was changed."""
     return Finding(
         f"{file} (line {number}) is as it was",
-        instead=f"{file} (line {number}) has changed since it was recorded",
+        failure=f"{file} (line {number}) has changed since it was recorded",
         remedy="Restore it from a copy.",
-        faulted=not same,
+        always_fails=not same,
     )
 
 
@@ -141,7 +141,7 @@ def result_recomputed(worst: float, where: str, number: int) -> Finding:
     return Finding(
         f"{result}is the same (largest relative difference {worst:.2g})",
         worst,
-        instead=f"{result}differs: {where}",
+        failure=f"{result}differs: {where}",
         remedy="Make the result again, and compare the versions.",
     )
 
@@ -155,7 +155,7 @@ def former_result_recomputed(worst: float, where: str, number: int, by: str) -> 
     return Finding(
         f"{result} has the same model (largest relative difference {worst:.2g})",
         worst,
-        instead=f"{result} has another number: {where}. Either this version computes it otherwise, "
+        failure=f"{result} has another number: {where}. Either this version computes it otherwise, "
         "or result and history were changed together",
         remedy="Make the result again, and use the new one.",
     )
@@ -168,7 +168,7 @@ def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> F
     return Finding(
         f"Errors and limits of line {number} are the same as by dashpot {by}",
         len(reasons),
-        instead=f"Errors and limits of line {number} are other than by dashpot {by} "
+        failure=f"Errors and limits of line {number} are other than by dashpot {by} "
         f"({', '.join(reasons)}): {changes}",
         remedy="Make the result again, and quote its errors.",
     )
@@ -183,6 +183,6 @@ def page_redrawn(number: int, *, same: bool, alike: bool) -> Finding:
     return Finding(
         f"{page}, drawn again, is the same",
         0 if same else 1,
-        instead=f"{page} does not show what its result shows: it was changed",
+        failure=f"{page} does not show what its result shows: it was changed",
         remedy="Make the report again.",
     )

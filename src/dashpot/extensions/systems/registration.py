@@ -6,10 +6,10 @@ EXTENSION = Extension(
     "systems",
     kinds=(
             KindOfTest(
-                "seal-line", place="part",
+                "seal-line", app_section="part",
                 examples="dashpot.extensions.systems.door.examples:EXAMPLES", order=19,
         ),
-            KindOfTest("free-modes", "dashpot.extensions.systems.door.read_modes:read_modes", place="part", order=20),
+            KindOfTest("free-modes", "dashpot.extensions.systems.door.read_modes:read_modes", app_section="part", order=20),
     ),
     handlers={
         "part text": {

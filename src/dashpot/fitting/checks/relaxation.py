@@ -70,7 +70,7 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
         f"Tests {i + 1} and {j + 1} differ by {100 * (second.value / first.value - 1):+.2g} % at "
         f"one depth, or {difference:.3g} standard errors. They are not one seal",
         "Fit each alone.",
-        excused=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
+        always_passes=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
     )
 
 
@@ -98,10 +98,10 @@ def depth_and_time_separable(chance: float | None, spread: float | None) -> Find
     return Finding(
         f"{message}, {enough}. One quasi-linear model serves every depth",
         chance,
-        instead=f"{message}, more than chance (probability {chance:.1g}). One quasi-linear model "
+        failure=f"{message}, more than chance (probability {chance:.1g}). One quasi-linear model "
         "does not serve every depth",
         remedy="Use the stiffnesses of each depth.",
-        excused=spread < ALIKE,
+        always_passes=spread < ALIKE,
     )
 
 
@@ -134,8 +134,8 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
     "k_inf, N/m",
     ">",
     source="3 standard errors",
-    otherwise="note where the end of a hold is known",
-    ends=Status.NOT_IDENTIFIED,
+    other_grade="note where the end of a hold is known",
+    fit_status=Status.NOT_IDENTIFIED,
 )
 def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None = None) -> Finding:
     """The equilibrium stiffness is above zero."""
@@ -155,7 +155,7 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None =
     "<=",
     UNSURE,
     "our choice; of k_inf where no hold ends",
-    otherwise="stop beyond 1",
+    other_grade="stop beyond 1",
 )
 def k_end_determined(
     model: GeneralizedMaxwell,
@@ -187,7 +187,7 @@ def k_end_determined(
             "The record sets no limit to k_inf",
             np.inf,
             remedy="Hold longer.",
-            faulted=True,
+            always_fails=True,
             grade="stop",
         )
     return Finding(
@@ -220,7 +220,7 @@ def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Findi
         fall / peak,
         "The model has no arm to follow it",
         Remedy("Use at least one arm.", "arms"),
-        excused=bool(model.arms) or fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
+        always_passes=bool(model.arms) or fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
     )
 
 
@@ -259,7 +259,7 @@ def fast_arm_visible(
         ratio,
         "It relaxes during the ramp. Only the product b = k tau is known, not k",
         "Ramp faster, or add a hammer test.",
-        excused=error < KNOWN_K,
+        always_passes=error < KNOWN_K,
     )
 
 
@@ -287,7 +287,7 @@ def drift_distinguished_from_arm(
         se_ln_tau,
         "The record cannot separate the arm from drift",
         "Record a longer baseline before contact, and hold longer.",
-        excused=correlation < MAX_DRIFT_CORRELATION,
+        always_passes=correlation < MAX_DRIFT_CORRELATION,
     )
 
 
@@ -299,7 +299,7 @@ def drift_distinguished_from_arm(
     "<=",
     FOLLOWED_TO_NOISE,
     "our choice; noise of at least 0.1 % of the peak",
-    otherwise=f"stop beyond {NOT_FOLLOWED:g}",
+    other_grade=f"stop beyond {NOT_FOLLOWED:g}",
 )
 def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     """The model fits the force to within its noise.
@@ -327,7 +327,7 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     "<=",
     4.0,
     "our choice: white residuals give 1",
-    otherwise=f"note up to {100 * SLIGHT:g} % of the peak",
+    other_grade=f"note up to {100 * SLIGHT:g} % of the peak",
 )
 def residuals_steady(
     residuals: Sequence[FloatArray], *, rounding: float = 0.0, peak: float = 0.0
@@ -360,7 +360,7 @@ def residuals_steady(
     MAX_METHOD_DIFFERENCE,
     "our choice; or 3 SE",
     grade="note",
-    otherwise=f"limit if k(T) is {100 * SAME_STIFFNESS:g} % outside its limits",
+    other_grade=f"limit if k(T) is {100 * SAME_STIFFNESS:g} % outside its limits",
 )
 def hold_and_full_agree(
     full: GeneralizedMaxwell,
@@ -400,7 +400,7 @@ def hold_and_full_agree(
         f"{'more' if excess[worst] else 'not more'} than noise explains",
         float(size[worst]),
         remedy="Use the fit of ramp and hold.",
-        excused=not failed.any(),
+        always_passes=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
         # and k_inf is an extrapolation of both
         grade="limit"
@@ -426,7 +426,7 @@ def filter_bias(
         return Finding(
             f"The error that {by} makes is not known. The raw record has no fit: {changes}",
             remedy=Remedy("Leave the filter out.", "filter"),
-            faulted=True,
+            always_fails=True,
         )
     slow = by.kind == "lowpass" and by.cutoff < 5 / fastest
     message = (
@@ -448,7 +448,7 @@ def filter_bias(
         message,
         max(abs(change) for entry in changes.values() for change in entry.values()),
         remedy=Remedy("Fit the raw record.", "filter"),
-        faulted=slow or by.causal,
+        always_fails=slow or by.causal,
     )
 
 

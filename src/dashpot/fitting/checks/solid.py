@@ -32,15 +32,15 @@ ALIKE = 10.0
 @criterion(
     source="the gradient vanishes, or a bound holds the point",
     grade="stop",
-    ends=Status.NOT_CONVERGED,
+    fit_status=Status.NOT_CONVERGED,
 )
 def optimum_found(*, stationary: bool) -> Finding:
     """The optimiser converged to an optimum."""
     return Finding(
         "The optimiser ended at an optimum",
-        instead="The optimiser reached its limit of iterations before the gradient vanished",
+        failure="The optimiser reached its limit of iterations before the gradient vanished",
         remedy=Remedy("Use fewer arms, or more starting points.", "thorough"),
-        faulted=not stationary,
+        always_fails=not stationary,
     )
 
 
@@ -49,9 +49,9 @@ def uncertainty_estimated(*, made: bool) -> Finding:
     """Intervals and checks were computed."""
     return Finding(
         "Intervals and checks were made",
-        instead="This fit has neither intervals nor checks",
+        failure="This fit has neither intervals nor checks",
         remedy="Fit with intervals before use.",
-        faulted=not made,
+        always_fails=not made,
     )
 
 
@@ -76,8 +76,8 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     ">",
     MIN_K_OVER_SE,
     "3 SE, and SE(ln tau) < 0.5",
-    otherwise="note where fewer arms are rejected",
-    ends=Status.NOT_IDENTIFIED,
+    other_grade="note where fewer arms are rejected",
+    fit_status=Status.NOT_IDENTIFIED,
 )
 def arms_supported(
     model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", needed: bool = False
@@ -102,14 +102,14 @@ def arms_supported(
     return Finding(
         "Every arm is above the noise",
         value if np.isfinite(value) else None,
-        excused=n > 0 and not weak,
-        instead=f"{weak} is hardly known, though the record rejects fewer arms. {doubt}"
+        always_passes=n > 0 and not weak,
+        failure=f"{weak} is hardly known, though the record rejects fewer arms. {doubt}"
         if needed
         else f"{weak} cannot be separated from noise. {doubt}",
         remedy="Hold longer, or reduce slow noise."
         if needed
         else Remedy("Use fewer arms.", "arms", f"{max(n - 1, 0)}"),
-        faulted=bool(weak),
+        always_fails=bool(weak),
         grade="note" if needed else None,
     )
 
@@ -119,7 +119,7 @@ def arms_supported(
     "<=",
     source="the ends of the sampled times",
     grade="note",
-    ends=Status.TAU_AT_BOUND,
+    fit_status=Status.TAU_AT_BOUND,
 )
 def tau_inside_window(
     model: GeneralizedMaxwell,
@@ -142,12 +142,12 @@ def tau_inside_window(
     return Finding(
         f"Every relaxation time lies in what {of} can show, {span}",
         min(outside, default=None),
-        excused=bool(model.arms) and not outside,
-        instead=f"A relaxation time, {listed}, lies outside what {of} can show, {span}. "
+        always_passes=bool(model.arms) and not outside,
+        failure=f"A relaxation time, {listed}, lies outside what {of} can show, {span}. "
         "Only the tail of this arm was measured, so its k and tau are extrapolated",
         remedy=remedy,
         limit=high,
-        faulted=bool(outside),
+        always_fails=bool(outside),
     )
 
 
@@ -200,7 +200,7 @@ def order_agreed(choice: OrderChoice) -> Finding:
         float(choice.by_bic),
         remedy=Remedy(f"Ask for more than {choice.arms} arms.", "arms", f"{choice.arms + 1}"),
         limit=float(choice.by_significance),
-        faulted=choice.capped,
+        always_fails=choice.capped,
     )
 
 
@@ -237,7 +237,7 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
         effective - parameters,
         "So few do not show how large the noise is",
         "Look at the residuals: use more arms, or reduce slow noise.",
-        excused=kappa < ALIKE,
+        always_passes=kappa < ALIKE,
     )
 
 
@@ -256,7 +256,7 @@ def valid_band_exists(band: tuple[float, float]) -> Finding:
         f"The valid band of this test is {low:.2g} to {high:.2g} Hz; a prediction outside it is "
         "an extrapolation",
         high,
-        instead="This test has no valid band. It halves the uncertainty of the loss stiffness at "
+        failure="This test has no valid band. It halves the uncertainty of the loss stiffness at "
         "no frequency",
         remedy="Reduce the noise, press deeper, or hold longer.",
         limit=low,

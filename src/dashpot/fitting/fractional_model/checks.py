@@ -17,7 +17,7 @@ STIFFNESS_MATTERS, LOSS_MATTERS = 0.02, 0.1
     "<=",
     0.05,
     "our choice: 0.05 turns the loss by 12 % per decade",
-    ends=Status.NOT_IDENTIFIED,
+    fit_status=Status.NOT_IDENTIFIED,
 )
 def fractional_slope_determined(error: float, *, edge: bool) -> Finding:
     """The exponent and the relaxation time of the fractional model are known.
@@ -28,12 +28,12 @@ def fractional_slope_determined(error: float, *, edge: bool) -> Finding:
         f"The slope alpha is known to ±{error:.2g}",
         error,
         "The record shows too few decades of the spectrum",
-        instead="The slope alpha or the relaxation time is at the end of its range. The spectrum "
+        failure="The slope alpha or the relaxation time is at the end of its range. The spectrum "
         "is no bent power law that this record shows"
         if edge
         else "",
         remedy=Remedy("Fit arms.", "model", "maxwell") if edge else "Hold longer, or ramp faster.",
-        faulted=edge,
+        always_fails=edge,
     )
 
 
@@ -42,7 +42,7 @@ def fractional_slope_determined(error: float, *, edge: bool) -> Finding:
     "<=",
     1.02,
     "our choice: white residuals of 1000 samples scatter by 2 %",
-    otherwise="stop beyond 1.1",
+    other_grade="stop beyond 1.1",
 )
 def fractional_model_suffices(ratio: float, arms: int) -> Finding:
     """The fractional model fits as well as a model with arms."""
@@ -61,10 +61,10 @@ def fractional_model_suffices(ratio: float, arms: int) -> Finding:
 def model_families_distinguished(other: Alternative | None) -> Finding:
     """No other family of models fits the data and predicts another response."""
     if other is None or not other.is_sufficient:
-        return Finding("No other family of models explains the data as well", excused=True)
+        return Finding("No other family of models explains the data as well", always_passes=True)
     return Finding(
         other.message,
         other.differs_from_hz,
         remedy="Add a hammer test.",
-        excused=other.differs_from_hz is None,
+        always_passes=other.differs_from_hz is None,
     )

@@ -26,7 +26,7 @@ from dashpot.fitting.fractional_model.checks import (
     model_families_distinguished,
 )
 from dashpot.fitting.order_selection import SelectedModel
-from dashpot.fitting.parameter_errors import estimate_covariance, rounding
+from dashpot.fitting.parameter_errors import estimate_covariance, rounding_rms
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import Jacobian, Solution
 from dashpot.numerics.inference.model_order import bic, deviance, is_significant_fall
@@ -275,7 +275,7 @@ def element(data: FitData) -> FractionalFit:
         peak=data.peak,
         priors=data.priors,
         encoders=data.encoders,
-        whole=element_jacobian(data.full_rows, columns, best),
+        jacobian=element_jacobian(data.full_rows, columns, best),
     )
     return FractionalFit(data, estimate, (), None, None, best)
 
@@ -364,7 +364,7 @@ def chosen_family(
     fit = fit or element(arms.data)
     fewest = min(arms, fit, key=lambda selection: selection.solution.sse)
     effective = fewest.estimate.effective
-    floor = arms.solution.samples * rounding(arms.data.peak) ** 2
+    floor = arms.solution.samples * rounding_rms(arms.data.peak) ** 2
 
     def criterion(contender: _Contender) -> float:
         return bic(contender.sse, effective=effective, parameters=contender.parameters, floor=floor)

@@ -33,8 +33,8 @@ KNOWN = 0.025, 0.1
     "<=",
     EXPLAINED,
     "our choice; 0.1 of the FRF without scatter",
-    otherwise="stop beyond 20, and 0.5",
-    ends=Status.TESTS_DISAGREE,
+    other_grade="stop beyond 20, and 0.5",
+    fit_status=Status.TESTS_DISAGREE,
 )
 def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> Finding:
     """The model fits the FRF to within its scatter."""
@@ -70,8 +70,8 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
     "<=",
     1.3,
     "our choice; or too little to matter",
-    otherwise=f"stop beyond {CONTRADICTED:g}",
-    ends=Status.TESTS_DISAGREE,
+    other_grade=f"stop beyond {CONTRADICTED:g}",
+    fit_status=Status.TESTS_DISAGREE,
 )
 def hammer_agrees_with_relaxation_test(
     number: int, ratio: float, *, missed: float = np.inf
@@ -86,7 +86,7 @@ def hammer_agrees_with_relaxation_test(
         ratio,
         _APART,
         REMEDY,
-        excused=missed < IMMATERIAL,
+        always_passes=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
     )
 
@@ -120,7 +120,7 @@ def hammer_agrees_with_earlier_fit(off: float) -> Finding:
     "fall of chi-square",
     source="a note: what explains both tests",
     grade="stop",
-    ends=Status.TESTS_DISAGREE,
+    fit_status=Status.TESTS_DISAGREE,
 )
 def tests_agree(lead: Explanation | None) -> Finding:
     """One model fits the relaxation test and the hammer test.
@@ -141,7 +141,7 @@ def tests_agree(lead: Explanation | None) -> Finding:
         message,
         lead.deviance_fall,
         remedy=REMEDY,
-        faulted=True,
+        always_fails=True,
         grade="limit" if slight else "stop",
     )
 
@@ -170,8 +170,8 @@ def _plausible(quantity: str, ends: Status | None = None) -> Believable:
         "<=",
         STRAINED,
         source="1.2 % of normal errors are beyond",
-        otherwise=f"stop beyond {4 * STRAINED:g}",
-        ends=ends,
+        other_grade=f"stop beyond {4 * STRAINED:g}",
+        fit_status=ends,
         name=f"{quantity}_plausible",
         question=f"The fitted {quantity} agrees with its prior.",
     )
@@ -205,7 +205,7 @@ def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = 
     return Finding(
         "A parallel dashpot explains the FRF no better",
         fall,
-        instead=f"A parallel dashpot of {b:.3g} N s/m beside {text} explains the FRF better "
+        failure=f"A parallel dashpot of {b:.3g} N s/m beside {text} explains the FRF better "
         f"(BIC falls by {fall:.3g})",
         remedy=Remedy("Add a dashpot.", "dashpot"),
         limit=DECISIVE if sure else 0.0,
@@ -217,8 +217,8 @@ def dashpot_not_missed(fall: float | None, text: str, b: float, *, sure: bool = 
     "<",
     MAX_SE_LN_TAU,
     "a factor 1.6 in tau; and k > 3 SE",
-    otherwise="note of vibration alone, where stiffness and loss in its band are known",
-    ends=Status.NOT_IDENTIFIED,
+    other_grade="note of vibration alone, where stiffness and loss in its band are known",
+    fit_status=Status.NOT_IDENTIFIED,
 )
 def arms_identified(
     arms: int,
@@ -240,11 +240,11 @@ def arms_identified(
     return Finding(
         f"Every one of the {arms} arms is {name}{hammer}",
         worst,
-        instead=f"{len(unknown)} of the {arms} arms (relaxation time "
+        failure=f"{len(unknown)} of the {arms} arms (relaxation time "
         f"{', '.join(f'{tau:.3g} s' for tau in unknown)}) {be} not {name}{hammer}"
         if arms > 1
         else f"The one arm is not {name}",
         remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
-        faulted=bool(unknown),
+        always_fails=bool(unknown),
         grade="note" if in_band[0] <= KNOWN[0] and in_band[1] <= KNOWN[1] else None,
     )

@@ -50,7 +50,7 @@ from dashpot.numerics.least_squares import (
 )
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.mass_on_seals import Lost, Response, residues, ringing_pole
+from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, ringing_pole
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
@@ -368,7 +368,7 @@ class ModelPrediction:
         values = problem.sought.differentiate_stiffness(self._numbers, s)
         sensed = 1 / response.receptance - p.mass * s**2
 
-        def differentiate_lost_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
+        def differentiate_lost_poles(lost: TruncationLoss) -> tuple[ComplexArray, ComplexArray]:
             mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, lost.p)
             return (
                 self._differentiate_impedance(lost.p, columns[0], -mass * lost.p**2),

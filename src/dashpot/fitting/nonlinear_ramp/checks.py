@@ -46,9 +46,9 @@ def ramp_residual_small(missed: float, noise: float, discrepancy: float, kind: s
         "No elastic law follows the ramp. So k_inf and slow arms come from the hold; fast arms and "
         "tangent are uncertain",
         "Record the motion at the seal, without slip.",
-        excused=missed <= 1.5 * noise,
+        always_passes=missed <= 1.5 * noise,
         # no linear solid explained ramp and hold, and no law was found that does
-        faulted=kind == "linear" and discrepancy > _ANOTHER,
+        always_fails=kind == "linear" and discrepancy > _ANOTHER,
     )
 
 
@@ -68,7 +68,7 @@ def ramp_explained(quality: LinearFitQuality | None) -> Finding:
         "No bent law explains it better: two faults may hide each other, such as a seal that bends "
         "a little and one that warms. Fast arms, and the loss that they give, are uncertain",
         "Press at a second speed, or strike the seal with a hammer.",
-        excused=quality.sound,
+        always_passes=quality.sound,
     )
 
 
@@ -88,7 +88,7 @@ def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Findin
         if len(rho) > 1
         else "The ramp changes what the hold gives",
         "Fit each test alone." if len(rho) > 1 else Remedy("Fit the hold alone.", "method", "hold"),
-        excused=missed[worst] <= _MATTERS,
+        always_passes=missed[worst] <= _MATTERS,
         grade="stop" if rho[worst] > _CONTRADICTED else "limit",
     )
 
@@ -98,7 +98,7 @@ def hold_residual_small(rho: Sequence[float], missed: Sequence[float]) -> Findin
     ">=",
     2.0,
     "simulation",
-    otherwise="note of a law that bends little and evenly",
+    other_grade="note of a law that bends little and evenly",
 )
 def tangent_determined(law: ElasticLaw, ramps: int) -> Finding:
     """More than one ramp determines the tangent stiffness within the ramp.
@@ -139,13 +139,17 @@ def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: floa
         share,
         "Offset or drift of the load cell took what is stiffness, or the other way round",
         Remedy("Record a baseline before contact, or give the drift.", "machine", "drift=..."),
-        excused=off <= 3.0 * se,
+        always_passes=off <= 3.0 * se,
         grade="stop" if wrong else "limit",
     )
 
 
 @criterion(
-    "offset less baseline, SE", "<=", 3.0, grade="note", otherwise="limit from 1 % of the force on"
+    "offset less baseline, SE",
+    "<=",
+    3.0,
+    grade="note",
+    other_grade="limit from 1 % of the force on",
 )
 def offset_plausible(results: Sequence[tuple[float, float, float, float]]) -> Finding:
     """The fitted offset of the load cell agrees with the force before contact.
@@ -161,7 +165,7 @@ def offset_plausible(results: Sequence[tuple[float, float, float, float]]) -> Fi
     "<=",
     3.0,
     grade="note",
-    otherwise="limit from 1 % of the force over the record on, if k(T) is beyond its limits",
+    other_grade="limit from 1 % of the force over the record on, if k(T) is beyond its limits",
 )
 def drift_plausible(
     results: Sequence[tuple[float, float, float, float]], excess: float = np.inf
@@ -203,7 +207,7 @@ def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
     3.0,
     "3 standard errors",
     grade="note",
-    otherwise="limit where the delay is far beyond what was thought possible",
+    other_grade="limit where the delay is far beyond what was thought possible",
 )
 def clocks_agree(results: Sequence[tuple[float, float, float]]) -> Finding:
     """There is no significant delay between force and displacement.

@@ -32,7 +32,7 @@ from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.fractional_model.family_selection import FractionalFit, element
 from dashpot.fitting.nonlinear_ramp.quasi_linear import ramp_obstacle, relaxes_from
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
-from dashpot.fitting.parameter_errors import residual_of
+from dashpot.fitting.parameter_errors import compute_residual
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve
 from dashpot.numerics.inference.correlated_noise import noise_of
@@ -214,7 +214,7 @@ class HoldBlocks:
         near = start if len(start) == arms and _has_distinct_times(start, block.window) else None
         least = bic_penalty_per_arm([block])
         solution = solve([block], arms, log_tau_start=near, negligible=least)
-        return residual_of(solution, block.exact)
+        return compute_residual(solution, block.exact)
 
     def fit_hold_equation(self, model: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
         """What eq. 5 on all holds says with as many arms as another solid, where it applies."""

@@ -93,7 +93,7 @@ def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
         message,
         travel,
         **_make_unit_advice(text, "displacement", unit, _LARGER),
-        excused=probe,
+        always_passes=probe,
     )
 
 
@@ -120,7 +120,7 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
         message,
         force,
         **_make_unit_advice(text, "force", unit, _LARGER),
-        excused=travel < 5e-4,
+        always_passes=travel < 5e-4,
     )
 
 
@@ -141,7 +141,7 @@ def stiffness_of_a_seal(force: float, unit: str, *, travel: float, moves: str) -
         message,
         force / travel if travel > 0 else None,
         **_make_unit_advice(message, "force", unit, _LARGER),
-        excused=moves not in _COARSE,
+        always_passes=moves not in _COARSE,
     )
 
 
@@ -171,7 +171,7 @@ def clock_unit_constant(before: float, after: float, at: float, unit: str) -> Fi
     return Finding(
         message,
         float(10**off),
-        instead=f"{message}. Its unit may change there",
+        failure=f"{message}. Its unit may change there",
         remedy=Remedy(f"Correct the clock there, or confirm {unit}.", "units", f"time={unit}"),
     )
 
@@ -280,7 +280,7 @@ def _make_unit_advice(message: str, role: str, unit: str, likely: dict[str, str]
         question += f" The unit may be {likelier}."
         words = f"Give {likelier} as the unit of the {role}, or confirm {unit}."
     return {
-        "instead": question,
+        "failure": question,
         "remedy": Remedy(words, "units", f"{role}={likelier or unit}"),
     }
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base import number_format
 from dashpot.base.checks import (
-    VERDICT_WORDS,
+    MAX_MESSAGE_WORDS,
     Check,
     Finding,
     Grade,
@@ -81,7 +81,7 @@ def _grade(limits: float) -> Grade | None:
     "<=",
     FREQUENCY_LIMIT,
     "our choice: stiffness within 10 %",
-    otherwise="stop beyond 0.2",
+    other_grade="stop beyond 0.2",
 )
 def stiffness_agrees(c: Comparison) -> Finding:
     """The predicted and the measured peak have the same frequency."""
@@ -110,7 +110,7 @@ def stiffness_agrees(c: Comparison) -> Finding:
     "|x| <=",
     HEIGHT_LIMIT,
     "our choice: a factor 1.4",
-    otherwise="stop beyond 12 dB",
+    other_grade="stop beyond 12 dB",
 )
 def peak_agrees(c: Comparison) -> Finding:
     """The predicted and the measured peak have the same height."""
@@ -136,7 +136,7 @@ def peak_agrees(c: Comparison) -> Finding:
     "predicted / measured damping ratio",
     "x/",
     DAMPING_LIMIT,
-    otherwise="stop beyond a factor 2.4",
+    other_grade="stop beyond a factor 2.4",
 )
 def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     """The predicted and the measured damping ratio are the same."""
@@ -178,7 +178,7 @@ def no_unit_error(c: Comparison) -> Finding:
                 ratio,
                 remedy=Remedy("Check the units of mass, force and acceleration.", "units"),
                 limit=factor,
-                faulted=True,
+                always_fails=True,
             )
     return Finding("The factor between both tests is not that of a wrong unit", frequency)
 
@@ -216,7 +216,7 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
         where = "above" if c.measured_hz > high else "below"
         message = f"{peak} a factor of {factor:.3g} {where} {band}"
         message += ". The measurement agrees all the same" if borne_out else ""
-    return Finding(message, factor, remedy=TOGETHER, excused=borne_out)
+    return Finding(message, factor, remedy=TOGETHER, always_passes=borne_out)
 
 
 @criterion("1 / (2 pi peak), s", source="the valid band of the relaxation test")
@@ -248,7 +248,7 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
         tau,
         remedy=TOGETHER,
         limit=1 / (2 * np.pi * high),
-        faulted=not borne_out,
+        always_fails=not borne_out,
     )
 
 
@@ -258,12 +258,12 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     at, depth = point.compression, point.depth
     message = (
         f"The seals are compressed by {format_quantity(at, 'mm', '.2f')}, as given"
-        if point.given
+        if point.is_compression_given
         else f"The mass sinks {format_quantity(at, 'mm', '.2f')} into the seals by its weight"
     )
     if depth is None:
         return Finding(f"{message}. The depth of their test is not known")
-    if not point.linear:
+    if not point.is_linear:
         return Finding(
             f"{message}. Its tangent stiffness there is "
             f"{number_format.with_error(point.factor, point.factor_se or np.nan)} times the secant "
@@ -274,7 +274,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             "tangent is used",
             "Test the seal deeper.",
             limit=depth,
-            faulted=point.is_extrapolated,
+            always_fails=point.is_extrapolated,
         )
     near = abs(at - depth) <= DEPTH_LIMIT * depth
     tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
@@ -283,12 +283,12 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
         if near
         else f"{message}, not to {tested}. The frequency agrees all the same",
         at,
-        instead=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
+        failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness "
         "that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
-        faulted=not (near or borne_out),
+        always_fails=not (near or borne_out),
         # a ramp that a straight law follows went through every lesser compression
         grade="limit" if point.is_extrapolated else "note",
     )
@@ -312,8 +312,8 @@ def format_conclusion(c: Comparison) -> str:
     if tested is not None and tested.failed:
         unmeasured = _time(tested.value or 0.0)
         sentences.append(f"The relaxation test cannot see the {unmeasured} that matter.")
-        return clip_sentences(VERDICT_WORDS, sentences, [TOGETHER])
-    return clip_sentences(VERDICT_WORDS, sentences, [TOGETHER if stiff else _ASTRAY])
+        return clip_sentences(MAX_MESSAGE_WORDS, sentences, [TOGETHER])
+    return clip_sentences(MAX_MESSAGE_WORDS, sentences, [TOGETHER if stiff else _ASTRAY])
 
 
 def _format_frequency_error(c: Comparison, *, agrees: bool) -> str:

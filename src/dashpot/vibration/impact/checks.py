@@ -170,7 +170,7 @@ def frf_dissipates(value: complex, peak: float) -> Finding:
     return Finding(
         f"At {peak:.4g} Hz the accelerance leads the force",
         part,
-        instead=f"At {peak:.4g} Hz the accelerance lags behind the force, as if the part gave "
+        failure=f"At {peak:.4g} Hz the accelerance lags behind the force, as if the part gave "
         "energy. A sign or a polarity is wrong",
         remedy=Remedy("Turn the sign of the phase, or the polarity of one channel.", "polarity"),
     )
@@ -208,7 +208,7 @@ def mass_over_base(frf: FRF) -> Finding:
         f"The transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
         part,
         # one sentence: a verdict must not lose the cause where it is short of words
-        instead=f"Below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base; "
+        failure=f"Below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base; "
         + cause,
         remedy=remedy,
     )
@@ -260,7 +260,7 @@ def line_errors_stated() -> Finding:
     return Finding(
         "The FRF has neither coherence nor scatter, so every line counts alike",
         remedy="Export the coherence with it.",
-        faulted=True,
+        always_fails=True,
     )
 
 
@@ -272,7 +272,7 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
             f"No resonance was found between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} Hz",
             reason="A channel may be wrong, or the damping too high",
             remedy=Remedy("Check the channels, and widen the band.", "band"),
-            faulted=True,
+            always_fails=True,
         )
     return Finding(
         f"The resonance lies at {main.frequency:.5g} Hz, with a damping ratio of "
@@ -315,14 +315,14 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
             "The file states an exponential window and not its decay, and the noise shows none",
             reason="Its decay would count as damping",
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
-            faulted=True,
+            always_fails=True,
         )
     if not window.known and not np.isfinite(window.seen_rate):
         return Finding(
             "The noise decays as under an exponential window, too fast to tell how fast",
             reason="The decay of the window counts as damping",
             remedy=Remedy("Give its time constant.", "window-decay"),
-            faulted=True,
+            always_fails=True,
         )
     if not window.known:
         stated = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
@@ -331,7 +331,7 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
             f"a window {stated} was stated",
             reason="One of them is wrong, and the damping with it",
             remedy=Remedy("Check the setting of the analyser.", "window-decay"),
-            faulted=True,
+            always_fails=True,
         )
     origin = "as stated" if window.stated and window.sd == 0 else "by its noise"
     message = f"The record carries a window of {1 / window.rate:.3g} s {origin}"
@@ -502,7 +502,7 @@ def apparent_mass(
     "|x| <=",
     TOLERANCE,
     "ISO 7626-2, 7.5.2",
-    otherwise=f"stop beyond a factor {GROSS:g}",
+    other_grade=f"stop beyond a factor {GROSS:g}",
 )
 def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above the resonance the FRF shows the stated mass."""
@@ -521,7 +521,7 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
     return Finding(
         f"{message}. The calibration is right within {100 * (factor - 1):+.1f} %",
         factor - 1,
-        instead=message,
+        failure=message,
         reason=_format_likely_cause(factor),
         remedy=Remedy("Check the mass, then sensitivities and units.", "mass"),
         grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,

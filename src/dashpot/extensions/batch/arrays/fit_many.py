@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, FrozenArrays, increasing, samples
-from dashpot.base.checks import status_of
+from dashpot.base.checks import select_fit_status
 from dashpot.base.errors import DataError, Status
 from dashpot.base.option_fields import Method
 from dashpot.extensions.batch.arrays.batched_solver import (
@@ -245,7 +245,7 @@ def _build_recorded_motion(clock: FloatArray, x: FloatArray, *, method: str) -> 
 
 def _status(solutions: ManySolutions, row: int, arms: int) -> Status:
     at_bound = solutions.at_bound[row]
-    return status_of(
+    return select_fit_status(
         (),
         {
             Status.NO_DATA: not solutions.finite[row],

@@ -60,12 +60,12 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
             float(before),
             "The part still moves under an earlier load",
             "Let it rest, or record that load too.",
-            faulted=ratio > max(MAX_STIR, chance / travel),
+            always_fails=ratio > max(MAX_STIR, chance / travel),
         )
     return Finding(
         zero,
         float(before),
-        instead=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
+        failure=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
         "The file's own zero is taken for that of the unloaded part",
         remedy="Start the record a second before the load.",
     )
@@ -118,7 +118,7 @@ def compliance_rises(compliance: FloatArray) -> Finding:
     return Finding(
         "The compliance rises with time",
         last / first if first > 0 else None,
-        instead=f"The compliance falls with time, from {first:.3g} in its first third to "
+        failure=f"The compliance falls with time, from {first:.3g} in its first third to "
         f"{last:.3g} in its last",
         remedy="Check whether it is a modulus, or has a recovery.",
     )
@@ -132,7 +132,8 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
     """
     if creep.flow > 0:
         return Finding(
-            "The part flows, so the displacement never comes to rest and k_inf = 0", excused=True
+            "The part flows, so the displacement never comes to rest and k_inf = 0",
+            always_passes=True,
         )
     remainder = 1 - float(creep.compliance(hold)) / creep.equilibrium
     return Finding(
@@ -151,12 +152,14 @@ def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None)
     word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
     doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
     if np.isinf(difference):
-        return Finding(f"A part that {other} explains no more than one that {word}", excused=True)
+        return Finding(
+            f"A part that {other} explains no more than one that {word}", always_passes=True
+        )
     return Finding(
         f"A part that {word} explains the record better than one that {other}, by {difference:.3g} "
         f"in BIC{doubt}",
         difference,
-        instead=f"The record hardly separates a part that comes to rest from one that flows "
+        failure=f"The record hardly separates a part that comes to rest from one that flows "
         f"(BIC {difference:.3g}). One that {word} was taken; k_inf may be 0",
         remedy="Hold longer, or record a recovery.",
     )
@@ -191,12 +194,12 @@ def drift_distinguished_from_flow(drift: float, usual: float, *, reported: bool)
         abs(drift) / usual,
         "A part that flows slowly, or is not at rest yet, looks the same; k_inf is then too high",
         "Record longer before the load.",
-        excused=reported,
+        always_passes=reported,
     )
 
 
 @criterion(
-    "smooth misfit / noise", "<=", MISSED, "our choice", otherwise=f"stop beyond {NOT_FOLLOWED:g}"
+    "smooth misfit / noise", "<=", MISSED, "our choice", other_grade=f"stop beyond {NOT_FOLLOWED:g}"
 )
 def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding:
     """The model fits the displacement to within its noise.
@@ -242,7 +245,7 @@ def levels_agree(departure: float | None, error: float | None) -> Finding:
         abs(departure),
         "One linear model is not valid for all loads",
         "Fit the loads one by one.",
-        excused=abs(departure) <= SURELY * error,
+        always_passes=abs(departure) <= SURELY * error,
     )
 
 

@@ -76,7 +76,7 @@ from dashpot.fitting.nuisance_priors import (
     estimate_channel_zero,
 )
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
-from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding
+from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding_rms
 from dashpot.fitting.relaxation_likelihood import noise_power
 from dashpot.fitting.valid_band import informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
@@ -313,7 +313,7 @@ def _better(selections: Sequence[SelectedModel]) -> Retarded:
     effective = min(selection.estimate.effective for selection in selections)
     scores = []
     for model in selections:
-        floor = model.solution.samples * rounding(model.data.peak) ** 2
+        floor = model.solution.samples * rounding_rms(model.data.peak) ** 2
         checked = bic(
             model.solution.sse,
             effective=effective,
@@ -432,7 +432,7 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
         solution = selection.scores[taken].solution
         rows = partial(load_rows, record=record, creep=spectrum_of(solution))
         estimate = estimate_covariance(
-            solution, data.samples, peak=data.peak, priors=data.priors, others=[rows]
+            solution, data.samples, peak=data.peak, priors=data.priors, error_rows=[rows]
         )
         if choice is None or taken == 0 or _stand_out(selection, estimate):
             break

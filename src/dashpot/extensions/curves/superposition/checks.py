@@ -85,7 +85,7 @@ def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray)
     return Finding(
         "Relaxation is faster at every warmer temperature",
         float(np.clip(rise[i], -1e9, 1e9)),
-        instead=f"From {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation times "
+        failure=f"From {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation times "
         f"grow by {step[i]:.2g} decades; warmth should shorten them",
         remedy="Look for exchanged files, a wrong temperature, or a specimen that changed.",
     )
@@ -113,7 +113,7 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
         "another strain. A prediction at a new temperature is worse than its errors",
         "Fit each temperature alone.",
         limit=max(MAX_JOINT_OVER_OWN, by_chance),
-        excused=ratio is not None and rms < _EXACT,
+        always_passes=ratio is not None and rms < _EXACT,
     )
 
 
@@ -151,7 +151,7 @@ def law_follows_shifts(
             best.missed,
             f"The nearest law, {best.kind}, is {best.missed:.2g} decades off at {celsius(best.at)}",
             "Look for a glass transition among the temperatures, or a wrong temperature.",
-            faulted=True,
+            always_fails=True,
         )
     return Finding(
         f"The {taken.kind} law misses a shift by at most {taken.missed:.2g} decades, at "
@@ -160,7 +160,7 @@ def law_follows_shifts(
         "That is more than chance. A glass transition among them or a wrong temperature may cause "
         "this",
         Remedy("Use the shifts themselves between the tested temperatures.", "shift", "free"),
-        excused=not taken.fails,
+        always_passes=not taken.fails,
     )
 
 
@@ -192,7 +192,7 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
         f"The coldest test, at {celsius(coldest)}, is less than {ABOVE_GLASS:g} K above it, where "
         "no such law is valid",
         Remedy("Check the temperatures. Until then use the shifts themselves.", "shift", "free"),
-        excused=short < MAX_RISE * error,
+        always_passes=short < MAX_RISE * error,
     )
 
 
@@ -219,8 +219,8 @@ def vertical_shift_determined(vertical: str, margin: float, difference: float) -
         if free
         else "The data hardly separate the two rules",
         Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
-        excused=not free and difference < _SLIGHT,
-        faulted=free,
+        always_passes=not free and difference < _SLIGHT,
+        always_fails=free,
     )
 
 
@@ -244,7 +244,7 @@ def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray)
         "That is more than chance. The moduli there differ from the rule of b_T, and the shift "
         "with them",
         "Look for another grip, length or strain, machine compliance, or a glass transition.",
-        excused=not is_significant_fall(score, max(len(step) - 1, 1)),
+        always_passes=not is_significant_fall(score, max(len(step) - 1, 1)),
     )
 
 

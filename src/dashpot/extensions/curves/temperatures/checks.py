@@ -34,8 +34,8 @@ MAX_BACK = 2.5
     CHANCE,
     "chi-square of the joint fit, alone and over that of each test's own, 3 standard errors; and "
     "arms that shift apart by less than 5 % per decade, or 2.5 standard errors",
-    otherwise="stop where the misfit is above 0.1 % of the peak force",
-    ends=Status.TESTS_DISAGREE,
+    other_grade="stop where the misfit is above 0.1 % of the peak force",
+    fit_status=Status.TESTS_DISAGREE,
 )
 def thermorheologically_simple(
     chance: float, excess: float, *, temperatures: int, slope: tuple[float, float] | None
@@ -63,10 +63,10 @@ def thermorheologically_simple(
         f"One model explains the tests at {temperatures} temperatures (probability {chance:.2g} "
         f"by chance){text and '. '}{text}",
         chance,
-        instead=f"{stated}. The stiffness outside the band of each test is not supported",
+        failure=f"{stated}. The stiffness outside the band of each test is not supported",
         remedy="Fit each temperature alone.",
-        faulted=faulted,
-        excused=excess < ROUNDING,
+        always_fails=faulted,
+        always_passes=excess < ROUNDING,
         grade="stop" if excess > TOO_MUCH else "limit",
     )
 

@@ -23,7 +23,7 @@ from dashpot.fitting.parameter_errors import (
     Kernel,
     ParameterCovariance,
     encoder_rows,
-    rounding,
+    rounding_rms,
 )
 from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -159,7 +159,7 @@ def compute_joint_covariance(
         )
         jacobian[:, : len(shared)] = weight * residual.part.by
         jacobian[:, here], values[:, here] = weight * residual.columns, rows
-        least = weight * rounding(float(np.abs(test.record.force).max()))
+        least = weight * rounding_rms(float(np.abs(test.record.force).max()))
         jacobians.append(jacobian)
         before.append(values)
         noises.append(noise_of(weight * residual.left, jacobian, rounding=least))

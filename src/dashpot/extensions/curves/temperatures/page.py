@@ -53,7 +53,7 @@ def make_page_part(fit: Fit) -> TemperaturePart:
 def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
     """The constants of the law, and the shifts of the ends."""
     # an error of the noise alone is no interval, and says so
-    single = "" if fit.estimate.of_noise is None else f" ({get_error_label(fit)})"
+    single = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
     if shifts.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
         yield Group(

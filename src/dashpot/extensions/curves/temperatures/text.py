@@ -35,7 +35,7 @@ def _format_shift_law(fit: Fit, shifts: TemperatureShifts) -> str:
     constants = ", ".join(
         f"{constant.label} {constant.cells.with_unit}" for constant in shifts.constants
     )
-    if constants and fit.estimate.of_noise is not None:
+    if constants and fit.estimate.noise_covariance is not None:
         constants += f" ({get_error_label(fit)})"
     law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "none, the shifts alone")
     return ascii_only(": ".join(filter(None, (law, constants))))

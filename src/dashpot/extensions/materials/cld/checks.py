@@ -31,7 +31,7 @@ def zero_recorded(preload: float, *, air: bool) -> Finding:
     return Finding(
         "The record begins in contact. Compression counts from its first sample",
         preload,
-        instead=f"The record begins in contact, under {100 * preload:.2g} % of the force. The "
+        failure=f"The record begins in contact, under {100 * preload:.2g} % of the force. The "
         "compression before it is not known",
         remedy="Begin the record in air.",
     )
@@ -49,7 +49,7 @@ def specimen_conditioned(change: float | None, *, cycle: int, softening: float) 
         return Finding(
             "The figures are of cycle 1 of a seal; later cycles are softer",
             remedy=Remedy("Record three or more cycles.", "file-part", "cycle=N"),
-            faulted=True,
+            always_fails=True,
         )
     return Finding(
         f"Cycle {cycle} differs from the one before by {100 * change:+.2g} % of the force. The "
@@ -164,9 +164,9 @@ def unloading_recorded(*, recorded: bool) -> Finding:
     """The unloading was recorded."""
     return Finding(
         "Loading and unloading were recorded",
-        instead="The unloading was not recorded, so hysteresis and returned energy are not known",
+        failure="The unloading was not recorded, so hysteresis and returned energy are not known",
         remedy="Record the unloading.",
-        faulted=not recorded,
+        always_fails=not recorded,
     )
 
 
@@ -175,10 +175,10 @@ def length_given(*, provided: bool) -> Finding:
     """The length of the seal is given, so that forces are per 100 mm."""
     return Finding(
         "The length of the seal is known",
-        instead="The length of the seal is not given, so forces are N of this specimen, not N per "
+        failure="The length of the seal is not given, so forces are N of this specimen, not N per "
         "100 mm",
         remedy=Remedy("Give the length.", "length"),
-        faulted=not provided,
+        always_fails=not provided,
     )
 
 
@@ -268,7 +268,7 @@ def one_relaxation_explains_speeds(over: float) -> Finding:
     return Finding(
         f"{message} (BIC {over:+.3g})",
         over,
-        instead=f"A dashpot that depends on compression explains the speeds better than one "
+        failure=f"A dashpot that depends on compression explains the speeds better than one "
         f"relaxation function (BIC {over:+.3g})",
         remedy="Use c(x) at your compression, not the arms of this fit.",
     )
@@ -318,7 +318,7 @@ def slowest_stroke_quasi_static(longest: float | None, stroke: float) -> Finding
     "<=",
     LARGEST_LN_TAU_SE,
     "as for the arms of a relaxation test",
-    ends=Status.NOT_IDENTIFIED,
+    fit_status=Status.NOT_IDENTIFIED,
 )
 def relaxation_times_determined(error: float | None) -> Finding:
     """The data determine every relaxation time."""
@@ -337,7 +337,7 @@ def specimens_tested_alike(otherwise: Sequence[str]) -> Finding:
     return Finding(
         "The specimens were tested alike",
         len(otherwise),
-        instead=f"The specimens were not tested alike ({', '.join(otherwise)}). Part of their "
+        failure=f"The specimens were not tested alike ({', '.join(otherwise)}). Part of their "
         "scatter "
         "comes from the tests",
         remedy="Test every specimen alike.",

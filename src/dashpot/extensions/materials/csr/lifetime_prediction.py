@@ -313,11 +313,11 @@ def scale_for_aging(
     values = {item.name: item.value for item in fit.estimate.list_values(fit.solid, fit.unit)}
     k = np.array([values.get(name, 0.0) for name in fit.estimate.parameters])
     estimate, by = scaled.estimate, error**2 * np.outer(k, k)
-    of_noise = None if estimate.of_noise is None else estimate.of_noise + by
+    of_noise = None if estimate.noise_covariance is None else estimate.noise_covariance + by
     return replace(
         scaled,
         estimate=replace(
-            estimate, covariance=estimate.covariance + by, of_noise=of_noise, profiles=()
+            estimate, covariance=estimate.covariance + by, noise_covariance=of_noise, profiles=()
         ),
         evidence=replace(scaled.evidence, checks=(*fit.checks, *checks)),
     )

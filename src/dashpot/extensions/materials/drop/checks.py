@@ -21,7 +21,7 @@ def impact_within_measured_depth(deepest: float, depth: float | None) -> Finding
             f"{pressed}, and the fit has no elastic law of a compressed specimen",
             reason="The elastic law is taken as linear",
             remedy="Fit a relaxation or load deflection test of the specimen.",
-            faulted=True,
+            always_fails=True,
         )
     return Finding(
         f"{pressed}, and its elastic law was measured to {format_quantity(depth, 'mm', '.3g')}",
@@ -61,10 +61,10 @@ def specimen_length_given(*, provided: bool) -> Finding:
     """The length of the specimen is given."""
     return Finding(
         "The length of the specimen is known",
-        instead="The length of the specimen is not given, so forces and energies are of this "
+        failure="The length of the specimen is not given, so forces and energies are of this "
         "specimen, not of 100 mm",
         remedy="Give the length when the test is fitted.",
-        faulted=not provided,
+        always_fails=not provided,
     )
 
 
@@ -84,7 +84,7 @@ def loss_determined(relative: float, frequency: float) -> Finding:
     return Finding(
         f"The loss factor at {frequency:.3g} Hz is {name}",
         relative,
-        instead=f"The loss factor at {frequency:.3g} Hz is not determined: it is {name}",
+        failure=f"The loss factor at {frequency:.3g} Hz is not determined: it is {name}",
         remedy=Remedy(
             "Test three speeds, and give the fit of a load deflection test.", "relaxation",
             "law.json",
@@ -127,9 +127,9 @@ def slow_arms_determined(*, provided: bool) -> Finding:
     """The arms that are slow relative to a contact are known."""
     return Finding(
         "The slow arms are known from another test",
-        instead="No relaxation test was given, so the loss of slow arms is missing",
+        failure="No relaxation test was given, so the loss of slow arms is missing",
         remedy=Remedy("Give the fit of a relaxation test.", "relaxation", "fit.json"),
-        faulted=not provided,
+        always_fails=not provided,
     )
 
 

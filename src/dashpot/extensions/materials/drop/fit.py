@@ -86,27 +86,31 @@ def fit_drop_tests(
             f"--relaxation was given {len(fits)} times, and impacts take one. Give it once"
         )
     kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
-    hits = tuple(
+    impacts = tuple(
         impact
-        for place, test in enumerate(records, 1)
-        for impact in find_impacts(test, kg, test.source.file if test.source else f"record {place}")
+        for number, test in enumerate(records, 1)
+        for impact in find_impacts(
+            test, kg, test.source.file if test.source else f"record {number}"
+        )
     )
-    speeds, pulls = _approaches(drop, len(hits))
-    longer = _longer(records, fit)
+    speeds, pulls = _parse_approaches(drop, len(impacts))
+    length_ratio = _compute_length_ratio(records, fit)
     if law is None:
-        law = ElasticLawPrior.free() if fit is None else ElasticLawPrior.from_fit(fit, longer)
-    problem = DropProblem(hits, kg, pulls, speeds, speed_sd, law, RelaxationPrior.from_fit(fit))
-    best = problem.find_optimum()
-    if best is None:
+        law = ElasticLawPrior.free() if fit is None else ElasticLawPrior.from_fit(fit, length_ratio)
+    problem = DropProblem(impacts, kg, pulls, speeds, speed_sd, law, RelaxationPrior.from_fit(fit))
+    optimum = problem.find_optimum()
+    if optimum is None:
         raise FitError(
             "no motion of the mass fits the impacts. Check the mass and the speeds, or look at "
             "the record with dashpot inspect"
         )
-    uncertainty = estimate(best, parts=[len(hit.time) for hit in hits], prior_variance=1.0)
+    uncertainty = estimate(optimum, parts=[len(hit.time) for hit in impacts], prior_variance=1.0)
     return _FittedImpacts(tuple(records), problem, uncertainty, fit).drop_fit
 
 
-def _approaches(drop: Quantity | Sequence[Quantity], count: int) -> tuple[FloatArray, FloatArray]:
+def _parse_approaches(
+    drop: Quantity | Sequence[Quantity], count: int
+) -> tuple[FloatArray, FloatArray]:
     """Return speeds, NaN where not stated, and pulls of so many impacts; the last pull holds on."""
     stated = [drop] if isinstance(drop, str | float | int) else list(drop)
     if len(stated) > count:
@@ -122,7 +126,7 @@ def _approaches(drop: Quantity | Sequence[Quantity], count: int) -> tuple[FloatA
     )
 
 
-def _longer(records: Sequence[DropTest], fit: Fit | None) -> float:
+def _compute_length_ratio(records: Sequence[DropTest], fit: Fit | None) -> float:
     """Return the length of the tested specimen over that of the one whose law is known."""
     value = next((record.specimen.length for record in records if record.specimen.length), None)
     other = None if fit is None else fit.specimen.length
@@ -135,45 +139,57 @@ class _FittedImpacts:
 
     records: tuple[DropTest, ...]
     problem: DropProblem
-    known: Estimate
+    estimate: Estimate
     fit: Fit | None
 
     @property
     def drop_fit(self) -> DropFit:
         """The fit with its values and checks."""
-        uncertainty, problem, frequency = self.known, self.problem, self.frequency
+        uncertainty, problem, frequency = self.estimate, self.problem, self.frequency
         arm = uncertainty.derive_quantity(
             lambda values: values[
                 problem.shared_parameter_count - 2 : problem.shared_parameter_count
             ]
         )
-        facts = [
-            self._fact("loss_factor", self.loss, 0, f"loss factor at {frequency:.3g} Hz"),
-            self._fact("arm", arm, 0, "fast arm, over the relaxed force"),
-            self._fact("arm_time", arm, 1, "its relaxation time"),
+        reported = [
+            self._make_reported_value(
+                "loss_factor", self.loss_factor, 0, f"loss factor at {frequency:.3g} Hz"
+            ),
+            self._make_reported_value("arm", arm, 0, "fast arm, over the relaxed force"),
+            self._make_reported_value("arm_time", arm, 1, "its relaxation time"),
         ]
         if len(problem.relaxation.g):
-            before = uncertainty.derive_quantity(lambda values: self._loss(values, arm=False))
-            facts.insert(1, self._fact("loss_before", before, 0, "the same without the fast arm"))
+            loss_without_arm = uncertainty.derive_quantity(
+                lambda values: self._compute_loss_factor(values, with_arm=False)
+            )
+            reported.insert(
+                1,
+                self._make_reported_value(
+                    "loss_before", loss_without_arm, 0, "the same without the fast arm"
+                ),
+            )
         checks = self._run_checks()
         return DropFit(
-            frequency, tuple(facts), self.hits, problem.mass, self._build_specimen_fit(checks),
+            frequency, tuple(reported), self.impacts, problem.mass,
+            self._build_specimen_fit(checks),
             checks, sources_of(self.records),
         )  # fmt: skip
 
     @property
     def theta(self) -> FloatArray:
-        return self.known.optimum.theta
+        return self.estimate.optimum.theta
 
-    def _fact(self, name: str, of: DerivedQuantity, place: int, words: str) -> ReportedValue:
+    def _make_reported_value(
+        self, name: str, quantity: DerivedQuantity, index: int, text: str
+    ) -> ReportedValue:
         """Return one number with its interval; of a time, by its logarithm."""
-        value, error = float(of.values[place]), float(of.standard_error[place])
-        times = self.known.quantile()
+        value, error = float(quantity.values[index]), float(quantity.standard_error[index])
+        quantile = self.estimate.quantile()
         if name != "arm_time":
-            return ReportedValue.from_error(name, value, error, times, words=words)
+            return ReportedValue.from_error(name, value, error, quantile, words=text)
         time = float(np.exp(value))
         return ReportedValue.from_error(
-            name, time, error, times, of_log=True, unit="s", read="ms", words=words
+            name, time, error, quantile, of_log=True, unit="s", read="ms", words=text
         )
 
     @cached_property
@@ -204,66 +220,72 @@ class _FittedImpacts:
         """Largest compression of the specimen, m."""
         return max(motion.deepest.compression for motion in self.motions)
 
-    def _loss(self, values: FloatArray, *, arm: bool = True) -> FloatArray:
+    def _compute_loss_factor(self, values: FloatArray, *, with_arm: bool = True) -> FloatArray:
         """Return the loss factor of the relaxation function, which holds at any compression."""
         g, tau = self.problem.arms(values[: self.problem.shared_parameter_count])
-        g, tau = (g, tau) if arm else (g[:-1], tau[:-1])
-        turn = 2j * np.pi * self.frequency * tau
-        K = 1 + (g * turn / (1 + turn)).sum()
+        g, tau = (g, tau) if with_arm else (g[:-1], tau[:-1])
+        s_tau = 2j * np.pi * self.frequency * tau
+        K = 1 + (g * s_tau / (1 + s_tau)).sum()
         return np.array([K.imag / K.real])
 
     @cached_property
-    def loss(self) -> DerivedQuantity:
+    def loss_factor(self) -> DerivedQuantity:
         """The loss factor, with its error."""
-        return self.known.derive_quantity(self._loss)
+        return self.estimate.derive_quantity(self._compute_loss_factor)
 
     @cached_property
-    def hits(self) -> tuple[DropImpact, ...]:
+    def impacts(self) -> tuple[DropImpact, ...]:
         """Fitted values and curves of every impact."""
-        errors, zeros = self.known.standard_error, self.known.optimum.beta
-        reach, impacts = self.known.quantile(), []
+        errors, zeros = self.estimate.standard_error, self.estimate.optimum.beta
+        quantile, fitted_impacts = self.estimate.quantile(), []
         modelled = self.problem.forces(self.theta)
-        for i, (drop, motion) in enumerate(zip(self.problem.hits, self.motions, strict=True)):
-            place = self.problem.shared_parameter_count + 2 * i
-            speed, error = float(self.theta[place]), float(errors[place])
-            fact = ReportedValue.from_error("speed", speed, error, reach, unit="m/s", read="m/s")
-            time = drop.time - self.theta[place + 1]
-            hit = DropImpact(
-                drop.name, fact, motion.peak.force, motion.deepest.compression,
+        for i, (impact, motion) in enumerate(zip(self.problem.hits, self.motions, strict=True)):
+            index = self.problem.shared_parameter_count + 2 * i
+            speed, error = float(self.theta[index]), float(errors[index])
+            reported_speed = ReportedValue.from_error(
+                "speed", speed, error, quantile, unit="m/s", read="m/s"
+            )
+            time = impact.time - self.theta[index + 1]
+            fitted_impact = DropImpact(
+                impact.name, reported_speed, motion.peak.force, motion.deepest.compression,
                 motion.release.time, motion.rebound, motion.absorbed_energy / motion.energy, time,
-                drop.force - zeros[i], modelled[i],
+                impact.force - zeros[i], modelled[i],
             )  # fmt: skip
-            impacts.append(hit)
-        return tuple(impacts)
+            fitted_impacts.append(fitted_impact)
+        return tuple(fitted_impacts)
 
     def _run_checks(self) -> tuple[Check, ...]:
         """Return every check."""
-        problem, hits, elastic_law = self.problem, self.hits, self.problem.law.known
-        value, sd = float(self.loss.values[0]), float(self.loss.standard_error[0])
-        sizes = np.cumsum([len(hit.time) for hit in problem.hits])[:-1]
-        residuals = np.split(self.known.optimum.residual, sizes)
+        problem, impacts, elastic_law = self.problem, self.impacts, self.problem.law.known
+        value, sd = float(self.loss_factor.values[0]), float(self.loss_factor.standard_error[0])
+        sizes = np.cumsum([len(impact.time) for impact in problem.hits])[:-1]
+        residuals = np.split(self.estimate.optimum.residual, sizes)
         misfit = max(
-            float(np.sqrt(np.mean(residual[hit.modelled > 0] ** 2)))
-            for residual, hit in zip(residuals, hits, strict=True)
+            float(np.sqrt(np.mean(residual[impact.modelled > 0] ** 2)))
+            for residual, impact in zip(residuals, impacts, strict=True)
         )
-        speeds = np.array([hit.speed.value for hit in hits])
-        finite = np.isfinite(problem.stated_speeds)
-        off = np.abs(speeds / problem.stated_speeds - 1)[finite] / problem.speed_sd
-        rest_over_contact = [hit.rest / hit.contact for hit in problem.hits if hit.rest is not None]
-        ratios = [hit.ratio for hit in problem.hits if hit.ratio is not None]
-        samples = min(hit.contact / float(hit.time[1] - hit.time[0]) for hit in hits)
+        speeds = np.array([impact.speed.value for impact in impacts])
+        is_stated = np.isfinite(problem.stated_speeds)
+        speed_deviations = np.abs(speeds / problem.stated_speeds - 1)[is_stated] / problem.speed_sd
+        rest_over_contact = [
+            impact.rest / impact.contact for impact in problem.hits if impact.rest is not None
+        ]
+        ratios = [impact.ratio for impact in problem.hits if impact.ratio is not None]
+        samples = min(impact.contact / float(impact.time[1] - impact.time[0]) for impact in impacts)
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),
             checks.impacts_residual_small(misfit),
             checks.impact_residual_structureless(
-                compute_residual_shapes(problem, self.known.optimum)
+                compute_residual_shapes(problem, self.estimate.optimum)
             ),
             checks.impacts_sampled(samples),
             checks.slow_arms_determined(provided=self.fit is not None),
             checks.impact_speeds_spread(
                 None if elastic_law else float(speeds.max() / speeds.min())
             ),
-            checks.impact_speeds_agree(float(off.max()) if len(off) else None),
+            checks.impact_speeds_agree(
+                float(speed_deviations.max()) if len(speed_deviations) else None
+            ),
             checks.impacts_separated(min(rest_over_contact, default=None)),
             checks.impact_mass_agrees(
                 max(ratios, key=lambda number: abs(number - 1), default=None)
@@ -284,22 +306,24 @@ class _FittedImpacts:
         relaxation, fit = self.problem.relaxation, self.fit
         if fit is None or not len(relaxation.g):
             return []
-        change, about = None, np.concatenate((relaxation.g, np.log(relaxation.tau)))
+        change, prior = None, np.concatenate((relaxation.g, np.log(relaxation.tau)))
         if relaxation.free:
-            here = self.theta[len(POWERS) : len(POWERS) + self.problem.relaxation_parameter_count]
-            change = float(np.abs(relaxation.precision @ (here - about)).max())
-        turn = 2j * np.pi * self.frequency * relaxation.tau
-        K = 1 + (relaxation.g * turn / (1 + turn)).sum()
-        before = float(K.imag / K.real)
-        gap = (value - before) / sd if np.isfinite(sd) and sd > 0 else None
+            fitted_arms = self.theta[
+                len(POWERS) : len(POWERS) + self.problem.relaxation_parameter_count
+            ]
+            change = float(np.abs(relaxation.precision @ (fitted_arms - prior)).max())
+        s_tau = 2j * np.pi * self.frequency * relaxation.tau
+        K = 1 + (relaxation.g * s_tau / (1 + s_tau)).sum()
+        relaxation_loss = float(K.imag / K.real)
+        distance = (value - relaxation_loss) / sd if np.isfinite(sd) and sd > 0 else None
         # beyond its band a relaxation test gives a lower bound
-        seen = self.frequency <= fit.band[1]
-        if gap is not None and not seen:
-            gap = min(gap, 0.0)
+        in_band = self.frequency <= fit.band[1]
+        if distance is not None and not in_band:
+            distance = min(distance, 0.0)
         return [
             checks.arms_agree_with_relaxation_test(change),
             checks.spectrum_has_gaps(len(relaxation.g)),
-            checks.loss_factors_agree(gap, value, before, within=seen),
+            checks.loss_factors_agree(distance, value, relaxation_loss, within=in_band),
         ]
 
     def _build_specimen_fit(self, checks: tuple[Check, ...]) -> Fit:
@@ -309,35 +333,35 @@ class _FittedImpacts:
         order = [i for i in np.argsort(tau).tolist() if g[i] > 0]
         arms = len(order)
 
-        def seal(values: FloatArray) -> FloatArray:
-            own_g, own_tau = problem.arms(values[: problem.shared_parameter_count])
+        def compute_parameters(values: FloatArray) -> FloatArray:
+            g_drawn, tau_drawn = problem.arms(values[: problem.shared_parameter_count])
             k_inf = problem.law.compute_knot_tangents(values[cubic], depth)[2]
-            return np.concatenate(([k_inf], k_inf * own_g[order], np.log(own_tau[order])))
+            return np.concatenate(([k_inf], k_inf * g_drawn[order], np.log(tau_drawn[order])))
 
-        quantity = self.known.derive_quantity(seal)
-        ratio = self.known.derive_quantity(
+        quantity = self.estimate.derive_quantity(compute_parameters)
+        ratio = self.estimate.derive_quantity(
             lambda values: problem.law.compute_knot_tangents(values[cubic], depth)[1]
         )
         ratio_se = np.nan_to_num(ratio.standard_error, posinf=0.0)
         k_inf, *rest = quantity.values.tolist()
         taus = np.exp(rest[arms:]).tolist()
         law = problem.law.piecewise(self.theta[cubic], depth)
-        n, sse = len(self.known.optimum.residual), self.known.optimum.sse
-        residual = Residual(n, sse, float(np.sqrt(sse / n)), self.known.kappa, unit="sd")
+        n, sse = len(self.estimate.optimum.residual), self.estimate.optimum.sse
+        residual = Residual(n, sse, float(np.sqrt(sse / n)), self.estimate.kappa, unit="sd")
         estimated = ParameterEstimate(
-            parameter_names(arms), quantity.covariance, self.known.dof, residual
+            parameter_names(arms), quantity.covariance, self.estimate.dof, residual
         )
-        contact = [hit.contact for hit in self.hits]
-        low = 1 / (np.pi * max(contact)) if self.fit is None else self.fit.band[0]
+        contacts = [impact.contact for impact in self.impacts]
+        band_start = 1 / (np.pi * max(contacts)) if self.fit is None else self.fit.band[0]
         step = Step(
             "fit",
-            (("slams", str(len(contact))), ("mass_kg", repr(problem.mass))),
-            f"fitted {format_count(len(contact), 'impact')} of {problem.mass:.4g} kg",
+            (("slams", str(len(contacts))), ("mass_kg", repr(problem.mass))),
+            f"fitted {format_count(len(contacts), 'impact')} of {problem.mass:.4g} kg",
         )
         model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
         return build_fit(
             SolidEstimate(model, estimated),
-            Evidence((low, 2 / (np.pi * min(contact))), checks=checks),
+            Evidence((band_start, 2 / (np.pi * min(contacts))), checks=checks),
             Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
             elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),
         )

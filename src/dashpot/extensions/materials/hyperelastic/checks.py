@@ -256,7 +256,7 @@ def _reading(
     "<=",
     FOLLOWED,
     "our choice: scatter of specimens",
-    otherwise="stop beyond 0.2",
+    other_grade="stop beyond 0.2",
 )
 def law_residual_small(residual: float, worst: str, swelling: float = math.inf) -> Finding:
     """The law fits every curve.
@@ -321,7 +321,7 @@ def stable_in_use(
     return Finding(
         f"The hyperelastic law is stable over the stretches of use{text}",
         least,
-        instead=f"The law is not stable in use, first at {where}{text if ends else ''}",
+        failure=f"The law is not stable in use, first at {where}{text if ends else ''}",
         reason="A solver stops there, or gives a wrong result",
         remedy=Remedy("Use another law, such as one of power terms.", "model", "ogden"),
     )
@@ -353,7 +353,7 @@ def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
         "Laws that fit it differ in the others by up to 18 %",
         Remedy("Test a second mode, or use the law in that mode alone.", "test"),
         # pressed one way is pulled both others; a foam's Poisson's ratio is given
-        excused=both or foam,
+        always_passes=both or foam,
     )
 
 
@@ -372,7 +372,7 @@ def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
         ratio,
         "Softening of one specimen (Mullins), its area or a gain may cause this",
         "Condition all specimens alike, and check areas and load cells.",
-        excused=abs(by) < _OF_NOTE,
+        always_passes=abs(by) < _OF_NOTE,
     )
 
 
@@ -492,7 +492,7 @@ def labels_agree(ratio: float | None, message: str, as_read: float) -> Finding:
         ratio,
         f"With {message} it misses {100 * as_read / ratio:.2g} %",
         Remedy("Check the label.", "test"),
-        excused=as_read <= 0.02,
+        always_passes=as_read <= 0.02,
     )
 
 
@@ -514,8 +514,8 @@ def bulk_modulus_determined(*, certain: bool) -> Finding:
     """The bulk modulus is known."""
     return Finding(
         "The change of volume is known",
-        instead="The volume was not tested, so a deck needs a bulk modulus that is stated, not "
+        failure="The volume was not tested, so a deck needs a bulk modulus that is stated, not "
         "measured",
         remedy=Remedy("Add a test of the volume.", "test", "volumetric"),
-        faulted=not certain,
+        always_fails=not certain,
     )

@@ -123,7 +123,7 @@ def contact_sampled(samples: float) -> Finding:
     ">=",
     FLIGHT,
     "our choice: a tenth of the contact shows offset and touch",
-    otherwise="stop where a third of the contact is missing",
+    other_grade="stop where a third of the contact is missing",
 )
 def flights_recorded(before: float, after: float) -> Finding:
     """The record begins before the contact and ends after the release."""
@@ -176,7 +176,7 @@ def first_contact(before: int, after: int) -> Finding:
     "<=",
     FOLLOWED,
     "sound records: 0.8 to 1.3",
-    otherwise="stop where a fiftieth of the push is left",
+    other_grade="stop where a fiftieth of the push is left",
 )
 def law_residual_small(ratio: float | None, residual: float) -> Finding:
     """The contact law fits the contact to within the noise."""
@@ -186,7 +186,7 @@ def law_residual_small(ratio: float | None, residual: float) -> Finding:
         ratio,
         "Yielding, adhesion, a double contact, a thin layer, or a filter may cause this",
         "Use the numbers for this hit only.",
-        excused=ratio is not None and residual <= SMALL,
+        always_passes=ratio is not None and residual <= SMALL,
         grade="stop" if residual > LOST else "limit",
     )
 
@@ -211,7 +211,7 @@ def no_adhesion_on_release(pull: float | None, noise: float) -> Finding:
     "<=",
     KNOWN,
     "our choice: a quarter",
-    otherwise="note where stiffness, depth, restitution and modulus are",
+    other_grade="note where stiffness, depth, restitution and modulus are",
 )
 def parameters_determined(
     name: str, factor: float, bounded: str = "", *, leads: float = np.inf

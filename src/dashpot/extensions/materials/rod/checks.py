@@ -13,7 +13,7 @@ ROD_LINES = 8
 NO_SOLID = 10.0
 
 
-@criterion("usable lines", ">=", ROD_LINES, "our choice", otherwise="stop where there is none")
+@criterion("usable lines", ">=", ROD_LINES, "our choice", other_grade="stop where there is none")
 def modulus_determined_near_resonance(lines: int, band: tuple[float, float]) -> Finding:
     """Enough lines near the resonance give storage and loss factor to 10 %."""
     if not lines:
@@ -46,7 +46,7 @@ def mass_ratio_suitable(ratio: float) -> Finding:
 
 @criterion(
     "chi square / degrees of freedom", "<=", 1.5,
-    "simulation: at most 1.42 in 360 rods of one material", otherwise="stop beyond 10",
+    "simulation: at most 1.42 in 360 rods of one material", other_grade="stop beyond 10",
 )  # fmt: skip
 def one_solid_explains_lines(misfit: float | None) -> Finding:
     """One passive model fits the lines within their scatter and their common errors."""

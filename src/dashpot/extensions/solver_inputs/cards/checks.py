@@ -10,9 +10,9 @@ def test_behind_model(keyword: str) -> Finding:
     """A test stands behind the model."""
     return Finding(
         "A test stands behind the model",
-        instead=f"The model is that of a card ({keyword}): no test and no errors stand behind it",
+        failure=f"The model is that of a card ({keyword}): no test and no errors stand behind it",
         remedy="Test the part, and compare: dashpot compare MODEL.json HAMMER",
-        faulted=bool(keyword),
+        always_fails=bool(keyword),
     )
 
 
@@ -22,7 +22,7 @@ def arms_testable(undetermined: int, arms: int, band: str) -> Finding:
     return Finding(
         f"Such a test could have determined all {arms} arms",
         undetermined,
-        instead=f"Such a test could not have determined {undetermined} of {arms} arms",
+        failure=f"Such a test could not have determined {undetermined} of {arms} arms",
         reason=band,
         remedy=Remedy("Ask for the test behind the card.", "ramp"),
     )

@@ -260,6 +260,6 @@ def replace_solid(fit: Fit, drawn: DrawnSolid, *, count: int, seed: int) -> Fit:
     return replace(
         fit,
         solid=drawn.solid,
-        estimate=replace(fit.estimate, covariance=zero, of_noise=None, profiles=()),
+        estimate=replace(fit.estimate, covariance=zero, noise_covariance=None, profiles=()),
         provenance=replace(fit.provenance, steps=(*fit.steps, step)),
     )

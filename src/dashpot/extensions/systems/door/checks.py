@@ -44,7 +44,7 @@ def door_modes_in_valid_band(
     return Finding(
         f"All {len(sensed)} modes that the seal affects lie in the valid band of its test",
         worst,
-        instead=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
+        failure=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
         f"{high:.2g} Hz. {len(outside)} of {len(sensed)} modes that it affects lie outside, up to "
         f"{worst:.3g} times",
         remedy="Test the seal with a hammer, or in the cold.",
@@ -53,7 +53,7 @@ def door_modes_in_valid_band(
 
 @criterion(
     "part of the line", "<=", 0.0, "by definition: it leaks there",
-    otherwise="stop where nothing is pressed",
+    other_grade="stop where nothing is pressed",
 )  # fmt: skip
 def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
     """The seal is in contact along its whole line."""
@@ -64,13 +64,13 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
             "at most",
             part,
             remedy="Check compression, gap and height in [seal], and their units.",
-            faulted=True,
+            always_fails=True,
             grade="stop",
         )
     return Finding(
         "The seal touches all along the line",
         part,
-        instead=f"{format_quantity(part * length, 'mm')} of {length:.3g} m of seal do not touch: "
+        failure=f"{format_quantity(part * length, 'mm')} of {length:.3g} m of seal do not touch: "
         "there is "
         f"a leak. The gap is largest at {where:.4g} m along the line, "
         f"{format_quantity(-least, 'mm', '.3g')}",
@@ -91,7 +91,7 @@ def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
     return Finding(
         "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
         motions,
-        instead=f"In-plane motion is held by nothing: no shear is given, and {motions} "
+        failure=f"In-plane motion is held by nothing: no shear is given, and {motions} "
         f"motion{'s' * several} {'are' if several else 'is'} free{near}",
         remedy="Give across and along in [seal.shear].",
     )
@@ -118,14 +118,14 @@ def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0
     jumps = closing > JUMP * longest
     return Finding(
         f"The seal line of {length:.4g} m is closed",
-        instead=f"The seal line of {length:.4g} m is closed by a straight segment of "
+        failure=f"The seal line of {length:.4g} m is closed by a straight segment of "
         f"{format_quantity(closing, 'mm')}, and no other is longer than "
         f"{format_quantity(longest, 'mm')}"
         if jumps and not value > 0
         else f"The seal line of {length:.4g} m ends {format_quantity(value, 'mm')} from where it "
         "begins",
         remedy="Add its last points, if some are missing.",
-        faulted=value > 0 or jumps,
+        always_fails=value > 0 or jumps,
     )
 
 
@@ -156,7 +156,7 @@ def modes_suffice(change: float | None, count: int, highest: float) -> Finding:
 
 @criterion(
     "distance, m", "<=", 0.03, "our choice: a tenth of a short panel wave",
-    otherwise="stop beyond 0.3",
+    other_grade="stop beyond 0.3",
 )  # fmt: skip
 def mode_shapes_cover_points(away: float, place: str) -> Finding:
     """Mode shapes are given close to the seal, the supports and the output points."""
@@ -164,13 +164,15 @@ def mode_shapes_cover_points(away: float, place: str) -> Finding:
         f"The shapes are known within {format_quantity(away, 'mm', '.3g')} of all places that are "
         "used",
         away,
-        instead=f"The shapes are known only {format_quantity(away, 'mm', '.3g')} from {place}",
+        failure=f"The shapes are known only {format_quantity(away, 'mm', '.3g')} from {place}",
         remedy="Export points there, or check the axes and the unit of the modes.",
         grade="stop" if away > NOT_THERE else "limit",
     )
 
 
-@criterion("ratio of masses", "x/", 1.05, "5 %: trim is often left out", otherwise="stop beyond 2")
+@criterion(
+    "ratio of masses", "x/", 1.05, "5 %: trim is often left out", other_grade="stop beyond 2"
+)
 def masses_agree(stated: float, implied: float) -> Finding:
     """The rigid-body modes have the mass that [door] states."""
     return Finding(
@@ -188,7 +190,7 @@ def door_supported(loose: int) -> Finding:
     return Finding(
         "Every motion of the door is held",
         loose,
-        instead=f"{loose} motions of the door are free, and have no natural frequency",
+        failure=f"{loose} motions of the door are free, and have no natural frequency",
         remedy="Check that no hinge or latch is missing, and along which directions they act.",
     )
 
@@ -219,7 +221,7 @@ def closing_in_valid_band(
         f"The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, as slowly as its "
         "test",
         factor,
-        instead=f"{speeds}The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, "
+        failure=f"{speeds}The door presses its seal in {format_quantity(seconds, 'ms', '.3g')}, "
         f"{factor:.3g} times faster than its test did. There the fit gives {glassy:.3g} times the "
         "relaxed force",
         remedy="Test the seal faster, or in the cold.",
@@ -231,7 +233,7 @@ def faster_closings_latch(closes: bool) -> Finding:
     """Every closing speed above the minimum closes the door."""
     return Finding(
         "Every faster door that was tried closes too",
-        instead="Some faster doors do not close. The air takes more, the faster the door",
+        failure="Some faster doors do not close. The air takes more, the faster the door",
         remedy="Look at the air in the energy table.",
-        faulted=not closes,
+        always_fails=not closes,
     )
