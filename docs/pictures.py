@@ -225,7 +225,7 @@ def _photographed(browser: Browser, address: str) -> None:
     page.mouse.up()
     page.get_by_role("slider", name="ramp end").press("Home")
     studied()
-    page.get_by_role("tab", name="both tests").click()
+    page.get_by_role("tab", name="joint model").click()
     studied()
     taken("app")
     page.emulate_media(color_scheme="dark")
@@ -235,7 +235,7 @@ def _photographed(browser: Browser, address: str) -> None:
     page.locator("#ab-table table").wait_for()
     done.wait_for()
     taken("app_against")
-    page.get_by_role("tab", name="both tests").click()
+    page.get_by_role("tab", name="joint model").click()
     studied()
     page.set_viewport_size({"width": 390, "height": 844})
     # drawn anew, as wide as the window less its edges

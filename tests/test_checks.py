@@ -1178,7 +1178,7 @@ COMPARISON = [
     Case(
         "operating_point",
         lambda x: comparison.operating_point(
-            OperatingPoint(x * DEPTH, DEPTH, 0.8, 0.01, is_linear=False)
+            OperatingPoint(x * DEPTH, DEPTH, 0.8, 0.01, linear=False)
         ),
         0.999,
         1.001,

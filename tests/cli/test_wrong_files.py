@@ -149,7 +149,7 @@ def test_predict_refuses_a_record_that_was_not_fitted(lab: Path) -> None:
 def test_a_comparison_draws_the_bound_where_the_record_is_at_hand(lab: Path) -> None:
     run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
     words = ("compare", "fitted.json", "frf.csv", "--mass", "104g", "--seals", "2")
-    bound, interval = "worst-case bounds", "95 % interval of the parameters"
+    bound, interval = "95 % bounds over all spectra", "95 % interval of the parameters"
     run(*words, "--plot", "without.svg")
     alone = (lab / "without.svg").read_text()
     assert interval in alone

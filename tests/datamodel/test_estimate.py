@@ -50,7 +50,9 @@ def test_either_side_of_a_profile_grows_by_what_the_rig_may_have_done():
     assert ends[1] - SEAL.k[0] == pytest.approx(q * np.hypot(1.0, by), rel=1e-3)
     # an end that the data leave open stays open
     open_above = Profile("k_1", value, np.where(away < 0, away**2, 0.1 * (away > 0)))
-    assert doubted(profiles=(open_above,)).estimate.confidence_limits(SEAL, 0.95)["k_1"][1] == np.inf
+    assert (
+        doubted(profiles=(open_above,)).estimate.confidence_limits(SEAL, 0.95)["k_1"][1] == np.inf
+    )
 
 
 def test_what_scales_a_fit_scales_both():

@@ -435,7 +435,7 @@ def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])
 def test_predicted_curve_lies_inside_its_bounds(drawn, name):
     panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
-    bound = first(panel, "worst-case bounds")
+    bound = first(panel, "95 % bounds over all spectra")
     assert bound.hatched
     curve = next(line for line in lines(panel) if line.pen.dashes)
     inside = (curve.x >= bound.x[0]) & (curve.x <= bound.x[-1])
@@ -616,6 +616,6 @@ def test_limits_without_an_end_are_drawn_within_the_axes():
     open_ended = replace(S.frf_band, unmeasured=np.array([S.frf_band.unmeasured[0],
                          np.full(len(S.frf_band.frequency), math.inf)]))  # fmt: skip
     picture = plot.comparison(S.comparison, band=open_ended)
-    bound = first(picture.panels[0], "worst-case bounds")
+    bound = first(picture.panels[0], "95 % bounds over all spectra")
     assert np.isfinite(bound.high).all()
     assert not re.search(r"nan|inf\b", plot.to_svg(picture))

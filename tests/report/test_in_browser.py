@@ -167,7 +167,7 @@ def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(browser, page):
         values = dict(re.findall(r"(measured|joint model) ([\d.]+)", match[2]))
         measured = np.interp(f, S.measured.frequency, np.abs(S.measured.value))
         assert float(values["measured"]) == pytest.approx(measured, rel=0.02)
-        limits = re.search(r"worst-case bounds ([\d.]+) to ([\d.]+)", match[2])
+        limits = re.search(r"bounds over all spectra ([\d.]+) to ([\d.]+)", match[2])
         assert float(limits[1]) < float(limits[2])
     whole, dragged, back, nearer, again = found["views"]
     _, y0, wide, tall = map(float, whole.split())
@@ -211,7 +211,8 @@ def test_paper_has_all_that_is_folded(browser, page, script):
     # the script opens the folds, too
     text = page if script else re.sub(r"<script.*</script>", "", page, flags=re.DOTALL)
     words = " ".join(sheets(browser, text))
-    for part in ("Use with care", "Recommended: model of both tests", "Tested by, date",
+    for part in ("Use with care", "Recommended: model of relaxation and hammer test",
+                 "Tested by, date",
                  "How many arms", "The numbers to take along", "residual of two arms, mN",
                  "measured 12.71"):  # fmt: skip
         assert part in words, part

@@ -216,7 +216,7 @@ def test_report_head_lists_stated_and_missing_information(sketch):
     text = sketch(replace(S, prepared=replace(S.prepared, specimen=who)))
     for part in ("Specimen Door seal, 100 mm long", "Lot L24-117", "Operator not given",
                  "Date 2026-11-21", "Temperature 23.0 °C", "Mass 114.8 g", "Seals 2",
-                 "Test depth 8.00 mm"):  # fmt: skip
+                 "Compression 8.00 mm"):  # fmt: skip
         assert part in text
     assert text.strip().startswith("Door seal, lot L24-117: ")
 
@@ -399,7 +399,7 @@ def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
 def test_report_shows_the_recommended_model(whole, sketch):
     """Table, sentence and checks speak of the solid of both tests, and say so."""
     text = Page(whole).text
-    assert "The recommended model, of both tests, one seal" in text
+    assert "The recommended model, of relaxation and hammer test, one seal" in text
     k, tau = S.joint.model.k[3], S.joint.model.tau[3]
     part = text[text.index("The recommended model") : text.index("Everything else")]
     assert with_error(1e-3 * k, 1e-3 * S.joint.standard_error["k"][3]) in part
@@ -446,7 +446,10 @@ def test_report_shows_as_many_checks_as_fit(sketch):
 def test_the_sentences_name_the_cause(whole):
     text = Page(whole).text
     assert "The relaxation test cannot see" in text
-    assert "Fitted to both tests together, a model of four arms matches the hammer" in text
+    assert (
+        "Fitted to relaxation and hammer test together, a model of four arms matches the hammer"
+        in text
+    )
     # the frequency and the height that the joint fit misses by, as the comparison has them
     after = S.joint_comparison
     assert f"{100 * abs(after.frequency_error):.2f} % in frequency" in text

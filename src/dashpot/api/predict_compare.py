@@ -251,7 +251,7 @@ def _compare_with_measurement(
         kilograms = first.moving_mass if kilograms is None else kilograms
         seals = first.seals if seals is None else seals
         point = first.at_rest.point
-        at = point.compression if at is None and point.is_compression_given else at
+        at = point.compression if at is None and point.given else at
         first = first.fit
     hertz = si_range(band, "frequency")
     return agreement(

@@ -133,7 +133,7 @@ def _prediction(
         tests = [source.file for source in fitted.source]
         rig = ("--mass", mass, "--seals", f"{block.seals:g}")
         again = options.get_typed_options_for("fit", but=("--mass", "--seals", "--model"))
-        why = "fits both tests together"
+        why = "fits relaxation and hammer test together"
         follow = format_command("fit", *tests, *measured, *family, *rig, *again, why=why)
     return CommandResult.from_result(agreement, follow=follow)
 

@@ -125,7 +125,7 @@ SHOWN = {
     Kind.TRANSMISSIBILITY: ("m/m", 1.0),
     Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
 }
-INTERVAL, BOUND = "95 % interval of the parameters", "worst-case bounds"
+INTERVAL, BOUND = "95 % interval of the parameters", "95 % bounds over all spectra"
 
 # a magnitude axis ends that far above the median line at most
 HIGHEST = 1e4
@@ -424,7 +424,7 @@ def curves_of(
               (c.predicted_hz, c.predicted_peak)),
     ]  # fmt: skip
     if joint is not None:
-        # a solid of both tests that misses one of them does not look like an answer
+        # a joint model that misses one test does not look like an answer
         pen, name = joint_pen(failed=failed or joint.verdict.use == "do not use")
         curves.append(Curve(joint.predicted, name, pen, (joint.predicted_hz, joint.predicted_peak)))
     return curves

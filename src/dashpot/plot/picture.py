@@ -56,7 +56,7 @@ REJECTED = Pen("bad", 1.4, (5, 3))
 
 
 def joint_pen(*, failed: bool) -> tuple[Pen, str]:
-    """Return how a solid of both tests is drawn and what it is called: one that failed looks so."""
+    """Return pen and name of a joint model, or of one that failed."""
     return (REJECTED, "joint fit, failed") if failed else (JOINT, "joint model")
 
 

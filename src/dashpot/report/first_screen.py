@@ -81,7 +81,7 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
         ("Temperature", "" if kelvin is None else format_quantity(kelvin, "°C", ".1f")),
         ("Mass", mass + inferred),
         ("Seals", "" if study.mass is None else f"{study.seals:g}"),
-        ("Test depth", format_with_error(study.prepared.depth, "mm")),
+        ("Compression", format_with_error(study.prepared.depth, "mm")),
     )
     return tuple((name, value or NOT_GIVEN) for name, value in rows)
 
@@ -247,7 +247,7 @@ def heading(recommendation: Recommendation) -> str:
 
 def source(recommendation: Recommendation) -> str:
     """Return which data the solid comes from."""
-    return "both tests" if recommendation.joint else "the relaxation test"
+    return "relaxation and hammer test" if recommendation.joint else "the relaxation test"
 
 
 def solid_heading(recommendation: Recommendation) -> str:
@@ -311,7 +311,7 @@ def files(
     """Return the attached files, the recommended solid and its decks first."""
     fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
     if study.joint is not None:
-        fits["joint.json"] = (study.joint, "the fit of both tests")
+        fits["joint.json"] = (study.joint, "the joint model")
     name = "joint.json" if recommendation.joint else "fit.json"
     solid, about = fits.pop(name)
     label = "Download this model" if recommendation.recommended else "Download anyway"
@@ -330,7 +330,7 @@ def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
     """Decks of one recommended seal; a solid that hardens is written as the mass feels it."""
     if not recommendation.recommended:
         return ()
-    bent = recommendation.point is not None and not recommendation.point.is_linear
+    bent = recommendation.point is not None and not recommendation.point.linear
     return page_frame.decks(
         recommendation.solid,
         recommendation.point.compression if recommendation.point and bent else None,
@@ -399,11 +399,10 @@ def _solid(recommendation: Recommendation) -> str:
     arms = format_count(fit.model.arms, "Maxwell arm")
     if isinstance(fit.solid, FractionalZener):
         arms = f"a springpot of slope {round_to_error(fit.solid.alpha)} beside it"
-    tests = "both tests" if recommendation.joint else "the relaxation test"
     return (
         f"One seal behaves as a spring of {_format_k_inf(fit)} with {arms}. Its "
         f"instantaneous stiffness is {format_with_error(fit.model.k_0, 'N/mm')}. The valid band "
-        f"of {tests} is {hertz(fit.band)}."
+        f"of {source(recommendation)} is {hertz(fit.band)}."
     )
 
 
@@ -422,7 +421,7 @@ def _end(recommendation: Recommendation) -> str:
 def _resting(study: Study) -> str:
     """Return where the mass rests, if that makes a difference."""
     rests = study.static_equilibrium
-    if rests is None or rests.point.is_linear:
+    if rests is None or rests.point.linear:
         return ""
     tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
     here, there = (
@@ -464,9 +463,12 @@ def _joint(study: Study) -> str:
         lead = joint.evidence.explanations[0]
         if lead.is_sufficient:
             return f"The two tests match only if {lead.message}."
-        return "No single seal matches both tests, whatever mass, gain or stiffness is taken."
+        return (
+            "No single seal matches relaxation and hammer test, whatever mass, gain or stiffness "
+            "is taken."
+        )
     return (
-        f"Fitted to both tests together, {_format_model_name(joint)} "
+        f"Fitted to relaxation and hammer test together, {_format_model_name(joint)} "
         f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
 
@@ -532,8 +534,8 @@ def sources(study: Study) -> tuple[Source, ...]:
 # what a check of each stage speaks of
 SUBJECTS = {
     "relaxation": "Relaxation test", "fit": "Fit of the relaxation test", "hammer": "Hammer test",
-    "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Model of both tests",
-    "after joint fit": "Model of both tests", "story": "",
+    "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Joint model",
+    "after joint fit": "Joint model", "story": "",
 }  # fmt: skip
 
 MOST_WORDS = 100

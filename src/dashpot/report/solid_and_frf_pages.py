@@ -220,7 +220,7 @@ def solid_page(fit: Fit) -> KindPage:
 
 
 def identified_page(result: Identified) -> KindPage:
-    """And of one that was fitted to both tests."""
+    """Return the page of a joint or hammer fit."""
     page = _make_solid_page(result, result.fit)
     both = "relaxation" in result.fit.method or len(page.sources) > 1
     modes = Group(
@@ -228,7 +228,7 @@ def identified_page(result: Identified) -> KindPage:
     ) if result.vibration else None  # fmt: skip
     return replace(
         page,
-        about="joint model of both tests" if both else "the model under a hammer",
+        about="joint model of relaxation and hammer test" if both else "the model under a hammer",
         groups=(*page.groups, *((modes,) if modes else ())),
         sources=tuple(dict.fromkeys((*page.sources, *result.direct.of.source)))
         if hasattr(result.direct.of, "source") else page.sources,
@@ -283,7 +283,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     ----------
     fit : Fit
     records : sequence
-        Behind it: of ramps and holds the worst-case bounds is drawn too.
+        Records behind it: the bounds over all spectra of ramps and holds are drawn, too.
     """
     low, high = fit.band if fit.band[1] > 0 else _WITHOUT_BAND
     lines = np.geomspace(max(low, 1e-9) / _BEYOND, high * (_BEYOND * 10), _LINES)

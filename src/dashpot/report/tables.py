@@ -352,9 +352,7 @@ def resonance(study: Study) -> TextTable | None:
         (f"measured: {message}", *_mode_cells(measured, way, c)) for way, message in ways.items()
     ]
     rests = study.static_equilibrium
-    compression = (
-        rests.point.compression if rests is not None and rests.point.is_compression_given else None
-    )
+    compression = rests.point.compression if rests is not None and rests.point.given else None
     for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
         on = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)
@@ -371,7 +369,7 @@ def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
     if other is not None:
         yield "other family from relaxation", other, mass
     if study.joint is not None:
-        yield "model from both tests", study.joint, get_fitted_mass(study.joint) or mass
+        yield "joint model", study.joint, get_fitted_mass(study.joint) or mass
 
 
 def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
@@ -435,7 +433,7 @@ def explanations(joint: Fit | None) -> TextTable | None:
         )
         for explanation in joint.evidence.explanations
     )
-    return TextTable(("if", "chi-square falls by", "explains both tests"), rows)
+    return TextTable(("if", "chi-square falls by", "is sufficient"), rows)
 
 
 def make_change_table(joint: Fit | None) -> TextTable | None:

@@ -158,12 +158,12 @@ def _format_value_and_error(fact: ReportedValue) -> tuple[str, str]:
 
 
 def _samples(residual: Residual) -> str:
-    """Return how many samples were fitted, and how many independent ones they are equal to."""
+    """Return how many samples were fitted, and the effective number of independent ones."""
     count, worth = residual.n, residual.n / residual.variance_inflation
     independent = float(f"{worth:.3g}")
     if abs(independent / count - 1) < 0.005:
         return f"{count:,} independent samples"
-    return f"{count:,} samples, equal to {independent:,.0f} independent ones"
+    return f"{count:,} samples, effective sample size {independent:,.0f}"
 
 
 def _format_elastic_law(fit: Fit) -> list[str]:
@@ -326,7 +326,7 @@ def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[
     """Return predicted against measured, and what both tests together make of it."""
     rows = [["", "predicted", "measured", "difference"], *(list(row) for row in comparison.rows)]
     if joint is not None:
-        rows[0] += ["both tests", "difference"]
+        rows[0] += ["joint model", "difference"]
         for row, (_, fitted, _, difference) in zip(rows[1:], joint.rows, strict=True):
             row += [fitted, difference]
     return [*table(rows), f"  {(joint or comparison).lines}"]

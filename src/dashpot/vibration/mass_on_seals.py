@@ -88,8 +88,8 @@ class OperatingPoint:
     depth: float | None
     factor: float = 1.0
     factor_se: float = 0.0
-    is_linear: bool = True
-    is_compression_given: bool = False
+    linear: bool = True
+    given: bool = False
 
     @property
     def is_extrapolated(self) -> bool:
@@ -98,7 +98,7 @@ class OperatingPoint:
 
     def solid(self, fit: Fit) -> Solid:
         """One seal as small vibration feels it."""
-        return fit.solid if self.is_linear else self.factor * fit.solid
+        return fit.solid if self.linear else self.factor * fit.solid
 
 
 def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
@@ -136,10 +136,10 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
     )
     if law is None or not is_nonlinear:
         depth = None if law is None else law.depth
-        return OperatingPoint(float(compression), depth, is_compression_given=provided)
+        return OperatingPoint(float(compression), depth, given=provided)
     factor, error = float(law.factor(compression)), float(law.factor_se(compression))
     return OperatingPoint(
-        float(compression), law.depth, factor, error, is_linear=False, is_compression_given=provided
+        float(compression), law.depth, factor, error, linear=False, given=provided
     )
 
 

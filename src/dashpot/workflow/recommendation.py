@@ -146,9 +146,7 @@ def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resona
     if mass is None:
         return None, None
     rests = study.static_equilibrium
-    compression = (
-        None if rests is None or not rests.point.is_compression_given else rests.point.compression
-    )
+    compression = None if rests is None or not rests.point.given else rests.point.compression
     point = operating_point(solid, MassOnSeals(mass, study.seals, compression))
     seals = study.seals * get_hammer_stiffness_factor(solid) * point.solid(solid)
     mode = next(iter(model_modes(seals, mass)), None)

@@ -88,14 +88,14 @@ class StaticEquilibrium:
         """As the document of what stands on it tells it."""
         point = self.point
         at = point.compression if np.isfinite(point.compression) else None
-        law = point.is_extrapolated and not point.is_linear
+        law = point.is_extrapolated and not point.linear
         return EquilibriumSummary(at, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
         point, secant, tangent = self.point, self.secant, self.tangent
-        if point.is_linear:
+        if point.linear:
             return ""
-        where = "as given" if point.is_compression_given else "under its weight"
+        where = "as given" if point.given else "under its weight"
         here, depth = (
             format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )

@@ -180,7 +180,7 @@ def test_page_fits_a_sweep_next_to_a_seal(visit, files):
 def test_page_asks_for_the_relaxation_test_of_a_hammer_test(visit, files):
     page = visit(files / "hammer.csv")
     page.at.get_by_role("heading", name="Now the relaxation test").wait_for()
-    assert not page.at.get_by_role("tab", name="both tests").is_visible()
+    assert not page.at.get_by_role("tab", name="joint model").is_visible()
     page.at.locator("#pick").set_input_files(str(files / "seal_8mm.csv"))
     page.done()
     assert not page.at.get_by_role("heading", name="Now the relaxation test").is_visible()
@@ -707,8 +707,8 @@ def test_accessibility_tree_of_single_and_joint_tests(visit, files):
     page.done()
     held_to("hammer", tree(page, "main"))
     page.file("seal_8mm.csv").click()
-    page.at.get_by_role("tab", name="both tests").click()
-    page.at.locator("#which [aria-selected=true]").filter(has_text="both tests").wait_for()
+    page.at.get_by_role("tab", name="joint model").click()
+    page.at.locator("#which [aria-selected=true]").filter(has_text="joint model").wait_for()
     page.done()
     held_to("joint", tree(page))
     assert page.at.evaluate(CUT) == []
@@ -931,7 +931,7 @@ def test_a_newcomer_goes_from_files_by_a_wrong_mass_to_a_deck_without_a_wrong_gr
     page.done()
     verdict.get_by_text("Do not use", exact=True).wait_for()
     assert shown() <= {"open", "bad"}  # damping is not known of one test
-    page.at.get_by_role("tab", name="both tests").click()
+    page.at.get_by_role("tab", name="joint model").click()
     verdict.get_by_text("Use", exact=True).wait_for()
     page.done()
     assert shown() == {"bad", "open", "good"}

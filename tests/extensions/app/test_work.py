@@ -476,7 +476,7 @@ def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page
         "OVERRIDE"
         in ask("take", store, job=page_job, what="deck", target="nastran", anyway=True)["text"]
     )
-    with pytest.raises(dp.DataError, match="both tests"):
+    with pytest.raises(dp.DataError, match="joint model"):
         ask("take", store, job=whole | {"joint": False}, what="joint")
 
 
@@ -574,7 +574,7 @@ def test_two_fits_are_held_against_each_other(store, page_job):
     same = ask("against", store, a=sides["a"], b=sides["a"])
     assert "×" not in same["table"]
     assert "outside" not in same["table"]
-    with pytest.raises(dp.DataError, match="no model of both tests"):
+    with pytest.raises(dp.DataError, match="no joint model"):
         ask("against", store, a=sides["a"], b={"job": page_job | {"joint": True, "impact": []}})
 
 

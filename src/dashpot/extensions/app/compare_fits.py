@@ -78,7 +78,7 @@ def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
     job = job_of(options.get("job"), folder)
     study = result_cache.study(job)
     if job.joint and study.joint is None:
-        raise DataError(f"{name} has no model of both tests: open a hammer test, and give the mass")
+        raise DataError(f"{name} has no joint model: open a hammer test, and give the mass")
     return ComparedFit(name, job, study, recommendation(study, requested=True))
 
 
@@ -110,7 +110,7 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def _get_source_name(side: ComparedFit) -> str:
-    return "both tests" if side.study.joint is not None else "relaxation"
+    return "joint model" if side.study.joint is not None else "relaxation"
 
 
 def _lights(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:

@@ -92,7 +92,7 @@ def _solid(request: Mapping[str, Any], job: Job) -> Fit:
 def _joint(job: Job) -> Fit:
     fit = result_cache.study(job).joint
     if fit is None:
-        raise DataError("there is no model of both tests. Open a hammer test and fit both")
+        raise DataError("there is no joint model. Open a hammer test and fit both")
     return fit
 
 

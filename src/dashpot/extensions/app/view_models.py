@@ -90,7 +90,7 @@ SHORT = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
-    "predicted from relaxation": "predicted", "worst-case bounds": "bound",
+    "predicted from relaxation": "predicted", "95 % bounds over all spectra": "bound",
     "unresolved range": "out of reach", "other family from relaxation": "other family",
     "band that every accepted hit excites": "excited by all",
     "mode found": "mode", "new at its order": "new", "stable in frequency": "stable in frequency",
@@ -323,7 +323,7 @@ def _responses(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
     failed = study.joint is not None and study.joint.verdict.use == "do not use"
     measured, relaxed, both = curves_of(comparison, joint, failed=failed)
     if both.pen is JOINT:
-        both = replace(both, label="both tests")
+        both = replace(both, label="joint model")
     return [measured, both, replace(relaxed, label="relaxation alone", pen=REF)], ()
 
 
@@ -570,7 +570,7 @@ def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
 def _plus_minus(fact: ReportedValue) -> str:
     """Return the standard error of a number; its highest value where that is all that is known."""
     if fact.is_at_most or fact.is_upper_bound:
-        return f"≤ {fact.ends[2]}"
+        return f"≤ {fact.cell_texts[2]}"
     return "not known" if fact.cells.error == UNKNOWN else fact.cells.error
 
 

@@ -78,8 +78,8 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
             )  # fmt: skip
     count = f"{chart.points} points" if several else "one point"
     caption = (
-        f"Stabilisation chart of {count}: poles of one denominator after another. What the "
-        "structure does stays where it is; dashed, the modes that were found without the chart."
+        f"Stabilisation chart of {count}: poles by model order. Poles of the structure stay at one "
+        "frequency as the order rises; dashed, the modes that were found without the chart."
     )
     strip = (
         Panel(x, Scale(what, limits, log=True), tuple(upper), height=150),

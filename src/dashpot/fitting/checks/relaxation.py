@@ -342,7 +342,8 @@ def residuals_steady(
     if not ratios:
         return Finding("The residuals are too few, or only rounding, to judge slow wandering")
     return Finding(
-        f"Slow and medium residuals differ by a factor of {max(ratios):.2g} in power",
+        "The power of the residuals at low and middle frequencies differs by a factor of "
+        f"{max(ratios):.2g}",
         max(ratios),
         "The force wanders slowly: drift, temperature, or a missed arm. The interval of the "
         "slowest arm is too narrow. Other limits count this as noise",

@@ -232,7 +232,7 @@ def arms_enough(shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
 def samples_independent(effective: float, parameters: int, kappa: float) -> Finding:
     """There are enough independent residuals to estimate the noise."""
     return Finding(
-        f"The residuals are equal to {effective:.3g} independent samples, for {parameters} "
+        f"The residuals have an effective sample size of {effective:.3g}, for {parameters} "
         "parameters",
         effective - parameters,
         "So few do not show how large the noise is",

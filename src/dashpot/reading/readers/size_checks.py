@@ -267,7 +267,7 @@ def stress_of_a_rubber(stress: float, unit: str) -> Finding:
 
 
 class _Advice(TypedDict):
-    instead: str
+    failure: str
     remedy: Remedy
 
 

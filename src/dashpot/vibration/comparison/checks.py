@@ -180,7 +180,9 @@ def no_unit_error(c: Comparison) -> Finding:
                 limit=factor,
                 always_fails=True,
             )
-    return Finding("The factor between both tests is not that of a wrong unit", frequency)
+    return Finding(
+        "The factor between prediction and measurement is not that of a wrong unit", frequency
+    )
 
 
 @criterion(
@@ -258,12 +260,12 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     at, depth = point.compression, point.depth
     message = (
         f"The seals are compressed by {format_quantity(at, 'mm', '.2f')}, as given"
-        if point.is_compression_given
+        if point.given
         else f"The mass sinks {format_quantity(at, 'mm', '.2f')} into the seals by its weight"
     )
     if depth is None:
         return Finding(f"{message}. The depth of their test is not known")
-    if not point.is_linear:
+    if not point.linear:
         return Finding(
             f"{message}. Its tangent stiffness there is "
             f"{number_format.with_error(point.factor, point.factor_se or np.nan)} times the secant "

@@ -143,7 +143,7 @@ export function solids() {
   return state.files.filter(isTest).flatMap((one) => {
     const own = (/** @type {string} */ words) => many ? `${one.name}, ${words}` : words;
     const found = [[`fit ${one.id}`, own("relaxation alone")]];
-    if (hammers().length) found.push([`joint ${one.id}`, own("both tests")]);
+    if (hammers().length) found.push([`joint ${one.id}`, own("joint model")]);
     if (one === test() && cut) found.push([`found ${one.id}`, own("time limits as found")]);
     return found;
   });
@@ -227,7 +227,7 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
     } else if (name === "specimen") words.push("specimen");
     else words.push(`${name} ${String(b[name] || "not given").replace(/(\d)(?=[a-z])/, "$1 ")}`);
   }
-  if (was[1] !== now[1]) words.push(now[1] ? "both tests" : "relaxation alone");
+  if (was[1] !== now[1]) words.push(now[1] ? "joint model" : "relaxation alone");
   if (was[2] !== now[2]) words.push(now[2] ? "its base moves" : "a force on it");
   const more = now.at(-1).length - was.at(-1).length;
   if (more > 0) words.push(`${more === 1 ? "a file" : `${more} files`} opened`);

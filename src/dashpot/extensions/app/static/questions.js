@@ -46,7 +46,7 @@ function question() {
 function ends(/** @type {string} */ said) {
   $("right").classList.remove("moving");
   if (said !== cancelled) return refuse(said);
-  if (state.joint) return stops("Cancelled. Both tests were not fitted together.");
+  if (state.joint) return stops("Cancelled. There is no joint model.");
   const skipped = hammers().length
     ? "The hammer was not held against it."
     : "Its limits were not sought.";

@@ -85,7 +85,7 @@ export function choices() {
   $("taken").textContent = tabs && state.against
     ? ": choose A or B"
     : two
-    ? (state.joint ? ": both tests" : ": relaxation alone")
+    ? (state.joint ? ": joint model" : ": relaxation alone")
     : "";
 }
 
