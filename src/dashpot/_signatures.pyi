@@ -279,7 +279,7 @@ def read(
 ) -> CSRTest: ...
 @overload
 def read(
-    path: Place, *, kind: Literal["slam"], **options: Unpack[ReadOptionKeywords]
+    path: Place, *, kind: Literal["drop"], **options: Unpack[ReadOptionKeywords]
 ) -> DropTest: ...
 @overload
 def read(

@@ -139,7 +139,7 @@ def files() -> dict[str, tuple[str, str]]:
         ),
         "slam.csv": (
             csv("time [ms],slam force [N]", flown, np.maximum(np.sin(flown - 2), 0) * (flown < 6)),
-            "slam",
+            "drop",
         ),
         "tension.csv": (
             csv("strain [%],stress [MPa]", 2 * spread, 0.02 * spread), "stress-strain",

@@ -17,7 +17,13 @@ from dashpot.extensions.materials.drop.read import read_drop_test
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.materials.indentation.read import read_indentation
-from dashpot.reading.columns.kind_detection import MASTER, ONE_FREQUENCY, RECOGNISED, kind_of
+from dashpot.reading.columns.kind_detection import (
+    MASTER,
+    ONE_FREQUENCY,
+    RECOGNISED,
+    kind_of,
+    parse_file_kind,
+)
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import as_a_ramp
 from dashpot.reading.readers.frf import read_frf
@@ -45,7 +51,7 @@ READERS = {
     read_indentation: {"indentation"},
     read_tension: {"stress-strain"},
     read_csr: {"csr"},
-    read_drop_test: {"slam"},
+    read_drop_test: {"drop"},
 }
 
 
@@ -258,3 +264,8 @@ def test_inspect_file_explains_a_sweep_with_frequency_in_its_header(
     rows = "".join(f"10,{line}\n" for line in rows.splitlines())
     path.write_text(head.replace("strain", "frequency [Hz],strain") + rows)
     assert inspect_file(path).kind == "strain-sweep"
+
+
+def test_former_name_of_a_kind_is_taken_and_not_listed():
+    assert parse_file_kind("slam") == parse_file_kind("drop")
+    assert "slam" not in RECOGNISED

@@ -248,7 +248,7 @@ def test_a_document_row_is_named_by_the_schema_of_its_class() -> None:
 
 def test_find_kinds_by_option_names_the_fits_that_take_it() -> None:
     assert find_kinds_by_option("compression") == "cld"
-    assert find_kinds_by_option("mass") == "indentation slam"  # no file says it is a rod
+    assert find_kinds_by_option("mass") == "indentation drop"  # no file says it is a rod
 
 
 def test_the_option_that_names_a_kind_is_taken_by_its_fit() -> None:

@@ -20,7 +20,7 @@ ASKED = {
     "cld": (PIECES, {"compression": "6", "between": "4 to 8", "length": "100 mm"}),
     "stress-strain": (("tension.csv", "biaxial.csv"), {"test 1": "biaxial"}),
     "csr": (("ovens.csv",), {}),
-    "slam": (("slam.csv",), {"mass": "100"}),
+    "drop": (("slam.csv",), {"mass": "100"}),
     "rod": (("rod.csv",), {"mass": "31.4", "density": "1000", "disc": "20, 20"}),
     "indentation": (("hit.csv",), {"mass": "5", "radius": "5", "drop_height": "51"}),
 }
@@ -67,7 +67,7 @@ def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkey
 
 
 def test_every_kind_of_the_register_has_a_place_on_the_page():
-    nowhere = {name for name, one in KINDS.items() if not one.place}
+    nowhere = {name for name, one in KINDS.items() if not one.app_section}
     # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in"}
 

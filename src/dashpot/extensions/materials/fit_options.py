@@ -34,7 +34,7 @@ class LowHigh(click.ParamType[Any]):
         return low, high
 
 
-_CLD, _STRAIN, _BALL, _DROP = "cld", "stress-strain", "indentation", "slam"
+_CLD, _STRAIN, _BALL, _DROP = "cld", "stress-strain", "indentation", "drop"
 
 
 def list_groups() -> list[list[CommandOption]]:

@@ -81,7 +81,7 @@ EXTENSION = Extension(
                 next_command="predict FILE --temperature 70degC --end 50%", order=15,
         ),
             KindOfTest(
-                "slam", "dashpot.extensions.materials.drop.read:read_drop_test", "dashpot.extensions.materials.drop.fit_files:fit_drop_files", fit_route="slam",
+                "drop", "dashpot.extensions.materials.drop.read:read_drop_test", "dashpot.extensions.materials.drop.fit_files:fit_drop_files", fit_route="drop",
                 app_section="judged",
                 classes={
                     "dashpot.extensions.materials.drop.datamodel:DropTest": "",
@@ -109,7 +109,7 @@ EXTENSION = Extension(
         "table rule": {
             "csr": "dashpot.extensions.materials.csr.table_rule:has_counterforce",
             "indentation": "dashpot.extensions.materials.table_rules:has_indenter_motion",
-            "slam": "dashpot.extensions.materials.table_rules:has_drop",
+            "drop": "dashpot.extensions.materials.table_rules:has_drop",
         },
         "text": {
             "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.text:cld",
@@ -170,7 +170,7 @@ EXTENSION = Extension(
             options=("model", "mass", "indenter"),
         ),
         FitRow(
-            "slam", "",
+            "drop", "",
             "dashpot.extensions.materials.drop.fit_handler:run",
             "drop tests", "drop tests", order=10,
             options=("mass", "relaxation", "drop", "temperatures", "specimen"),

@@ -98,7 +98,7 @@ def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "slam", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
+    "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -157,7 +157,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "indentation": KindOfFile(
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
-    "slam": KindOfFile(
+    "drop": KindOfFile(
         "a drop test of a mass on a specimen", "use dashpot fit with its mass",
         ("time", "force"), True,
     ),
@@ -369,9 +369,9 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
         lambda s: s.satisfies("indentation"),
     ),
     (
-        "slam",
+        "drop",
         "it has time and a force or an acceleration, and says slam",
-        lambda s: s.satisfies("slam"),
+        lambda s: s.satisfies("drop"),
     ),
     (
         "impact",
@@ -442,6 +442,10 @@ _OF_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
 """The kinds that alone have a role: who names its column says what the file is."""
 
 
+_FORMER_KINDS = {"slam": "drop"}
+"""Present name of a kind by its name in the edition before."""
+
+
 def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and why, from names and units, and of a sweep from its range.
 
@@ -480,6 +484,7 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
     ReadError
         If there is none, with the nearest.
     """
+    word = _FORMER_KINDS.get(word, word)
     if word in RECOGNISED and word != "plug-in":
         return cast("FileKind", word), "as was said"
     from difflib import get_close_matches  # few need them, and they cost time to import

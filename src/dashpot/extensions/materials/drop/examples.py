@@ -43,7 +43,7 @@ def _simulate_record() -> str:
 EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "slam.csv": Example(
-            "slam",
+            "drop",
             "200 g dropped on two such seals at 0.3, 0.45 and 0.6 m/s, for dashpot fit",
             _simulate_record,
         ),

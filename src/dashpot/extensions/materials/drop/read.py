@@ -33,7 +33,7 @@ def read_drop_test(
     """
     with channels.open_file(path, options) as file:
         channels.expect(
-            file, ["slam"], "a mass dropped on a specimen is",
+            file, ["drop"], "a mass dropped on a specimen is",
             named=("force", "acceleration"),
         )  # fmt: skip
         wanted = [
