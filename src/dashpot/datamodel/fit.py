@@ -22,11 +22,7 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
-from dashpot.datamodel.fit_diagnostics import (
-    Evidence,
-    Provenance,
-    family_of,
-)
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance, family_of
 from dashpot.datamodel.parameter_estimate import (
     SHAPE,
     Interval,

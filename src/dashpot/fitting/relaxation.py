@@ -311,9 +311,7 @@ def fit(
 
 
 def _build_setup(
-    records: Sequence[RampHold],
-    options: FitOptions,
-    nuisance: Sequence[str] = NUISANCE,
+    records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE
 ) -> FitSetup:
     """Return how the tests are set out, if that and all else that is asked go together.
 
@@ -665,10 +663,7 @@ def _drift_correlation(estimate: SolutionEstimate) -> float | None:
 
 
 def _make_fit_step(
-    records: Sequence[RampHold],
-    selection: SelectedModel,
-    setup: FitSetup,
-    options: FitOptions,
+    records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup, options: FitOptions
 ) -> Step:
     requested = selection.asked
     parameters = (
