@@ -26,7 +26,6 @@ from dashpot.datamodel.fit_diagnostics import Evidence
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.admissible_spectra import (
-    AdmissibleSpectra,
     compute_end_limits,
     spectra_of_holds,
 )
@@ -123,7 +122,7 @@ def check_filter_bias(test: RampHold) -> Check:
     if unfiltered is None or filter_ is None:
         return checks.filter_bias(None)
     try:
-        model = _select_supported_solid(unfiltered)
+        model = select_order(data_of([unfiltered], FitSetup("full")), FitOptions()).model
         noise_free = replace(
             unfiltered,
             force=model.force(unfiltered.time, unfiltered.displacement),
@@ -138,11 +137,6 @@ def check_filter_bias(test: RampHold) -> Check:
     except DashpotError as error:
         return checks.filter_bias(filter_, str(error))
     return checks.filter_bias(filter_, changes, min(model.tau, default=np.inf))
-
-
-def _select_supported_solid(record: RampHold) -> GeneralizedMaxwell:
-    """Return the solid with as many arms as the record supports."""
-    return select_order(data_of([record], FitSetup("full")), FitOptions()).model
 
 
 def _compute_filter_changes(
@@ -468,8 +462,9 @@ def _build_linear_fit(
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
     data = _weight_records(records, families.arms, setup)
-    spectra = spectra_of_holds(data, **_collect_hold_arguments(records, families.arms))
-    end = _compute_end_of_hold(records, data, families.arms, spectra).holding(selection.model)
+    hold = _collect_hold_arguments(records, families.arms)
+    spectra = spectra_of_holds(data, **hold)
+    end = compute_end_limits(data, **hold, spectra=spectra).holding(selection.model)
     band, band_error = band_of_hold(spectra, selection.solid, band)
     sensitivity = compute_rig_sensitivity(data, selection.solid)
     if setup.method == "hold" and "delay" in setup.nuisance and selection.solid is selection.model:
@@ -513,6 +508,7 @@ def _build_linear_fit(
 
 def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
+    from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
     from dashpot.fitting.nonlinear_ramp.fit_construction import held_ramps, ramp_fit
 
     data = held_ramps(records, law)
@@ -520,7 +516,10 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
     spectra = spectra_of_holds(data, **hold_arguments)
     end = compute_end_limits(data, **hold_arguments, spectra=spectra)
     sensitivity = compute_rig_sensitivity(data, law.model)
-    arm_checks = () if arms is None else (_check_arm_count(records, law),)
+    arm_checks = ()
+    if arms is not None:
+        supported = supported_by_holds(records, law.hold)
+        arm_checks = (arms_enough(supported, law.model.arms, unit="N"),)
     return ramp_fit(
         records,
         law,
@@ -530,13 +529,6 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
         unmeasured=sensitivity,
         spectra=spectra,
     )
-
-
-def _check_arm_count(records: Sequence[RampHold], law: RampLaw) -> Check:
-    """Return whether the holds of a bent ramp support no more arms than were asked for."""
-    from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
-
-    return arms_enough(supported_by_holds(records, law.hold), law.model.arms, unit="N")
 
 
 def _weight_records(
@@ -549,16 +541,6 @@ def _weight_records(
         return [build_hold_data(record, model, residual) for record, residual in tests]
     blocks = zip(records, selection.data.blocks, residuals, strict=True)
     return [fitted_data(record, block, model, values) for record, block, values in blocks]
-
-
-def _compute_end_of_hold(
-    records: Sequence[RampHold],
-    data: Sequence[RelaxationData],
-    selection: SelectedModel,
-    spectra: AdmissibleSpectra,
-) -> EndOfHold:
-    """Return what the records leave open of the stiffness at the end of the hold and beyond."""
-    return compute_end_limits(data, **_collect_hold_arguments(records, selection), spectra=spectra)
 
 
 def _collect_hold_arguments(

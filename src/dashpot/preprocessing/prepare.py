@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -139,6 +140,7 @@ def prepare(
         checks.refuse_late_start(where, *_compute_force_changes(despiked_force, motion))
     force_sign = _determine_force_sign(despiked_force, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, force_sign * test.force
+    despiked_force = force_sign * despiked_force
     encoder_step = test.displacement_quantum
     least_gap = _compute_least_gap(encoder_step, motion)
     machine = machine or Machine()
@@ -146,37 +148,18 @@ def prepare(
         machine = replace(machine, rest=test.specimen.rested)
     step = median(np.diff(test.time))
     delay_sd = machine.delay_sd(step)
-    baseline, touch = _find_contact(
-        test.time,
-        x,
-        force_sign * despiked_force,
-        motion,
-        provided=contact,
-        least_gap=least_gap,
-        delay_sd=delay_sd,
+    find_contact = partial(
+        _find_contact, test.time, x, despiked_force, provided=contact, delay_sd=delay_sd
     )
+    baseline, touch = find_contact(motion, least_gap=least_gap)
     contact_motion = from_contact(test, motion, touch.displacement, doubt=least_gap)
     if contact_motion is not motion:
         # the plate was first moved through air: the ramp that meets the seal is the first
         motion = contact_motion
         least_gap = _compute_least_gap(encoder_step, motion)
-        baseline, touch = _find_contact(
-            test.time,
-            x,
-            force_sign * despiked_force,
-            motion,
-            provided=contact,
-            least_gap=least_gap,
-            delay_sd=delay_sd,
-        )
+        baseline, touch = find_contact(motion, least_gap=least_gap)
     earlier = _find_earlier_loading(
-        test,
-        x,
-        force_sign * despiked_force,
-        motion,
-        (baseline, touch),
-        provided=contact,
-        delay_sd=delay_sd,
+        test, x, despiked_force, motion, (baseline, touch), find_contact=find_contact
     )
     if earlier is not None:
         baseline, touch = earlier.baseline, earlier.last_touch
@@ -186,7 +169,7 @@ def prepare(
         test, x, force, motion, touch, times=times, encoder_step=encoder_step, earlier=earlier
     )
     # of a long record every channel weighs: these are not needed beside its spectrum
-    del despiked_force, x, force
+    del despiked_force, find_contact, x, force
     record = _subtract_hum(record)
     rise = _compute_force_rise(
         record, baseline, where, may_pull=earlier is not None and earlier.is_bonded
@@ -308,8 +291,7 @@ def _find_earlier_loading(
     motion: PlateMotion,
     last: tuple[Baseline, Touch],
     *,
-    provided: float | None,
-    delay_sd: float,
+    find_contact: Callable[..., tuple[Baseline, Touch]],
 ) -> _EarlierLoading | None:
     """Return what came before the loading that is fitted; None if nothing that pressed the seal."""
     last_baseline, touch = last
@@ -324,21 +306,14 @@ def _find_earlier_loading(
         return None
     # of the depth that is fitted: what is too small for it is none of a shallow press
     gap = _compute_least_gap(test.displacement_quantum, motion)
-    baseline, first_touch = _find_contact(
-        test.time, x, force, first_motion, provided=provided, least_gap=gap, delay_sd=delay_sd
-    )
+    baseline, first_touch = find_contact(first_motion, least_gap=gap)
     first_sample = (
         first_motion.departure
         + 1
         + int(np.argmax(x[first_motion.departure + 1 :] > first_touch.displacement))
     )
-    tare = (
-        baseline.level
-        if baseline.long_enough
-        else last_baseline.level
-        if last_baseline.long_enough
-        else 0.0
-    )
+    levels = [rest.level for rest in (baseline, last_baseline) if rest.long_enough]
+    tare = [*levels, 0.0][0]
     earlier_samples = slice(first_sample, motion.departure + 1)
     pulls_back = is_bonded(
         force[earlier_samples] - tare,
