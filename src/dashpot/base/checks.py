@@ -22,7 +22,7 @@ from dashpot.base.serialisation import Key, Serialisable
 
 P = ParamSpec("P")
 
-#: what a failed check means: no matter, a limit of the result, a result not to be used
+#: meaning of a failed check: a remark, a limit of use, a result not to be used
 Grade = Literal["note", "limit", "stop"]
 GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
@@ -42,9 +42,9 @@ RULES: dict[str, Callable[[float, float], bool]] = {
 
 
 MAX_WORDS = 35
-"""Of a verdict, its *use* included: one line is read, a paragraph is not."""
+"""Longest verdict, in words, with its *use*."""
 MAX_MESSAGE_WORDS = MAX_WORDS - 3
-"""Of what it says after *do not use*."""
+"""Longest message after *do not use*, in words."""
 
 
 @dataclass(frozen=True)
@@ -94,9 +94,8 @@ class Check(Serialisable):
         with care; ``"stop"``, do not use it.
     remedy : Remedy or None
         What to do, if it failed.
-    ends : Status or None
-        How a fit that fails it ended, as its criterion says; no document holds it, and no
-        comparison of two checks.
+    fit_status : Status or None
+        Status of a fit that fails it; neither saved nor compared.
 
     Examples
     --------
@@ -261,14 +260,14 @@ class HasChecks:
 def select_fit_status(
     checks: Iterable[Check], optimum_statuses: Mapping[Status, bool] | None = None
 ) -> Status:
-    """Return how a fit ended: the gravest of what its checks and its optimum say.
+    """Return the status of a fit: the worst that its failed checks and its optimum set.
 
     Parameters
     ----------
     checks : iterable of Check
-        Each that failed says how such a fit ends, if its criterion does.
+        Their criteria may set a status.
     optimum_statuses : mapping of Status to bool, optional
-        What the optimum itself shows, and no check asks.
+        Whether the optimum itself sets a status.
     """
     statuses = {check.fit_status for check in checks if check.failed}
     statuses |= {status for status, applies in (optimum_statuses or {}).items() if applies}
@@ -297,19 +296,19 @@ class Finding(NamedTuple):
     message : str
         What was found, in a sentence.
     value : float or None
-        What is held against the limit; None if nothing was measured: a criterion that has a
-        measure then judges nothing.
+        Compared with the limit; None if nothing was measured: a criterion with a measure is then
+        not judged.
     reason : str
         What it means, if the check fails: sentences that follow `message`.
     remedy : Remedy or str
         What to do then.
-    instead : str
-        What replaces `message` if it fails, where the same sentence cannot serve both.
+    failure : str
+        Replaces `message` if the check fails.
     limit : float or None
         The limit where the record sets it; by default that of the criterion.
-    excused : bool
+    always_passes : bool
         Passes whatever the value: another condition answers the question.
-    faulted : bool
+    always_fails : bool
         Fails whatever the value: a second condition is broken.
     grade : str or None
         What a failure means where the record decides it; by default that of the criterion.
@@ -350,17 +349,17 @@ class Criterion(Generic[P]):
         What the value is.
     rule : str
         A key of `RULES`: how the value is held against the limit; none for a question of more
-        than one number, whose finding passes unless it is faulted.
+        than one number, whose finding passes unless `always_fails`.
     limit : float or None
         None if the record sets it.
     source : str
         Where the limit comes from.
     grade : str
         What a failure means, as in `Check`.
-    otherwise : str
+    other_grade : str
         Where a failure means another, in words: ``"stop beyond 10"``.
-    ends : Status or None
-        How a fit that fails it ended, whatever the grade; None if the optimum is none the worse.
+    fit_status : Status or None
+        Status of a fit that fails it; None if the optimum is valid all the same.
     judge : callable
         Returns a `Finding`.
     """
@@ -423,7 +422,7 @@ def criterion(
 
     Parameters
     ----------
-    measure, rule, limit, source, grade, otherwise, ends
+    measure, rule, limit, source, grade, other_grade, fit_status
         As in `Criterion`.
     name, question : str
         By default the function's name and the first line of its docstring.

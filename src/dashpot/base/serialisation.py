@@ -13,7 +13,7 @@ from dashpot.base.errors import Status
 from dashpot.base.number_format import json_number
 
 FIXED_VALUE = "fixed_value"
-"""Of a field that no document holds: what it always is within."""
+"""Key in the metadata of a field that no document holds: its constant value."""
 DIGEST = "digest"
 """The key of a digested document that shows whether the rest was edited."""
 
@@ -79,7 +79,7 @@ class Serialisable:
 
     @property
     def _has_digest(self) -> bool:
-        """Whether its document ends with a digest of the rest, as one does that takes such in."""
+        """Whether its document ends with a digest of the rest."""
         return False
 
     def to_dict(self) -> dict[str, Any]:
@@ -114,7 +114,7 @@ def _list_keys(class_: Any) -> tuple[Key, ...]:
 def decode_fields(class_: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a value from its document, each attribute converted back.
 
-    What was flattened gets the whole document, and takes of it what it knows.
+    A flattened attribute gets the whole document and selects its own keys.
     """
     names = {field.name for field in fields(class_)}
     values: dict[str, Any] = {name: document[name] for name in names & document.keys()}
@@ -182,7 +182,7 @@ to_plain_value.register(Enum, lambda value: value.value)
 to_plain_value.register(Status, lambda value: value.name.lower())
 
 NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}
-"""JSON has no such numbers; a text that no measurement can be mistaken for stands in."""
+"""Texts in place of numbers that JSON does not have."""
 
 
 def replace_nonfinite_numbers(value: Any) -> Any:
@@ -195,7 +195,7 @@ def replace_nonfinite_numbers(value: Any) -> Any:
 
 
 def compute_document_digest(document: dict[str, Any]) -> str:
-    """Return 16 hexadecimal digits of what a document says, however it is laid out."""
+    """Return 16 hexadecimal digits of the content of a document, whatever its layout."""
 
     def normalise_numbers(value: Any) -> Any:
         if isinstance(value, dict):

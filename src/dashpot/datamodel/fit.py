@@ -63,8 +63,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         Relaxed force against compression, where a part was pressed; `solid` is the secant one at
         its depth.
     temperatures : TemperatureShifts or None
-        How the solid moves with temperature, where tests at several were fitted; `solid` is that
-        of their reference.
+        Shift factors, where tests at several temperatures were fitted; `solid` is that of their
+        reference.
 
     Examples
     --------
@@ -331,12 +331,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of the parameters, shape (p, p): of the noise and of what rigs may add."""
+        """Covariance of the parameters by noise and rigs, shape (p, p)."""
         return self.estimate.covariance
 
     @property
     def _has_given_k_inf(self) -> bool:
-        """Whether k_inf was given and not fitted: then it is known as it was given."""
+        """Whether k_inf was given and not fitted."""
         return bool(self.estimate.parameters) and "k_inf" not in self.estimate.parameters
 
     @property
@@ -409,13 +409,13 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return self._bound_k_inf(self._arm_estimate.list_values(self.model, self.unit))
 
     def _bound_k_inf(self, facts: tuple[ReportedValue, ...]) -> tuple[ReportedValue, ...]:
-        """Facts with what a test leaves of k_inf: what it is at most."""
+        """Return the values, k_inf with its upper limit."""
         return tuple(
             self._bound_k_inf_from_above(fact) if fact.name == "k_inf" else fact for fact in facts
         )
 
     def _bound_k_inf_from_above(self, fitted: ReportedValue) -> ReportedValue:
-        """k_inf as every table has it, from its formal interval: what it is at most."""
+        """Return k_inf as every table has it: its upper limit in place of its fitted interval."""
         end = self.evidence.end_of_hold
         high = fitted.high if end is None else end.k_inf[1]
         if self._has_given_k_inf or not np.isfinite(high):
@@ -457,7 +457,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def _arm_estimate(self) -> ParameterEstimate:
-        """What is known of the arms of the solid."""
+        """Estimate of the arms of the solid."""
         if isinstance(self.solid, FractionalZener) and self.estimate.parameters:
             return self.estimate.convert_to_arms(self.solid)
         return self.estimate
@@ -466,7 +466,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def band(self) -> tuple[float, float]:
-        """The frequencies this test can inform, Hz."""
+        """Valid band, Hz: where the test determines stiffness and loss factor."""
         return self.evidence.band
 
     @property
@@ -650,7 +650,7 @@ def scale_stiffness(fit: Fit, factor: float, step: Step) -> Fit:
 
 
 def _exclude_dashpots(entries: dict[str, _Value]) -> dict[str, _Value]:
-    """Without the dashpots, of which k and tau say all."""
+    """Return the entries without b = k tau."""
     return {name: entry for name, entry in entries.items() if not name.startswith("b")}
 
 

@@ -121,7 +121,7 @@ def encoder_rows(columns: FloatArray, encoder: Encoder, kernel: Kernel) -> Float
 def _compute_contact_row(
     columns: FloatArray, first_row: int, encoder: Encoder, kernel: Kernel
 ) -> FloatArray:
-    """Return what an error of the contact moves, a step of motion when the plate touches."""
+    """Return the row of an error of the contact: a step of motion at contact."""
     if encoder.contact_error == 0.0:
         return np.zeros((0, columns.shape[1]))
     first_sample = max(int(np.searchsorted(encoder.time, encoder.onset)), first_row)
@@ -265,7 +265,7 @@ class SolutionEstimate(ParameterCovariance):
     def add_depth_error(
         self, depth_errors: Sequence[float], stiffnesses: Mapping[str, float]
     ) -> SolutionEstimate:
-        r"""Return the estimate with what the encoder's step leaves unknown of each depth.
+        r"""Return the estimate with the error of each depth by the step of the encoder.
 
         A relative error :math:`\epsilon` of a depth scales every stiffness of its test, so that n
         tests that share them add :math:`\overline{\epsilon^2} k k^T / n` to the covariance;
@@ -354,7 +354,7 @@ def estimate_noises(
     *,
     peak: float,
 ) -> tuple[Noise, ...]:
-    """Return what the residuals of each record say about its noise."""
+    """Return the noise of each record, estimated from its residuals."""
     return tuple(
         noise_of(residual, jacobian, rounding=rounding_rms(peak))
         for residual, jacobian in zip(residuals, jacobians, strict=True)
@@ -362,12 +362,12 @@ def estimate_noises(
 
 
 def rounding_rms(peak: float) -> float:
-    """Return the rms that rounding alone leaves of data with this largest force."""
+    """Return the rms residual, N, by rounding of data with this largest force."""
     return _ROUNDING * peak
 
 
 def _build_relaxation_kernel(solution: Solution, block: DataBlock) -> Kernel:
-    """Return the relaxation of the solid that one record sees."""
+    """Return the relaxation function of one record."""
     spring = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
     return Kernel(
         sum(solution.coefficient(name) for name in spring),
@@ -377,7 +377,7 @@ def _build_relaxation_kernel(solution: Solution, block: DataBlock) -> Kernel:
 
 
 def compute_residual(solution: Solution, block: DataBlock) -> FloatArray:
-    """Return what a solution leaves of one record, a row per sample."""
+    """Return the residual of one record, a value per sample."""
     rows = block.evaluate(solution.log_tau, False)
     fixed = np.array([solution.coefficient(name) for name in block.fixed_names])
     arms = solution.arms[solution.groups.index(block.arm_group)]
@@ -574,14 +574,14 @@ class _ProfileScaling:
 
 # Sensitivity of the parameters to unmeasured effects of the rig.
 #
-# A fit is of the quiet rig, what is claimed of it of the doubtful one. A force c that no column of
-# the fit has, such as that of a crosshead that settles, moves its parameters by
+# A fit assumes an ideal rig, its errors a real one. A force c that no column of the fit has, such
+# as that of a creeping crosshead, changes its parameters by
 #
 # .. math:: \delta\theta = (J'J)^{-1} J' c
 #
-# with J the rows of the records and of what was known of offset, drift and delay. With c the column
-# of one doubt times its standard deviation, :math:`\delta\theta\,\delta\theta'` is what it adds to
-# their covariance.
+# with J the rows of the records and of the priors of offset, drift and delay. With c the column of
+# one effect times its standard deviation, :math:`\delta\theta\,\delta\theta'` is its part of the
+# covariance.
 
 
 class _TestColumns(NamedTuple):
@@ -600,12 +600,12 @@ class _TestColumns(NamedTuple):
 def compute_rig_sensitivity(
     relaxations: Sequence[RelaxationData], solid: Solid, *, separate: bool = False
 ) -> FloatArray:
-    """Return what each doubt of each test adds to the parameters of a solid fitted to them.
+    """Return the change of the parameters by each unmeasured effect of each rig.
 
     Parameters
     ----------
     relaxations : sequence of RelaxationData
-        With what their rigs may add (`RelaxationData.unseen`), and as the solid was fitted.
+        As the solid was fitted, with the effects of their rigs (`RelaxationData.unseen`).
     solid : Solid
         Its parameters are k_inf, every k, every ln tau, or those of a fractional solid; N/m and s.
     separate : bool
@@ -685,7 +685,7 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
 
 
 def compute_clock_sensitivity(tests: Sequence[RampHold], model: GeneralizedMaxwell) -> FloatArray:
-    r"""Return what late forces add to the parameters of a solid fitted to holds, shape (p, 1).
+    r"""Return the change of the parameters by a delay of the force, of holds, shape (p, 1).
 
     A hold that begins :math:`\delta` late has arms of :math:`k\,e^{\delta/\tau}`. The end of a ramp
     is as late as the clocks are apart, and as the encoder's step leaves it.

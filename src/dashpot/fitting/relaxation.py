@@ -108,7 +108,7 @@ if TYPE_CHECKING:
 
 
 def check_filter_bias(test: RampHold) -> Check:
-    """Return what its filter did to each parameter, predicted on the noise-free answer of the seal.
+    """Return the check of the filter's bias of each parameter, from a noise-free response.
 
     The solid is fitted to the unfiltered record; its exact answer to the recorded motion is
     fitted again, before and behind the filter, by eq. 5 and by the full history.
@@ -174,7 +174,7 @@ def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, 
 
 
 class _HoldArguments(TypedDict):
-    """How long the longest hold was, s, the arms fitted to it, and the freedom of its noise."""
+    """Longest hold, s, the model fitted to it, and the degrees of freedom of its noise."""
 
     time: float
     own: GeneralizedMaxwell
@@ -198,17 +198,17 @@ def fit(
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
-    ``method="full"`` answers the *recorded* motion x(t) from contact to the end of the hold, freed
-    of the encoder's counts and noise where it shows any
+    ``method="full"`` fits the response to the *recorded* motion x(t) from contact to the end of
+    the hold, without the encoder's counts and noise where it shows any
     (:func:`~dashpot.preprocessing.denoising.denoise_displacement`). Offset and drift of the load
     cell and the delay of the force are nuisance terms, each bound by what the record and its
-    machine say of it (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
+    machine give (:mod:`dashpot.fitting.nuisance_priors`); the force is never filtered,
 
     .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
 
-    A force that lags by more than the tangent bears is answered by a motion that is as late, where
-    that makes a linear solid sound (:mod:`dashpot.fitting.nonlinear_ramp.linearity`).
+    If the force lags by more than this first order holds, the motion is delayed by as much, where a
+    linear solid then fits (:mod:`dashpot.fitting.nonlinear_ramp.linearity`).
 
     ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
 
@@ -307,7 +307,7 @@ def fit(
 def _build_setup(
     records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE
 ) -> FitSetup:
-    """Return how the tests are set out, if that and all else that is asked go together.
+    """Return the setup of the fit, if its options are consistent.
 
     Raises
     ------
@@ -337,7 +337,7 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
 
 
 def _refuse_history(records: Sequence[RampHold]) -> None:
-    """Raise FitError where a bent law is asked of a ramp that earlier loadings went before."""
+    """Raise FitError for a nonlinear law of a ramp after earlier loadings."""
     if any(record.loading_start is not None for record in records):
         raise FitError(
             "an elastic law from the ramp was asked for, and a record has earlier loadings, which "
@@ -356,7 +356,7 @@ def _record_law_option(fit: Fit, law: RampLawAsked) -> Fit:
 
 
 def refit_nearby(test: RampHold, fit: Fit) -> Fit:
-    """Return the optimum of a test next to that of another cut of it, for a look.
+    """Return the optimum of a test from the fit of another cut of it, as a preview.
 
     Relaxation times are descended to from those found there. Neither their number nor the law is
     asked about again, so `fit` is to be of a linear solid.
@@ -382,7 +382,7 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
 
 
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
-    """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
+    """Return the fit of a linear solid, or of a nonlinear ramp where no linear solid fits."""
     motion, initial_fit, fractional_fit, linearity = (
         DelayedMotion.from_records(records, setup),
         None,
@@ -425,7 +425,7 @@ def _select_elastic_law(
 def _build_point_fit(
     motion: DelayedMotion, initial_fit: InitialFit, setup: FitSetup, arms: int
 ) -> Fit:
-    """Return the optimum alone, as a fit of which nothing more is known."""
+    """Return a fit with the optimum alone, without errors or checks."""
     records = motion.holds.records
     solution = initial_fit.solutions[: arms + 1][-1]
     model = solid_of(solution)
@@ -534,7 +534,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
 def _weight_records(
     records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup
 ) -> list[RelaxationData]:
-    """Return the records as what is claimed of their fit weighs them."""
+    """Return the records with their weights in the limits."""
     model, residuals = selection.model, selection.estimate.residuals
     if setup.method == "hold":
         tests = zip(records, residuals, strict=True)
@@ -546,7 +546,7 @@ def _weight_records(
 def _collect_hold_arguments(
     records: Sequence[RampHold], result: SelectedModel | RampLaw
 ) -> _HoldArguments:
-    """Return what their limits ask of the records and of the fit."""
+    """Return the arguments of the limits: hold time, model, degrees of freedom."""
     return {
         "time": max(record.hold_time for record in records),
         "own": result.model,
@@ -591,7 +591,7 @@ def _run_checks(
 def _check_load_cells(
     motion: DelayedMotion, selection: SelectedModel, end: EndOfHold | None
 ) -> list[Check]:
-    """Return how far offset, drift and clocks had to go from what was known of them."""
+    """Return the checks of offset, drift and delay against their priors."""
     estimate, records = selection.estimate, motion.holds.records
     value, names = motion.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
 

@@ -53,13 +53,13 @@ from dashpot.preprocessing.signal_conditioning import (
 from dashpot.signals.clock import is_evenly_sampled
 from dashpot.signals.noise import median_of_three, scatter, without_spikes
 
-# times that a gap and a delay are found, each with the other
+# iterations of air gap and delay
 MAX_ITERATIONS = 3
-# of the samples of a ramp, to tell a delay from air
+# samples of a ramp that distinguish a delay from an air gap
 MAX_DELAY_SAMPLES = 8000
-# a later clock and less air explain the force better by this deviance
+# fall of the deviance from which a delay replaces an air gap
 LEAST_DEVIANCE_GAIN = 10.0
-# of the rise of the force: a loading that raises it by less meets no seal
+# part of the rise of the force below which a loading meets no seal
 LEAST_FORCE_RISE = 0.01
 
 
@@ -116,8 +116,7 @@ def prepare(
     machine : Machine, optional
         What is known of the machine: clocks, drift, compliance, a filter in the force channel.
     judged : bool
-        False leaves ``checks`` empty, for whoever asks for an optimum alone; what no fit could be
-        made of is refused all the same.
+        False leaves ``checks`` empty; a record that no fit can use is refused all the same.
 
     Raises
     ------
@@ -261,19 +260,19 @@ def _check_history(
 
 
 class _EarlierLoading(NamedTuple):
-    """What came before the loading that is fitted.
+    """First contact and baseline of the loadings before the fitted one.
 
     Attributes
     ----------
     touch : Touch
         First contact of the first loading: the zero of compression.
-    met_again : Touch
+    last_touch : Touch
         Where the plate met the seal in the loading that is fitted.
-    zero : Baseline
+    baseline : Baseline
         Of the force while the seal was free.
-    bonded : bool
+    is_bonded : bool
         The seal pulls at a plate that goes back.
-    moves : int
+    first_sample : int
         The first sample after first contact.
     """
 
@@ -293,7 +292,7 @@ def _find_earlier_loading(
     *,
     find_contact: Callable[..., tuple[Baseline, Touch]],
 ) -> _EarlierLoading | None:
-    """Return what came before the loading that is fitted; None if nothing that pressed the seal."""
+    """Return contact and baseline of earlier loadings; None if none pressed the seal."""
     last_baseline, touch = last
     if not presses_before(motion):
         return None
@@ -375,14 +374,14 @@ def _find_plate_motion(
 
 
 def _select_times(time: FloatArray, motion: PlateMotion, hold_end: float | None) -> FloatArray:
-    """The clock that a record of one loading may be asked about: up to where it is cut by hand."""
+    """Return the times whose sampling is checked: of the loading, or up to a given hold end."""
     if len(motion.cycles) > 1:
         return time[motion.start : motion.stop + 1]
     return time if hold_end is None else time[time <= hold_end]
 
 
 def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[float, float]:
-    """How far the force goes from its first value in the ramps, and on from there in the hold."""
+    """Return the largest change of the force in the ramps, and its change in the hold."""
     ramp_force, hold_force = (
         force[motion.start : motion.cycle.hold.first + 1],
         force[: motion.stop + 1],
@@ -394,7 +393,7 @@ def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[floa
 
 
 def _determine_force_sign(force: FloatArray, motion: PlateMotion) -> int:
-    """1 if the force rises as the plate presses, else -1."""
+    """Return 1 if the force rises as the plate presses, else -1."""
     rest_force = median(force[motion.start : motion.departure + 1][-50:])
     loaded_force = force[motion.line.last : motion.stop + 1]
     extreme = loaded_force[np.argmax(np.abs(loaded_force - rest_force))]
@@ -411,7 +410,7 @@ def _find_contact(
     least_gap: float,
     delay_sd: float,
 ) -> tuple[Baseline, Touch]:
-    """First contact, and the baseline before it."""
+    """Return the baseline before first contact, and first contact."""
     rest_samples = slice(motion.start, motion.departure + 1)
     baseline = baseline_of(time[rest_samples], force[rest_samples])
     if provided is not None:
@@ -519,7 +518,7 @@ def _determine_phase_times(
 
 
 def _snap_to_sample(moment: float, time: FloatArray, step: float) -> float:
-    """Return a moment that only rounding parts from a sample is that sample."""
+    """Return the sample time that a moment equals but for rounding, else the moment."""
     i = int(np.argmin(np.abs(time - moment)))
     return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
 
@@ -535,7 +534,7 @@ def _build_record(
     encoder_step: float,
     earlier: _EarlierLoading | None = None,
 ) -> RampHold:
-    """Trim to the loading, or to all up to it, and count compression from first contact."""
+    """Return the record of the loading, or of all up to it, with compression from contact."""
     onset, ramp_end, hold_end = times
     if not onset < ramp_end < hold_end:
         raise DataError(
@@ -588,10 +587,9 @@ def _build_record(
 
 
 def _set_broadband_noise(record: RampHold) -> RampHold:
-    """Return the record whose noise is what is left beside lines that force and plate have both.
+    """Return the record with the noise beside the spectral lines that force and plate share.
 
-    From sample to sample they scatter, but they are motion and its response: no mean takes them
-    off, and no residual may be as large.
+    Such lines are motion and its response, not noise.
     """
     time, x, force = (
         channel[record.hold] for channel in (record.time, record.displacement, record.force)
@@ -605,7 +603,7 @@ def _set_broadband_noise(record: RampHold) -> RampHold:
 
 
 def _subtract_hum(record: RampHold) -> RampHold:
-    """Take the lines of the hold off the whole force, on a uniform clock."""
+    """Return the record without the hum that its hold shows, if it is evenly sampled."""
     hold_samples = record.hold
     time, force = record.time[hold_samples], record.force[hold_samples]
     if not is_evenly_sampled(time):
@@ -671,10 +669,10 @@ def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: f
 
 
 def _subtract_machine_deflection(record: RampHold, preload: float, machine: Machine) -> RampHold:
-    """Return the record of that machine: its give, C F, is off displacement and depth."""
+    """Return the record with the deflection C F of the machine off displacement and depth."""
     if not machine.compliance:
         return replace(record, preload=preload, machine=machine)
-    # the noise of the force moved no plate: answered as motion, it would rule out fast arms
+    # noise of the force is no deflection: as motion it would rule out fast arms
     force = record.force
     if record.force_noise > 0:
         force, _ = denoise_values(force, record.force_noise)
@@ -713,7 +711,7 @@ def _make_history_step(record: RampHold, history: EarlierLoadings, count: int) -
 
 
 def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
-    """Return what was said of the machine, and what is done with it."""
+    """Return the step that states the values of the machine and their use."""
     done = (
         ("sync_s", machine.sync, "clocks known to {:.4g} s"),
         ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),

@@ -41,13 +41,13 @@ class MassOnSeals:
     Attributes
     ----------
     mass : float
-        With what moves of the seals, kg.
+        Moving mass, with its part of the seals, kg.
     seals : float
-        How many carry it.
+        Number of seals under it.
     compression : float or None
         Of the seals, m; by default where :math:`n F_e(x) = m g`.
     coupled : float
-        Of seals that weigh something, the mass that couples both ends, kg
+        Part of the mass of the seals that couples their ends, kg
         (:mod:`dashpot.vibration.mass_on_seals`).
     """
 
@@ -62,7 +62,7 @@ class MassOnSeals:
         return {"mass": self.mass, "seals": self.seals, "compression": self.compression}
 
     def divide_masses(self, scale: float) -> MassOnSeals:
-        """Return masses so many times as small on the same seals."""
+        """Return the masses divided by `scale`, on the same seals."""
         return replace(self, mass=self.mass / scale, coupled=self.coupled / scale)
 
 
@@ -97,7 +97,7 @@ class OperatingPoint:
         return self.depth is not None and self.compression > self.depth
 
     def solid(self, fit: Fit) -> Solid:
-        """One seal as small vibration feels it."""
+        """Return the tangent solid of one seal."""
         return fit.solid if self.linear else self.factor * fit.solid
 
 
@@ -147,17 +147,17 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
 
 
 FREQUENCY_TOLERANCE = 1e-14
-"""A frequency that falls by no more, relatively, has been found."""
+"""Relative change at which a frequency has converged."""
 _REAL = 1e-9
-"""An imaginary part of no more, relatively, is that of a real pole."""
+"""Relative imaginary part up to which a pole is real."""
 _MAX_NEWTON_STEPS, _POLE_TOLERANCE, _POLE_SEPARATION = 30, 1e-12, 1e-6
-"""Of Newton to a pole: at most; what needs no step; what a pole that settled leaves, relatively."""
+"""Newton steps to a pole; relative residual that needs none; that of an accepted pole."""
 LINES, FREQUENCY_FACTOR = 4001, 10.0
-"""Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
+"""Default lines of a prediction: their number, and the factor to either side of its peak."""
 NEGLIGIBLE_PART = 1e-6
-"""Part of its stiffness by which an arm may differ from a dashpot, or from a spring, and be one."""
+"""Relative error of stiffness up to which an arm is replaced by a dashpot or a spring."""
 MAX_DECAY = 50.0
-"""Folds of decay after which nothing of a motion is left."""
+"""Time constants after which a motion is negligible."""
 
 
 def predict_frf(
@@ -261,7 +261,7 @@ def isolation_frequency(model: Solid, mass: float) -> float:
 
 
 def _refuse_sag(model: Solid, mass: float) -> None:
-    """Refuse a mass whose weight would press the solid farther than any seal is."""
+    """Raise DataError if the weight would compress the solid by more than any seal."""
     k_inf = model.maxwell.k_inf
     if k_inf > 0:
         sag = mass * GRAVITY / k_inf
@@ -285,7 +285,7 @@ def _apply_temperature(model: Solid | Fit, temperature: Quantity) -> Fit:
 def _assemble_seals(
     model: Solid | Fit, mass: float, seals: float | None, compression: float | None
 ) -> Solid:
-    """Return all the seals together, as small vibration feels them."""
+    """Return the tangent solid of all seals together."""
     if isinstance(model, Fit):
         count = 1.0 if seals is None else seals
         point = operating_point(model, MassOnSeals(mass, count, compression))
@@ -352,7 +352,7 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
 
 
 def _estimate_undamped_pole(model: Solid, mass: float) -> complex:
-    """Return where the mass would ring without loss, 1/s: a start where rounding left no pole."""
+    """Return the pole of the undamped mass, 1/s: a start where rounding left none."""
     omega = np.sqrt(max(model.k_0, 0.0) / mass)
     for _ in range(50):
         stiffness = float(model.stiffness_at(1j * omega).real) if omega > 0 else 0.0
@@ -361,7 +361,7 @@ def _estimate_undamped_pole(model: Solid, mass: float) -> complex:
 
 
 def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
-    """Poles of the solid itself, by Newton's steps where those of its arms are a start only.
+    """Return the poles of the solid by Newton's method, from those of its arms.
 
     Of arms over twenty decades rounding makes poles that are none: they do not settle, or settle
     twice.
@@ -441,14 +441,14 @@ def accelerance(
 
 
 class TruncationLoss(NamedTuple):
-    """Loss of a response by the end of its record, pole by pole.
+    """Terms of a response that the end of its record truncates, one per pole.
 
     Attributes
     ----------
     p, residue : complex array, shape (m,)
         Of the receptance.
-    size, bend : complex array, shape (m,)
-        Of the part taken, and the second derivative of m s^2 + K there.
+    amplitude, curvature : complex array, shape (m,)
+        Of the truncated term, and the second derivative of m s^2 + K at the pole.
     """
 
     p: ComplexArray
@@ -546,7 +546,7 @@ class Response:
 def _simplify_distant_arms(
     arms: GeneralizedMaxwell, slowest: float, fastest: float, record: float
 ) -> GeneralizedMaxwell:
-    """The same solid to a part in a million: far faster arms as a dashpot, far slower as a spring.
+    """Return the solid, within 1e-6, with far faster arms as a dashpot, far slower ones as a spring.
 
     Relaxation times over a hundred decades, as of a flat spectrum, leave no digit of any pole.
     """
@@ -667,7 +667,7 @@ def compute_coupled_mass(seal: float | None, seals: float) -> float:
 
 
 def add_mount_mass(frf: FRF, *, mass: float, coupled: float) -> FRF:
-    r"""Return the transmissibility to a mass, as mounts that weigh something make of it.
+    r"""Return the transmissibility on mounts with mass, from that on massless mounts.
 
     .. math:: K + \omega^2\mu = T\,(K - \omega^2 M), \qquad T - 1 = (T_0 - 1)\,(1 + \mu / M)
 
@@ -687,7 +687,7 @@ def add_mount_mass(frf: FRF, *, mass: float, coupled: float) -> FRF:
 
 
 def remove_mount_mass(frf: FRF, *, mass: float, coupled: float) -> FRF:
-    """A measured transmissibility as mounts without mass would show it: the other way round."""
+    """Return the transmissibility on massless mounts: the inverse of `add_mount_mass`."""
     if coupled == 0:
         return frf
     step = Step("on_light_mounts", (("mass", f"{mass!r} kg"), ("coupled", f"{coupled!r} kg")))
@@ -705,6 +705,6 @@ def _scale_relative_motion(frf: FRF, factor: float) -> FRF:
 
 
 def as_relative(frf: FRF) -> FRF:
-    """Return the same numbers, of a sensor on both ends: mass less base, over the base."""
+    """Return the FRF with its values taken as relative transmissibility, (mass - base) / base."""
     step = Step("as_relative", (), "the motion of the mass was measured relative to the base")
     return replace(frf, quantity=Kind.RELATIVE_TRANSMISSIBILITY, steps=(*frf.steps, step))
