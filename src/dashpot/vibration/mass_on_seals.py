@@ -546,7 +546,7 @@ class Response:
 def _simplify_distant_arms(
     arms: GeneralizedMaxwell, slowest: float, fastest: float, record: float
 ) -> GeneralizedMaxwell:
-    """Return the solid, within 1e-6, with far faster arms as a dashpot, far slower ones as a spring.
+    """Return the solid, within 1e-6, with far faster arms as a dashpot and far slower as a spring.
 
     Relaxation times over a hundred decades, as of a flat spectrum, leave no digit of any pole.
     """
