@@ -516,7 +516,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], law: RampLaw, arms: int | N
     spectra = spectra_of_holds(data, **hold_arguments)
     end = compute_end_limits(data, **hold_arguments, spectra=spectra)
     sensitivity = compute_rig_sensitivity(data, law.model)
-    arm_checks = ()
+    arm_checks: tuple[Check, ...] = ()
     if arms is not None:
         supported = supported_by_holds(records, law.hold)
         arm_checks = (arms_enough(supported, law.model.arms, unit="N"),)
