@@ -421,7 +421,7 @@ def _usual_cold(margin: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
 
 
 def _band(bench: Bench, repeats: Sequence[Repeat]) -> tuple[float, float]:
-    """Return what ramp and hold inform, Hz; a repeat informs a_T times that of the solid."""
+    """Return the frequency range of ramp and hold, Hz; that of a repeat is a_T times as high."""
     slower = [1.0, *(repeat.a_t for repeat in repeats)]
     low, high = 1 / (2 * np.pi * bench.hold_time), 1 / (np.pi * bench.ramp_time)
     return min(slower) * low, max(slower) * high
