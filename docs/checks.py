@@ -44,6 +44,7 @@ TITLES = {
     "export": "Solver input",
     "extensions/amplitude": "Several amplitudes",
     "extensions/batch": "Batches and lots",
+    "extensions/blank_tests": "Blank tests of the machine",
     "extensions/curves": "Curves: DMA, modulus, creep",
     "extensions/curves/creep": "Creep",
     "extensions/curves/superposition": "Master curves",

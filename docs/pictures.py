@@ -36,6 +36,7 @@ fit seal_8mm.csv --model fractional --plot fractional.svg
 fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
 simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
+fit rig_stop.csv rig_spring.csv rig_empty.csv --spring-stiffness 1N/mm --plot blank_tests.svg
 fit cld_1.csv --length 100mm --compression 6mm --compression-limits 4:8mm --plot cld.svg
 fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --compression-limits 4:8mm \
 --plot specimens.svg

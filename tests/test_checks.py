@@ -35,6 +35,8 @@ from dashpot.export import checks as export
 from dashpot.extensions.amplitude import checks as level
 from dashpot.extensions.batch import checks as lots
 from dashpot.extensions.batch.statistics.process_capability import capability
+from dashpot.extensions.blank_tests import checks as blank
+from dashpot.extensions.blank_tests.estimation import EmptyRun, RigEstimate
 from dashpot.extensions.curves import checks as curves
 from dashpot.extensions.curves.creep import checks as creep
 from dashpot.extensions.curves.datamodel.creep import LoadHold
@@ -1256,6 +1258,46 @@ ROD = [
     ),
 ]
 
+
+def empty_run(**parts: float) -> EmptyRun:
+    none = np.zeros(0)
+    value, ratio = RigEstimate(1.0, 0.01), {"motion_force": 0.0, "slow_noise": 0.0} | parts
+    return EmptyRun(
+        noise=value, drift=value, hum=value, hum_frequency=50.0, motion_error=0.5, wander=0.0,
+        fitted=none, force=none, **ratio,
+    )  # fmt: skip
+
+
+BLANK_TESTS = [
+    Case("blank_tests_complete", lambda x: blank.blank_tests_complete(True, True, x > 2), 3, 2),
+    Case("stop_rigid", blank.stop_rigid, 199e-6, 201e-6),
+    Case("stop_force_straight", blank.stop_force_straight, 0.0299, -0.0301),
+    Case("stop_force_returns", blank.stop_force_returns, -0.0199, 0.0201),
+    Case("stop_follows_machine", blank.stop_follows_machine, 0.0049, 0.0051),
+    Case("crosshead_creep_plausible", blank.crosshead_creep_plausible, -29e-6, -31e-6),
+    Case("spring_force_straight", blank.spring_force_straight, 0.0049, 0.0051),
+    Case("spring_force_returns", blank.spring_force_returns, 0.0029, -0.0031),
+    Case("spring_follows_machine", blank.spring_follows_machine, 0.0019, 0.0021),
+    Case(
+        "stop_and_spring_creep_agree",
+        lambda x: blank.stop_and_spring_creep_agree(x, 2e-6, 1e-6), 2.99, -3.01,
+    ),
+    Case(
+        "stop_and_spring_delay_agree",
+        lambda x: blank.stop_and_spring_delay_agree(x, 2e-3, 1e-3), -2.99, 3.01,
+    ),
+    Case("gain_plausible", blank.gain_plausible, 1.099, 1.101),
+    Case("gain_plausible", blank.gain_plausible, 1 / 1.099, 1 / 1.101),
+    Case(
+        "empty_run_force_free_of_motion",
+        lambda x: blank.empty_run_force_free_of_motion(empty_run(motion_force=x / 2)), 4.99, 5.01,
+    ),
+    Case("empty_run_plate_steady", blank.empty_run_plate_steady, 0.149, 0.151),
+    Case(
+        "empty_run_force_steady",
+        lambda x: blank.empty_run_force_steady(empty_run(slow_noise=x)), 0.199, 0.201,
+    ),
+]  # fmt: skip
 CSR = [
     Case("force_falls", csr.force_falls, 2.99, 3.01),
     Case("f0_read", lambda x: csr.f0_read(1800 * x), 1.99, 2.01),
@@ -1879,6 +1921,7 @@ STAGES = {
     "datamodel": RECORDS,
     "reading/readers": READING,
     "preprocessing": PREPARATION,
+    "extensions/blank_tests": BLANK_TESTS,
     "extensions/materials/cld": CLD,
     "fitting": FITTING,
     "extensions/curves": CURVES,
@@ -1932,6 +1975,23 @@ LIMITS = {
         "load_cell_range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
         "depth_resolved": 0.0025, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
+    },
+    "extensions/blank_tests": {
+        "blank_tests_complete": 3.0,
+        "stop_rigid": 200e-6,
+        "stop_force_straight": 0.03,
+        "stop_force_returns": 0.02,
+        "stop_follows_machine": 0.005,
+        "crosshead_creep_plausible": 30e-6,
+        "spring_force_straight": 0.005,
+        "spring_force_returns": 0.003,
+        "spring_follows_machine": 0.002,
+        "stop_and_spring_creep_agree": 3.0,
+        "stop_and_spring_delay_agree": 3.0,
+        "gain_plausible": 1.1,
+        "empty_run_force_free_of_motion": 5.0,
+        "empty_run_plate_steady": 0.15,
+        "empty_run_force_steady": 0.2,
     },
     "extensions/materials/cld": {
         "zero_recorded": 0.05, "specimen_conditioned": 0.02, "depth_conditioned": 1.02,
@@ -2114,6 +2174,7 @@ GRADES = {
     "note": {
         "extensions/systems/door": {"line_closed", "faster_closings_latch"},
         "extensions/batch": {"records_distinct", "no_lot_outlier", "scatter_normal"},
+        "extensions/blank_tests": {"blank_tests_complete"},
         "extensions/materials/cld": {"unloading_recorded", "length_given"},
         "preprocessing": {
             "baseline_recorded", "single_loading", "overshoot_small", "load_cell_range_used",

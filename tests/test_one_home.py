@@ -51,6 +51,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "vibration/modal/pole_fit.py": "the information of channels, the inverse of a triangle",
             "extensions/systems/time_response.py": "a mass matrix",
             "extensions/amplitude/preloaded_response.py": "a parabola through three points",
+            "extensions/blank_tests/estimation.py": "of a column that is read with noise itself",
             "extensions/systems/multibody.py": "the FRF of a system is the inverse of its stiffness",
         },
     ),
@@ -70,6 +71,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "extensions/batch/statistics/variance_components.py": "a chart of pieces, not of residuals",
             "datamodel/parameter_estimate.py": "a fit's own intervals, of what it keeps of its estimate",
             "vibration/impact/amplitude_trend.py": "the power of a test of a slope",
+            "extensions/blank_tests/fit.py": "a drift to come, by the few that were seen",
         },
     ),
     "non-negative columns": (

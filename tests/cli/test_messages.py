@@ -64,6 +64,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/frf_prediction.py": ("predict",),
     "datamodel/machine.py": ("fit",),
     "vibration/mass_on_seals.py:operating_point": ("predict",),
+    "extensions/blank_tests/": ("fit",),
     "extensions/materials/csr/": ("fit",),
     "extensions/materials/csr/lifetime_prediction.py": ("predict",),
     "extensions/materials/drop/": ("fit",),

@@ -19,6 +19,7 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.cli import COMMANDS
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.batch.columns import NUMBERS
+from dashpot.extensions.blank_tests.fit_files import fit_blank_files
 from dashpot.extensions.curves.creep.compliance import measured_compliance
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.simulation import simulate_creep
@@ -64,6 +65,7 @@ NO_EXAMPLE = {
     "creep",
     "rod",
     "plug-in",
+    "blank",
 }
 OWN_ROWS = {
     "cld": LotSpecimen(ReadOptions()),
@@ -116,7 +118,7 @@ def test_nobody_else_names_a_kind() -> None:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("examples")
     for name, one in FILES.items():
-        if one.kind:
+        if one.kind or name.startswith("rig_"):
             (place / name).write_text(one.write(), encoding="utf-8")
     return place
 
@@ -215,6 +217,9 @@ MADE: dict[str, Callable[[Path], object]] = {
     ),
     "Aging": lambda folder: csr_files([folder / "ovens.csv"]),
     "Aged": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
+    "MachineFit": lambda folder: fit_blank_files(
+        [folder / f"rig_{name}.csv" for name in ("stop", "spring", "empty")], spring_stiffness=1e3
+    ),
     "HyperelasticFit": lambda folder: fit_hyperelastic(
         [read_stress_strain(folder / "tension.csv", "uniaxial")]
     ),

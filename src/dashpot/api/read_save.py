@@ -48,6 +48,8 @@ class ReadOptionKeywords(TypedDict, total=False):
         ``"volumetric"``.
     mass, radius, radius_error, drop_height, impact_velocity : float or str
         Of an indenter.
+    role : str
+        Of a blank test: ``"stop"``, ``"spring"`` or ``"empty"``.
     """
 
     columns: Mapping[str, Column]
@@ -66,6 +68,7 @@ class ReadOptionKeywords(TypedDict, total=False):
     radius_error: Quantity
     drop_height: Quantity
     impact_velocity: Quantity
+    role: str
 
 
 _TEXT = {"skip": "skip_rows"}

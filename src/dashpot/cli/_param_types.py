@@ -15,6 +15,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.option_fields import Drawn, get_choice_values, is_path_field, key_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
+from dashpot.registry import find_handler
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -284,6 +285,9 @@ class Keyed(click.ParamType[Any]):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not isinstance(value, str):
             return value
+        read = find_handler("read option", self.flag) if value.endswith(".toml") else None
+        if read is not None:
+            return "", read(value)
         glob, rest = self._scope(value)
         stated: dict[str, Any] = {}
         for number, part in enumerate(self.between.split(rest)):

@@ -28,7 +28,14 @@ from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
 from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import FITS, KINDS, find_handler, find_kinds_by_option, load_object
+from dashpot.registry import (
+    FITS,
+    KINDS,
+    find_handler,
+    find_kinds_by_option,
+    list_names,
+    load_object,
+)
 from dashpot.workflow.job import Job, LevelJob, ShiftChoices
 
 _BENCH = SOLIDS
@@ -116,7 +123,11 @@ _OPTIONS = (
             build_options(Job, "impact_temperature", kinds=VIBRATION),
         ),
         options.hammer(kinds="impact transmissibility"),
-        *find_handler("option groups", "fit")(),
+        *chain.from_iterable(
+            find_handler("option groups", name)()
+            for name in list_names("option groups")
+            if name.startswith("fit")
+        ),
         options.piece(flag=True),
     ),
     options.reading(),

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import iterate_option_fields, key_of, option
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import si_fields
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 
@@ -106,7 +107,33 @@ The table of a machine that nobody has described; what `Machine` names takes its
 
 
 @dataclass(frozen=True)
-class Machine:
+class MachineCalibration(Serialisable):
+    """What blank tests measured of a machine, and is taken off its records.
+
+    Attributes
+    ----------
+    delay : float
+        Of the force behind the displacement, s.
+    gain, gain_error : float
+        Reading of the force over the force, with its standard error.
+    compliance_error : float
+        Standard error of the compliance, m/N.
+    settling : float
+        Way by which the crosshead presses on in a factor e of time after its stop, m.
+    source : str
+        The machine file and its date, for people.
+    """
+
+    delay: float = 0.0
+    gain: float = 1.0
+    gain_error: float = 0.0
+    compliance_error: float = 0.0
+    settling: float = 0.0
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Machine(Serialisable):
     r"""Test machine: properties that its records show badly or not at all.
 
     Of what is None nothing is known, and `USUAL` stands for it.
@@ -133,6 +160,8 @@ class Machine:
     cable : float or None
         Of a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
         over that of the seals at the resonance; 0 if they hang free.
+    calibration : MachineCalibration or None
+        What blank tests measured; the standard deviations above are then theirs.
 
     Examples
     --------
@@ -140,6 +169,8 @@ class Machine:
     >>> dp.Machine(drift="0.2mN/s").drift
     0.0002
     """
+
+    _keys = (EVERY_FIELD, Key("calibration", optional=True))
 
     sync: float | None = option(
         None, "Uncertainty of the delay between force and displacement.", unit="time",
@@ -172,6 +203,7 @@ class Machine:
         None, "Cable stiffness over the seals', e.g. 1%; 0: it hangs.", unit="strain",
         under="machine",
     )  # fmt: skip
+    calibration: MachineCalibration | None = None
 
     @property
     def on_bench(self) -> Machine:
@@ -185,6 +217,11 @@ class Machine:
         ------
         DataError
         """
+        if self.calibration is not None and "compliance" not in names:
+            raise DataError(
+                f"a machine file is for a ramp and hold, and does not suit {of}. State what it "
+                f"takes instead: --machine {names[0]}="
+            )
         for field in iterate_option_fields(self):
             if getattr(self, field.name) is not None and field.name not in names:
                 raise DataError(
@@ -203,6 +240,9 @@ class Machine:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
         if self.compliance is None:
             return USUAL["give"].size * depth
+        known = self.calibration
+        if known is not None:
+            return math.hypot(known.compliance_error * peak, known.gain_error * depth)
         return USUAL["give, named"].size * self.compliance * peak
 
     def creep_sd(self, depth: float) -> float:

@@ -386,6 +386,9 @@ def plan(
         expected, alternatives, answers, need, tip, at=at, wanted=wanted, margin=margin,
         without="" if arm is None else _without_arm(hammer.seals * seal.model, hammer.mass, at),
     )  # fmt: skip
+    advise = find_handler("plan advice", "machine")
+    if advise is not None and expected.loss_factor_sd > wanted:
+        words += advise(supposed, bench, at, index)
     return Plan(
         at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
         record=need, end=expected_end(supposed, bench), pulse=tip, checks=answers, advice=words,

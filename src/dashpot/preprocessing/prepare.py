@@ -16,7 +16,7 @@ from dashpot.base.provenance import Step, sources_of
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.checks import caution_checks
-from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.machine import Machine, MachineCalibration
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.preprocessing import checks
 from dashpot.preprocessing.contact import (
@@ -132,6 +132,8 @@ def prepare(
     hold_end, force_range = convert_to_si(hold_end, "time"), convert_to_si(force_range, "force")
     where = test.source.file if test.source is not None else "the record"
     parsed_filter = None if filter is None else parse_filter(filter)
+    machine = machine or Machine()
+    test = _calibrate_record(test, machine.calibration)
     _refuse_options(sign=sign, drift=drift, force_range=force_range)
     motion = _find_plate_motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
     despiked_force = without_spikes(test.time, test.force)
@@ -142,7 +144,6 @@ def prepare(
     despiked_force = force_sign * despiked_force
     encoder_step = test.displacement_quantum
     least_gap = _compute_least_gap(encoder_step, motion)
-    machine = machine or Machine()
     if machine.rest is None:
         machine = replace(machine, rest=test.specimen.rested)
     step = median(np.diff(test.time))
@@ -668,20 +669,39 @@ def _compute_preload(record: RampHold, baseline: Baseline, touch: Touch, rise: f
     return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
 
 
+def _calibrate_record(
+    test: RelaxationTest, calibration: MachineCalibration | None
+) -> RelaxationTest:
+    """Return a test without the gain and the delay that blank tests measured."""
+    if calibration is None:
+        return test
+    displacement = np.interp(test.time - calibration.delay, test.time, test.displacement)
+    return replace(test, displacement=displacement, force=test.force / calibration.gain, units="SI")
+
+
 def _subtract_machine_deflection(record: RampHold, preload: float, machine: Machine) -> RampHold:
     """Return the record with the deflection C F of the machine off displacement and depth."""
-    if not machine.compliance:
+    calibration, settling = machine.calibration, 0.0
+    if calibration is not None:
+        # a depth is known no better than its contact
+        error = float(np.hypot(calibration.gain_error, record.contact_error / record.depth))
+        machine = replace(machine, calibration=replace(calibration, gain_error=error))
+        settling = calibration.settling
+    if not machine.compliance and not settling:
         return replace(record, preload=preload, machine=machine)
     # noise of the force is no deflection: as motion it would rule out fast arms
     force = record.force
     if record.force_noise > 0:
         force, _ = denoise_values(force, record.force_noise)
     is_compressed = record.displacement > 0
-    deflection = np.where(is_compressed, machine.compliance * (force - preload), 0.0)
+    compliance = machine.compliance or 0.0
+    since_ramp = np.maximum(record.time - record.ramp_end, 0.0) / record.ramp_time
+    deflection = compliance * (force - preload) - settling * np.log1p(since_ramp)
+    deflection = np.where(is_compressed, deflection, 0.0)
     held_deflection = _time_average(record.time[record.hold], deflection[record.hold])
     if not held_deflection < record.depth:
         raise DataError(
-            f"a machine of {format_quantity(machine.compliance, 'um/N')} gives "
+            f"a machine of {format_quantity(compliance, 'um/N')} gives "
             f"{format_quantity(held_deflection, 'mm')} under "
             f"the force of the hold, and the plate moved {format_quantity(record.depth, 'mm')}; "
             "check the "
@@ -726,6 +746,8 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
     if not stated:
         return ()
     message = "; ".join(words.format(value) for _, value, words in stated)
+    if machine.calibration:
+        message = f"{machine.calibration.source}: {message}"
     return (Step("machine", tuple((name, repr(value)) for name, value, _ in stated), message),)
 
 

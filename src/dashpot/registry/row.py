@@ -252,7 +252,7 @@ class Extension(NamedTuple):
         shift table                     rows of shift factors, by the type of that part
         plot                            figure of `dashpot.plot`, by name
         fit figure                      figure of a fit and its record or temperatures
-        pole figure                     figure of the poles of a measured FRF
+        pole figure, poles              figure of the poles of a measured FRF; the poles
         former document                 present form of a former document or schema
         read                            reader of a kind that is no record, or of a table in memory
         inspect                         description of such a table
@@ -260,10 +260,14 @@ class Extension(NamedTuple):
         read record                     reader that needs options of its own
         read several                    reader of several files of one kind, or of a base excitation
         roles                           roles of the columns of a kind
+        adapt table                     table with the columns that its reader expects
+        first point                     first point of a file with several
         table rule                      whether a table is of a kind
         calibrate                       table corrected by a calibration file
         mounts                          mounts of a seal line
         stations                        stations of the seal in a file
+        suggest                         words that a user may have meant, by command
+        install command                 command that installs an extra in this installation
         keep                            job and report saved in a folder
         fit records                     fit of bench tests, one of the type
         fit at several temperatures     fit of prepared tests
@@ -280,10 +284,16 @@ class Extension(NamedTuple):
         compare                         comparison of two results of a type
         simulated record                record of a simulated instrument
         plan repeats, planned rows      plan of a test repeated at other temperatures
+        plan advice                     what tests of the ``"machine"`` would improve
+        dynamic stiffness               stiffness over frequency of what a test or a fit holds
+        retained force                  share of the force that an aged seal retains
+        read limits, judge interval     acceptance limits from a file; one against an interval
         compare files                   comparison of two files
         predict file                    prediction from a file
         export with option              output of `export` where an option asks
-        options, option groups          additional options; those under titles of their own
+        options, option groups          additional options; those under titles of their own, of
+                                        ``"fit"`` and of ``"fit ..."``
+        read option                     value of an option from a file, by flag
         files beside                    additional files of `simulate`
         job, fit job                    class of a job; its result and `JobPage`
         figure cards                    cards in place of a picture

@@ -98,7 +98,8 @@ def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
+    "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "blank", "not-a-test",
+    "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -175,6 +176,9 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         "a test of a plug-in's kind", "use dashpot fit",
         ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
         by_hand=True,
+    ),
+    "blank": KindOfFile(
+        "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml", RAMP
     ),
     "seal-line": KindOfFile(
         "points of a seal line", "a door file names it: [seal] points, for dashpot predict"

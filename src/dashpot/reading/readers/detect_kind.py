@@ -49,6 +49,7 @@ OWN: Mapping[str, KindOfFile] = MappingProxyType({
     "job": KindOfFile("the inputs of a report", "use dashpot report"),
     "door": KindOfFile("a door", "use dashpot predict"),
     "profile": KindOfFile("a reading profile", "give it as --profile"),
+    "machine": KindOfFile("a machine file", "use dashpot fit --machine"),
     "project": KindOfFile("a project", "use dashpot verify"),
     "lot": KindOfFile("a lot", "use dashpot compare with another lot"),
     "folder": KindOfFile("a folder", "use dashpot batch"),
@@ -266,6 +267,8 @@ def _toml(path: str | Path) -> Recognised | None:
     _, tables = tables_of(path)
     if "door" in tables:
         return Recognised("door", "it has the table [door]")
+    if "machine" in tables:
+        return Recognised("machine", "it has the table [machine]")
     if tables.keys() <= PROFILE:
         return Recognised("profile", "it is TOML with tables of a profile")
     return Recognised("unclear", "it is TOML, of neither a door nor a profile")

@@ -1,0 +1,283 @@
+"""Criteria on blank tests: whether a record is what it claims to be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit, format_quantity, parse_quantity
+
+if TYPE_CHECKING:
+    from dashpot.extensions.blank_tests.estimation import Blanks, EmptyRun, Press
+
+SOFTEST = parse_quantity("200um/N", "compliance")
+"""Compliance beyond which no machine is rigid enough for a seal."""
+CREEPS = parse_quantity("30um", "length")
+"""Creep in a factor e of time beyond which no crosshead settles."""
+_CLEAR = 3.0
+"""Standard errors beyond which a departure is no chance."""
+_SAME_DELAY = parse_quantity("0.2ms", "time")
+_SAME_CREEP = parse_quantity("1.5um", "length")
+"""What two records of one machine may differ by besides their errors."""
+
+
+def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, ...]:
+    """Return every check of blank tests."""
+    found = {value.name: value for value in values}
+    stops, springs, empties = blanks.stops, blanks.springs, blanks.empties
+    stop, spring = next(iter(stops), None), next(iter(springs), None)
+    empty = next(iter(empties), None)
+    return (
+        blank_tests_complete(bool(stops), bool(springs), bool(empties)),
+        stop_rigid(None if stop is None else found["compliance"].value),
+        stop_force_straight(_find_worst(stops, _bend)),
+        stop_force_returns(_find_worst(stops, _return)),
+        stop_follows_machine(_find_worst(stops, lambda press: press.misfit)),
+        crosshead_creep_plausible(_find_worst(blanks.presses, lambda press: press.creep.value)),
+        spring_force_straight(_find_worst(springs, _bend)),
+        spring_force_returns(_find_worst(springs, _return)),
+        spring_follows_machine(_find_worst(springs, lambda press: press.misfit)),
+        stop_and_spring_creep_agree(*_compare(stop, spring, "creep", _SAME_CREEP)),
+        stop_and_spring_delay_agree(*_compare(stop, spring, "delay", _SAME_DELAY)),
+        gain_plausible(found["gain"].value if "gain" in found else None),
+        empty_run_force_free_of_motion(empty),
+        empty_run_plate_steady(None if empty is None else empty.wander),
+        empty_run_force_steady(empty),
+    )
+
+
+def _find_worst(records: Sequence[Press], measure: Callable[[Press], float]) -> float | None:
+    """Return the largest of what some records measure, with its sign; None where none does."""
+    values = [value for value in map(measure, records) if not math.isnan(value)]
+    return max(values, key=abs, default=None)
+
+
+def _bend(press: Press) -> float:
+    value, error = press.curvature
+    return math.copysign(max(abs(value) - _CLEAR * error, 0.0), value)
+
+
+def _return(press: Press) -> float:
+    return press.hysteresis
+
+
+def _compare(
+    stop: Press | None, spring: Press | None, name: str, same: float
+) -> tuple[float | None, float, float]:
+    """Return by how much two records differ in their errors, and what each gives."""
+    if stop is None or spring is None:
+        return None, 0.0, 0.0
+    first, second = getattr(stop, name), getattr(spring, name)
+    spread = math.hypot(first.error, second.error, same / _CLEAR)
+    return (first.value - second.value) / spread, first.value, second.value
+
+
+@criterion("kinds of blank tests", ">=", 3.0, "by definition", grade="note")
+def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
+    """There are a stop, a spring and an empty run."""
+    missing = [
+        text
+        for text, there in (
+            ("A rigid stop gives compliance and creep", stop),
+            ("A spring gives gain and delay", spring),
+            ("An empty run gives noise, drift and hum", empty),
+        )
+        if not there
+    ]
+    return Finding(
+        "A rigid stop, a spring and an empty run were recorded",
+        float(3 - len(missing)),
+        remedy="Record what is missing.",
+        failure=f"Not every blank test was recorded. {'. '.join(missing)}",
+    )
+
+
+@criterion("m/N", "<=", SOFTEST, "our choice: four times a usual machine")
+def stop_rigid(compliance: float | None) -> Finding:
+    """The stop is as stiff as a machine."""
+    if compliance is None:
+        return Finding("No stop was pressed, so its stiffness is not judged")
+    return Finding(
+        f"The stop and the machine give {format_quantity(compliance, 'um/N', '.3g')}",
+        compliance,
+        "A stop that gives itself is taken for the machine",
+        "Press steel on steel, without a pad.",
+    )
+
+
+@criterion("part of the largest force", "|x| <=", 0.03, "our choice")
+def stop_force_straight(bend: float | None) -> Finding:
+    """The force of the stop rises in proportion."""
+    if bend is None:
+        return Finding("No stop was pressed, so its force is not judged")
+    return Finding(
+        f"At half its load the stop's force is {_percent(bend)} off a straight line",
+        bend,
+        "The machine has no single compliance, or the stop touches with a corner",
+        "Press on a flat and level stop.",
+    )
+
+
+@criterion("part of the largest force", "|x| <=", 0.02, "our choice: play of a crosshead")
+def stop_force_returns(lost: float | None) -> Finding:
+    """The stop gives the same force on the way back."""
+    return _judge_return("stop", lost, "It is rubber, or the crosshead has play")
+
+
+@criterion("part of the largest force", "<=", 0.005, "our choice")
+def stop_follows_machine(misfit: float | None) -> Finding:
+    """A rigid stop explains the record."""
+    return _judge_misfit("stop", misfit, "It relaxes as rubber does, or it slipped")
+
+
+@criterion("m", "|x| <=", CREEPS, "three usual standard deviations at 8 mm")
+def crosshead_creep_plausible(creep: float | None) -> Finding:
+    """The crosshead settles as a crosshead does."""
+    if creep is None:
+        return Finding("Nothing was pressed, so creep is not judged")
+    return Finding(
+        f"In a factor e of time the record creeps by {format_quantity(creep, 'um', '.2g')}",
+        creep,
+        "What was pressed relaxes, as rubber does",
+        "Press steel, without a pad.",
+    )
+
+
+@criterion("part of the largest force", "|x| <=", 0.005, "our choice: a calibrated spring")
+def spring_force_straight(bend: float | None) -> Finding:
+    """The force of the spring rises in proportion."""
+    if bend is None:
+        return Finding("No spring was pressed, so its force is not judged")
+    return Finding(
+        f"At half its load the spring's force is {_percent(bend)} off a straight line",
+        bend,
+        "The spring has no single stiffness, so the gain is off by as much",
+        "Use a spring with ground ends, and press it from a small force on.",
+    )
+
+
+@criterion("part of the largest force", "|x| <=", 0.003, "our choice: friction of a good spring")
+def spring_force_returns(lost: float | None) -> Finding:
+    """The spring gives the same force on the way back."""
+    return _judge_return("spring", lost, "It rubs or is no steel, so gain and delay are off")
+
+
+@criterion("part of the largest force", "<=", 0.002, "our choice")
+def spring_follows_machine(misfit: float | None) -> Finding:
+    """A spring in the machine explains the record."""
+    return _judge_misfit("spring", misfit, "It relaxes, rubs, or left its seat")
+
+
+@criterion("difference / standard error", "|x| <=", _CLEAR, "chance, once in 370")
+def stop_and_spring_creep_agree(apart: float | None, stop: float, spring: float) -> Finding:
+    """Stop and spring show the same creep of the crosshead."""
+    if apart is None:
+        return Finding("One of stop and spring is missing, so their creep is not compared")
+    return Finding(
+        f"The crosshead creeps by {format_quantity(stop, 'um', '.2g')} on the stop and "
+        f"{format_quantity(spring, 'um', '.2g')} on the spring",
+        apart,
+        "One of them relaxes itself, or the load cell creeps",
+        "Press steel without a pad. Check the load cell with a dead weight.",
+    )
+
+
+@criterion("difference / standard error", "|x| <=", _CLEAR, "chance, once in 370")
+def stop_and_spring_delay_agree(apart: float | None, stop: float, spring: float) -> Finding:
+    """Stop and spring show the same delay between the channels."""
+    if apart is None:
+        return Finding("One of stop and spring is missing, so their delay is not compared")
+    return Finding(
+        f"The force is late by {format_quantity(stop, 'ms', '.2g')} on the stop and "
+        f"{format_quantity(spring, 'ms', '.2g')} on the spring",
+        apart,
+        "The delay changes from record to record, or one of them rubs",
+        "Start both channels by one clock, and repeat.",
+    )
+
+
+@criterion("factor", "x/", 1.1, "our choice: no calibrated cell is off by 10 %")
+def gain_plausible(gain: float | None) -> Finding:
+    """The gain is that of a calibrated cell."""
+    if gain is None:
+        return Finding("No spring of known stiffness and stop were pressed, so there is no gain")
+    return Finding(
+        f"The force reads {gain:.4g} times what it is",
+        gain,
+        "The spring's stiffness or a unit is wrong",
+        Remedy("Check the spring, and the units of the channels.", "spring-stiffness", "1N/mm"),
+    )
+
+
+@criterion("force by motion / its standard error", "<=", 5.0, "chance, once in a million")
+def empty_run_force_free_of_motion(run: EmptyRun | None) -> Finding:
+    """The force of the empty run does not follow the plate."""
+    if run is None:
+        return Finding("No empty run was recorded, so its force is not judged")
+    if not run.motion_error:
+        return Finding(
+            "The plate rests in the empty run, so nothing follows it", always_passes=True
+        )
+    return Finding(
+        f"Up to {format_quantity(run.motion_force, 'mN', '.2g')} follow the motion of the plate",
+        run.motion_force / run.motion_error,
+        "The sensor moves along, a cable pulls, or the run was not empty",
+        "Repeat with cable and sensor fastened, and free plates.",
+        always_passes=run.motion_force < run.noise.value / 2,
+    )
+
+
+@criterion("part of the record", "<=", 0.15, "our choice")
+def empty_run_plate_steady(wander: float | None) -> Finding:
+    """The plate of the empty run rests or travels."""
+    if wander is None:
+        return Finding("No empty run was recorded, so its plate is not judged")
+    return Finding(
+        f"For {_percent(wander)} of the empty run the plate neither rests nor travels",
+        wander,
+        "Its sensor moves by itself",
+        "Repeat with the displacement sensor fastened.",
+    )
+
+
+@criterion("scatter of means / scatter", "<=", 0.2, "our choice: twice that behind 10 Hz")
+def empty_run_force_steady(run: EmptyRun | None) -> Finding:
+    """The force of the empty run has no slow wander beside its drift."""
+    if run is None:
+        return Finding("No empty run was recorded, so its noise is not judged")
+    return Finding(
+        f"The force scatters by {format_quantity(run.noise.value, 'mN', '.2g')}, and its means "
+        f"over a twentieth of the record by {format_quantity(run.slow_noise, 'mN', '.2g')}",
+        run.slow_noise / run.noise.value if run.noise.value > 0 else None,
+        "Something moves or warms the sensor",
+        "Let the amplifier warm up, and repeat.",
+    )
+
+
+def _judge_return(name: str, lost: float | None, reason: str) -> Finding:
+    if lost is None:
+        return Finding(f"No {name} was released in its record, so its way back is not judged")
+    return Finding(
+        f"On the way back the {name}'s force is {_percent(lost)} of the largest off",
+        lost,
+        reason,
+        f"Use a {'steel block' if name == 'stop' else 'calibrated steel spring'}.",
+    )
+
+
+def _judge_misfit(name: str, misfit: float | None, reason: str) -> Finding:
+    if misfit is None:
+        return Finding(f"No {name} was pressed, so it is not compared with the machine's model")
+    return Finding(
+        f"The {name}'s force departs from the machine's model by {_percent(misfit)}",
+        misfit,
+        reason,
+        "Look at the figure, and repeat.",
+    )
+
+
+def _percent(part: float) -> str:
+    return f"{convert_to_unit(part, '%'):.2g} %"

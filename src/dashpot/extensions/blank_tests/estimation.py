@@ -1,0 +1,595 @@
+r"""Estimation of a testing machine's properties from one blank record.
+
+A part of stiffness k, pressed by a machine of compliance C whose crosshead settles by s in a factor
+e of time after its stop, and whose force is read as g times itself and later by :math:`\delta`,
+gives once it is in contact
+
+.. math:: F(t) = a + \dot F t + K\,[x(t-\delta) - x_c + s \ln(1 + (t - t_e)/t_r)],
+          \qquad 1/K = 1/(g k) + C
+
+with the end of the ramp :math:`t_e` and its time since contact :math:`t_r`. A rigid stop has
+:math:`1/k = 0`. All but :math:`\delta` is linear; :math:`\delta` is found by repeated shift of the
+motion.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray, block_means, median
+from dashpot.base.errors import DataError
+from dashpot.extensions.blank_tests.datamodel import BlankTest
+from dashpot.numerics.inference.correlated_noise import Noise, noise_of
+from dashpot.preprocessing.signal_conditioning import hum_lines
+from dashpot.signals.disturbances import MAINS
+from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.segments import find_segments
+
+LOADED = 0.05
+"""Part of the largest force from which a part is in contact all over."""
+_TOUCHED = 0.01
+"""Part of the largest force that a contact begins with."""
+_ROUNDS, _SETTLED = 8, 1e-7
+"""Shifts of the motion at most, and a step of the delay that ends them, s."""
+_FEWEST = 20
+"""Samples of a baseline or of a press that an estimate needs."""
+_PEAK_SHARE = 0.05
+"""Part of a record's samples, the most loaded, by which its largest force is measured."""
+_AT_REST, _TRAVELS = 0.05, 0.5
+"""Parts of the largest speed: below the first a plate rests, above the second it travels."""
+_SPEED_SHARE, _MOST_SPAN, _CLEAR = 0.01, 0.25, 50.0
+"""Parts of a ramp over which a speed is taken, at least and at most, and how many times its noise
+it is to be."""
+_DETERMINED = 1e-13
+"""Least eigenvalue of a Gram matrix of columns of size 1."""
+_BLOCKS = 32
+"""Means of residuals that show a misfit."""
+_CHANCE = 3.5
+"""Standard errors that such a mean may have by chance."""
+
+
+class RigEstimate(NamedTuple):
+    """Estimated quantity with its standard error, SI."""
+
+    value: float
+    error: float
+
+
+class Press(NamedTuple):
+    """What one press of a stop or a spring determines.
+
+    Attributes
+    ----------
+    stiffness, creep, delay, drift : RigEstimate
+        K, N/m; s, m; s; N/s.
+    peak : float
+        Largest force, N.
+    ramp_time : float
+        From contact to the end of the ramp, s.
+    hold : float
+        Time of the hold, s.
+    noise : float
+        Standard deviation of a residual, N.
+    misfit : float
+        Largest mean of neighbouring residuals beyond chance, over `peak`.
+    curvature : RigEstimate
+        Departure of the force from a straight line at half the load, over `peak`.
+    hysteresis : float
+        Force on the way back less that on the way in, at half the load, over `peak`; nan of a
+        record that ends loaded.
+    fitted : array, shape (n,)
+        The force by the model, N; nan where none applies.
+    force : array, shape (n,)
+        The force as it was fitted, N.
+    """
+
+    stiffness: RigEstimate
+    creep: RigEstimate
+    delay: RigEstimate
+    drift: RigEstimate
+    peak: float
+    ramp_time: float
+    hold: float
+    noise: float
+    misfit: float
+    curvature: RigEstimate
+    hysteresis: float
+    fitted: FloatArray
+    force: FloatArray
+
+
+class EmptyRun(NamedTuple):
+    """What an empty run determines.
+
+    Attributes
+    ----------
+    noise, drift : RigEstimate
+        Standard deviation of a reading, N; N/s.
+    hum : RigEstimate
+        Amplitude of the strongest line, N.
+    hum_frequency : float
+        Hz; nan where no line stands out.
+    motion_force : float
+        Largest part of the force that goes with the motion of the plate, N.
+    motion_error : float
+        Its standard error, N.
+    wander : float
+        Part of the record in which the plate neither rests nor travels; 0 if it rests.
+    slow_noise : float
+        Standard deviation of means over a twentieth of the record, N.
+    fitted : array, shape (n,)
+        N.
+    force : array, shape (n,)
+        N.
+    """
+
+    noise: RigEstimate
+    drift: RigEstimate
+    hum: RigEstimate
+    hum_frequency: float
+    motion_force: float
+    motion_error: float
+    wander: float
+    slow_noise: float
+    fitted: FloatArray
+    force: FloatArray
+
+
+class Blanks(NamedTuple):
+    """Estimates of all records by their roles, and the series of each record in its order."""
+
+    stops: tuple[Press, ...]
+    springs: tuple[Press, ...]
+    empties: tuple[EmptyRun, ...]
+
+    series: tuple[Press | EmptyRun, ...]
+
+    @property
+    def presses(self) -> tuple[Press, ...]:
+        """Stops and springs."""
+        return self.stops + self.springs
+
+
+class Regression(NamedTuple):
+    """Linear fit with errors that hold for correlated noise."""
+
+    values: FloatArray
+    errors: FloatArray
+    residual: FloatArray
+    noise: Noise
+
+
+def solve_regression(
+    columns: FloatArray,
+    values: FloatArray,
+    weights: FloatArray | None = None,
+    *,
+    noisy: int | None = None,
+    noise: float = 0.0,
+) -> Regression:
+    r"""Return the least-squares fit of `values`, shape (n,), by `columns`, shape (n, p).
+
+    With `weights`, shape (n,), the rows of both are multiplied by them, and the residual is.
+
+    A column that is itself read with `noise` of variance :math:`\sigma_x^2` in m of its samples
+    pulls its coefficient towards zero. Its Gram matrix is freed of that (W. A. Fuller, *Measurement
+    Error Models*, 1987, section 2.2):
+
+    .. math:: \hat\beta = (A^T A - m\,\sigma_x^2\, e e^T)^{-1} A^T y, \qquad
+              C = \sigma^2 \kappa\,(A^T A - m\,\sigma_x^2\, e e^T)^{-1}
+
+    with :math:`\sigma^2 \kappa` the power of the residuals by
+    :func:`~dashpot.numerics.inference.correlated_noise.noise_of`.
+
+    Parameters
+    ----------
+    columns : array, shape (n, p)
+        The coefficient of one that is 0 is 0.
+    values : array, shape (n,)
+    weights : array, shape (n,), optional
+    noisy : int, optional
+        The column that is read with noise, where it is not 0.
+    noise : float
+        Standard deviation of that.
+
+    Raises
+    ------
+    DataError
+        If the columns cannot be told apart.
+    """
+    read = 0.0 if noisy is None else float(noise) ** 2
+    touched = 0.0
+    if noisy is not None:
+        rows = columns[:, noisy] != 0
+        touched = float(np.count_nonzero(rows) if weights is None else (weights[rows] ** 2).sum())
+    if weights is not None:
+        columns, values = columns * weights[:, None], values * weights
+    scale = np.sqrt((columns**2).sum(axis=0))
+    scale[scale == 0] = 1.0
+    scaled = columns / scale
+    basis, triangle = np.linalg.qr(scaled)
+    gram = triangle.T @ triangle
+    if noisy is not None:
+        gram[noisy, noisy] -= touched * read / scale[noisy] ** 2
+    empty = ~columns.any(axis=0)
+    gram[empty, empty] = 1.0
+    if np.linalg.eigvalsh(gram)[0] < _DETERMINED:
+        raise DataError(
+            "a blank test does not determine the machine: its motion and its time cannot be told "
+            "apart. Record a rest, a ramp and a hold"
+        )
+    inverse = np.linalg.inv(gram)
+    found = inverse @ (scaled.T @ values)
+    residual = values - scaled @ found
+    power = noise_of(residual, basis)
+    errors = np.sqrt(power.power * np.diag(inverse))
+    return Regression(found / scale, errors / scale, residual, power)
+
+
+def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
+    """Return what a press of a stop or a spring determines.
+
+    Parameters
+    ----------
+    record : BlankTest
+        A plate that comes from a rest, presses in one ramp, and holds.
+    spring : bool
+        A spring may be held from the first sample on: where the contact that the ramp shows is at
+        the rest, within its error, it is, and the rest determines the delay as well.
+
+    Raises
+    ------
+    DataError
+        If there is no ramp and hold, or nothing was pressed.
+    """
+    history = read_press_history(record)
+    fit, shift, ramp_time, columns, weights = _solve_press(history)
+    if spring and len(fit.values) > _OFFSET and abs(fit.values[0]) <= _CLEAR_GAP * fit.errors[0]:
+        fit, shift, ramp_time, columns, weights = _solve_press(history, held=True)
+    n, stiffness = len(history.time), float(fit.values[1])
+    moved = _shift_motion(history, shift)
+    pressed = fit.values[0] + stiffness * moved
+    pressed += fit.values[2] * _settle(history, ramp_time, shift)
+    model = fit.values[3] * history.time + np.maximum(pressed, 0.0)
+    model += fit.values[_OFFSET] if len(fit.values) > _OFFSET else 0.0
+    fitted, used = np.full(n, np.nan), np.concatenate((history.before, history.pressed))
+    fitted[used] = model[used]
+    curvature = _estimate_curvature(history, columns, pressed, weights)
+    error = fit.errors / stiffness
+    return Press(
+        RigEstimate(stiffness, float(fit.errors[1])),
+        RigEstimate(float(fit.values[2]) / stiffness, float(error[2])),
+        RigEstimate(shift, float(error[_DELAY])),
+        RigEstimate(float(fit.values[3]), float(fit.errors[3])),
+        history.peak,
+        ramp_time,
+        float(history.time[history.end - 1]) - history.stop,
+        float(np.sqrt(fit.noise.autocovariance[0])) / float(weights[-1]),
+        _measure_misfit(fit.residual, fit.noise) / float(weights[-1]) / history.peak,
+        RigEstimate(curvature.value / history.peak, curvature.error / history.peak),
+        _measure_hysteresis(history, model),
+        fitted,
+        history.force,
+    )
+
+
+_DELAY, _OFFSET = 4, 5
+"""Columns of delay and offset; before them line, stiffness, creep and drift."""
+_CLEAR_GAP = 3.0
+"""Standard errors by which a contact is off the rest of the plate."""
+
+
+class PressHistory(NamedTuple):
+    """One press, its channels rising as the plate presses.
+
+    Attributes
+    ----------
+    time, displacement, speed, force : array, shape (n,)
+        s from the first sample, m, m/s, and N from its rest.
+    before, pressed : array of int
+        Samples before contact, and samples under load to the end of the hold.
+    first, end : int
+        Last sample before contact, and the one after the hold.
+    stop, peak : float
+        End of the ramp, s, and the largest force, N.
+    noise, displacement_noise : float
+        Scatter of the readings, N and m.
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    speed: FloatArray
+    force: FloatArray
+    before: IndexArray
+    pressed: IndexArray
+    first: int
+    end: int
+    stop: float
+    peak: float
+    noise: float
+    displacement_noise: float
+
+
+def read_press_history(record: BlankTest) -> PressHistory:
+    """Return where a record rests, touches, presses and holds.
+
+    Raises
+    ------
+    DataError
+        If there is no ramp and hold, or nothing was pressed.
+    """
+    time = record.time - record.time[0]
+    x, force = orient_channels(record)
+    ramp, end = _find_ramp_and_hold(record, time, x)
+    noise, held = scatter(time, force), slice(ramp, end)
+    force = force - hum_lines(time, force[held], held, noise=noise)[1]
+    peak = float(np.quantile(force[:end], 1 - _PEAK_SHARE))
+    first = _find_contact(force[:end], noise, peak)
+    guard = 0.02 * float(time[first])
+    before = np.flatnonzero(time < time[first] - guard)
+    pressed = np.flatnonzero(force[:end] > LOADED * peak)
+    pressed = pressed[pressed > first]
+    if len(pressed) < _FEWEST:
+        raise DataError(
+            f"{name_record(record)}: {len(pressed)} samples are loaded; expected {_FEWEST} or "
+            "more. Press further, or sample faster"
+        )
+    speed = compute_speed(time, x, _choose_speed_span(time, x, first, ramp))
+    return PressHistory(
+        time, x, speed, force, before, pressed, first, end, float(time[ramp]), peak,
+        max(noise, 1e-12), scatter(time, x),
+    )  # fmt: skip
+
+
+def name_record(record: BlankTest) -> str:
+    """Return what a record is called: its file."""
+    return record.source.file if record.source is not None else "the record"
+
+
+def orient_channels(record: BlankTest) -> tuple[FloatArray, FloatArray]:
+    """Return displacement and force, both rising as the plate presses, from their rest."""
+    start = max(len(record.time) // 50, 1)
+    force = without_spikes(record.time, record.force)
+    force = force - median(force[:start])
+    force = force if force[np.argmax(np.abs(force))] >= 0 else -force
+    x = record.displacement - median(record.displacement[:start])
+    top = force > 0.5 * force.max()
+    if top.all() or not top.any():
+        return x, force
+    return (x if float(x[top].mean()) >= float(x[~top].mean()) else -x), force
+
+
+def _find_ramp_and_hold(record: BlankTest, time: FloatArray, x: FloatArray) -> tuple[int, int]:
+    """Return the sample at which the plate stops, and that after its hold."""
+    segments = find_segments(time, x)
+    holds = [
+        part
+        for i, part in enumerate(segments)
+        if part.kind == "hold" and i and segments[i - 1].kind == "load"
+    ]
+    if not holds:
+        raise DataError(
+            f"{name_record(record)}: found no ramp with a hold after it. Press the stop or the "
+            "spring in one ramp, and hold"
+        )
+    hold = max(holds, key=lambda part: (part.level, part.duration))
+    return hold.first, hold.last if hold.last < len(time) - 1 else len(time)
+
+
+def _find_contact(force: FloatArray, noise: float, peak: float) -> int:
+    """Return the last sample before the force leaves its baseline for good."""
+    loaded = int(np.argmax(force > 0.5 * peak))
+    below = np.flatnonzero(force[:loaded] < max(8 * noise, _TOUCHED * peak))
+    return int(below[-1]) if len(below) else 0
+
+
+def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -> int:
+    """Return over how many samples either way the speed of a ramp stands out of its noise."""
+    samples, travel = max(ramp - first, 1), abs(float(x[ramp] - x[first]))
+    clear = _CLEAR * scatter(time, x) / np.sqrt(2) * samples / max(travel, 1e-12)
+    return int(np.clip(max(clear, _SPEED_SHARE * samples), 1, max(_MOST_SPAN * samples, 1)))
+
+
+def compute_speed(time: FloatArray, x: FloatArray, few: int) -> FloatArray:
+    """Return the speed over `few` samples either way, m/s; 0 where it is no more than noise."""
+    padded = np.pad(x, few, mode="edge")
+    clock = np.pad(time, few, mode="reflect", reflect_type="odd")
+    span = clock[2 * few :] - clock[: -2 * few]
+    speed = (padded[2 * few :] - padded[: -2 * few]) / span
+    noise = 5 * np.sqrt(2) * scatter(time, x) / span
+    return np.where(np.abs(speed) > noise, speed, 0.0)
+
+
+def _shift_motion(history: PressHistory, delay: float) -> FloatArray:
+    """Return the displacement that the force of each sample answers, m."""
+    return np.interp(history.time - delay, history.time, history.displacement)
+
+
+def _share_noise(history: PressHistory, delay: float) -> float:
+    """Return the part of a reading's noise that is left between two readings."""
+    place = delay / float(np.median(np.diff(history.time))) % 1.0
+    return float(np.hypot(place, 1 - place))
+
+
+def _settle(history: PressHistory, ramp_time: float, delay: float) -> FloatArray:
+    """Return how far the crosshead has settled, for 1 m in a factor e of time."""
+    since = np.maximum(history.time - delay - history.stop, 0.0)
+    return np.log1p(since / ramp_time)
+
+
+class _PressFit(NamedTuple):
+    """Fit at its delay, s, with its ramp time since contact, s, columns and weights."""
+
+    fit: Regression
+    delay: float
+    ramp_time: float
+    columns: FloatArray
+    weights: FloatArray
+
+
+def _solve_press(history: PressHistory, *, held: bool = False) -> _PressFit:
+    """Return the fit at the delay that it finds.
+
+    Samples under load bear the noise of the displacement besides, times K. A spring that is `held`
+    touches where the plate rests.
+    """
+    used, zero = np.concatenate((history.before, history.pressed)), len(history.before)
+    contact = np.ones(len(used))
+    contact[:zero] = 0.0
+    offset = [np.ones(len(used))] if zero >= _FEWEST else []
+    shift, ramp_time = 0.0, max(history.stop - float(history.time[history.first]), 1e-6)
+    top = slice(history.first, int(history.pressed[-1]) + 1)
+    stiffness = history.peak / max(float(np.ptp(history.displacement[top])), 1e-12)
+    for i in range(_ROUNDS):
+        speed = np.interp(history.time - shift, history.time, history.speed)
+        columns = np.column_stack((
+            0.0 * contact if held else contact,
+            contact * _shift_motion(history, shift)[used],
+            contact * _settle(history, ramp_time, shift)[used],
+            history.time[used],
+            contact * speed[used],
+            *offset,
+        ))  # fmt: skip
+        noise = history.displacement_noise * _share_noise(history, shift)
+        loaded = np.hypot(history.noise, stiffness * noise)
+        weights = np.where(contact > 0, 1 / loaded, 1 / history.noise)
+        fit = solve_regression(columns, history.force[used], weights, noisy=1, noise=noise)
+        stiffness = float(fit.values[1])
+        if not stiffness > 0:
+            raise DataError(
+                "the force does not rise with the displacement. Check the columns of the blank "
+                "tests, and their signs"
+            )
+        step = -float(fit.values[_DELAY]) / stiffness
+        if abs(step) < _SETTLED and i:
+            break
+        shift += step
+        ramp_time = _measure_ramp_time(history, -float(fit.values[0]) / stiffness, ramp_time)
+    return _PressFit(fit, shift, ramp_time, columns, weights)
+
+
+def _measure_ramp_time(history: PressHistory, contact: float, before: float) -> float:
+    """Return the time from the contact at a displacement, m, to the end of the ramp, s."""
+    ramp = slice(0, int(np.searchsorted(history.time, history.stop)) + 1)
+    over = np.flatnonzero(history.displacement[ramp] < contact)
+    if not len(over):
+        return before
+    return max(history.stop - float(history.time[over[-1]]), 1e-6)
+
+
+def _estimate_curvature(
+    history: PressHistory, columns: FloatArray, pressed: FloatArray, weights: FloatArray
+) -> RigEstimate:
+    """Return by how much the force at half the load lies off the straight line, N."""
+    used = np.concatenate((history.before, history.pressed))
+    load = np.clip(pressed[used] / history.peak, 0.0, 1.5) * (columns[:, 1] != 0)
+    bent = solve_regression(
+        np.column_stack((columns, 4 * load * (1 - load))), history.force[used], weights, noisy=1,
+        noise=history.displacement_noise,
+    )  # fmt: skip
+    return RigEstimate(float(bent.values[-1]), float(bent.errors[-1]))
+
+
+def _measure_misfit(residual: FloatArray, noise: Noise) -> float:
+    """Return the largest mean of neighbouring residuals beyond chance, N."""
+    count = max(len(residual) // _BLOCKS, 1)
+    means = np.abs(block_means(residual, count))
+    return max(float(means.max()) - _CHANCE * float(np.sqrt(noise.power / count)), 0.0)
+
+
+def _measure_hysteresis(history: PressHistory, model: FloatArray) -> float:
+    """Return the force on the way back less that of the model at half the load, over the peak."""
+    after = np.arange(len(model)) >= history.end
+    half = after & (model > 0.3 * history.peak) & (model < 0.7 * history.peak)
+    if np.count_nonzero(half) < 5:
+        return float("nan")
+    return float((history.force[half] - model[half]).mean()) / history.peak
+
+
+def estimate_empty_run(record: BlankTest) -> EmptyRun:
+    """Return what a run without a specimen determines: noise, drift, hum, and force by motion."""
+    time = record.time - record.time[0]
+    force = without_spikes(record.time, record.force)
+    force = force - median(force)
+    x = record.displacement - median(record.displacement)
+    columns = [np.ones(len(time)), time]
+    moves = float(np.ptp(x)) > _MOVED * max(scatter(time, x), 1e-12)
+    few = max(len(time) // 500, 1)
+    speed = compute_speed(time, x, few) if moves else np.zeros(len(time))
+    moving = []
+    if moves:
+        pull = np.gradient(speed, time)
+        moving = [column for column in (x, speed, pull) if np.ptp(column) > 0]
+    plain = solve_regression(np.column_stack((*columns, *moving)), force)
+    lines, _, _ = hum_lines(
+        time, plain.residual, slice(0, len(time)), noise=scatter(time, plain.residual)
+    )
+    frequency = lines[0].frequency if lines else _find_mains(time, plain.residual)
+    turn = 2 * np.pi * frequency * time
+    others = [
+        line(2 * np.pi * hum.frequency * time) for hum in lines[1:] for line in (np.cos, np.sin)
+    ]
+    fit = solve_regression(
+        np.column_stack((*columns, *moving, np.cos(turn), np.sin(turn), *others)), force
+    )
+    at = len(columns) + len(moving)
+    hum = float(np.hypot(*fit.values[at : at + 2]))
+    by_motion = (
+        np.column_stack(moving) @ fit.values[2 : 2 + len(moving)] if moving else np.zeros(len(time))
+    )
+    errors = [
+        float(np.abs(column).max()) * float(error)
+        for column, error in zip(moving, fit.errors[2:], strict=False)
+    ]
+    noise = float(np.sqrt(fit.noise.autocovariance[0]))
+    return EmptyRun(
+        RigEstimate(noise, noise * _compute_relative_error(fit.noise)),
+        RigEstimate(float(fit.values[1]), float(fit.errors[1])),
+        RigEstimate(hum, float(fit.errors[at : at + 2].max())),
+        frequency if lines else float("nan"),
+        float(np.abs(by_motion - median(by_motion)).max()),
+        float(np.linalg.norm(errors)),
+        _measure_wander(speed) if moves else 0.0,
+        float(block_means(fit.residual, max(len(time) // _SLOW, 1)).std()),
+        np.column_stack((*columns, *moving)) @ fit.values[:at],
+        force,
+    )
+
+
+_MOVED = 20.0
+"""Scatter of a displacement beyond which a plate moved."""
+_SLOW = 20
+"""Parts of an empty run whose means show a slow wander."""
+_MAINS_SEARCH = 0.5
+"""Hz either way of the mains at which a weak line is looked for."""
+
+
+def _find_mains(time: FloatArray, residual: FloatArray) -> float:
+    """Return the frequency near the mains at which the residual has most, Hz."""
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    padded = 4 * len(time)
+    power = np.abs(np.fft.rfft(residual, padded)) ** 2
+    frequency = np.fft.rfftfreq(padded, step)
+    near = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS]
+    mask = np.logical_or.reduce(near)
+    if not mask.any():
+        return float(frequency[len(frequency) // 2])
+    return float(frequency[mask][np.argmax(power[mask])])
+
+
+def _compute_relative_error(noise: Noise) -> float:
+    r"""Return the relative standard error of a standard deviation.
+
+    That of n samples with autocorrelations :math:`\rho_l` is
+    :math:`\sqrt{(1 + 2\sum\rho_l^2)/2n}` (Bartlett).
+    """
+    rho = noise.autocovariance[1:] / noise.autocovariance[0]
+    return float(np.sqrt((1 + 2 * float(rho @ rho)) / (2 * noise.samples)))
+
+
+def _measure_wander(speed: FloatArray) -> float:
+    """Return the part of a record in which the plate neither rests nor travels."""
+    share = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
+    return float(np.mean((share > _AT_REST) & (share < _TRAVELS)))

@@ -1,0 +1,54 @@
+"""Figure of blank tests: what was measured, and the machine's model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.extensions.blank_tests.datamodel import ROLE_LABELS, BlankCurve, MachineFit
+from dashpot.plot.picture import BENEATH, FIT, REF, UPON, Line, Panel, Picture, Rule, Scale
+from dashpot.plot.plotted_data import compute_padded_limits, unit_of
+from dashpot.plot.plotted_data import stamp as format_stamp
+
+
+def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
+    """Return the force of each record with the machine's model, and what that leaves.
+
+    Parameters
+    ----------
+    fit : MachineFit
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    strips = tuple((_draw_force(record), _draw_residual(record)) for record in fit.records)
+    caption = "Blank tests: measured force, the model of the machine, and the residual."
+    origin = format_stamp(fit.sources) if fit.sources else ""
+    return Picture("machine", caption, strips, 3, stamp or origin)
+
+
+def _draw_force(record: BlankCurve) -> Panel:
+    """Return the force over time, and the model beneath or, of an empty run, upon it."""
+    word, scale = unit_of(record.force, "N")
+    force, fitted = scale * record.force, scale * record.fitted
+    measured = Line(record.time, force, UPON, "measured")
+    empty = record.role == "empty"
+    model = Line(record.time, fitted, FIT if empty else BENEATH, "drift" if empty else "model")
+    return Panel(
+        Scale("time, s", compute_padded_limits(record.time)),
+        Scale(f"force, {word}", compute_padded_limits(force)),
+        (measured, model) if empty else (model, measured),
+        title=f"{ROLE_LABELS[record.role]}: {record.file}",
+        height=210,
+    )
+
+
+def _draw_residual(record: BlankCurve) -> Panel:
+    residual = record.force - record.fitted
+    shown = residual[np.isfinite(residual)]
+    word, scale = unit_of(shown, "N")
+    return Panel(
+        Scale("time, s", compute_padded_limits(record.time)),
+        Scale(f"residual, {word}", compute_padded_limits(scale * shown, np.zeros(1))),
+        (Rule(0.0, REF, across=True), Line(record.time, scale * residual, FIT)),
+        title="measured less model",
+        height=210,
+    )

@@ -1,0 +1,228 @@
+"""Properties of a testing machine from all its blank tests together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import sources_of
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.student_t import t_quantile
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.datamodel.checks import caution_checks
+from dashpot.extensions.blank_tests import checks
+from dashpot.extensions.blank_tests.datamodel import BlankCurve, BlankTest, MachineFit
+from dashpot.extensions.blank_tests.estimation import (
+    Blanks,
+    EmptyRun,
+    Press,
+    RigEstimate,
+    estimate_empty_run,
+    estimate_press,
+    name_record,
+)
+from dashpot.extensions.blank_tests.roles import AssignedRole, assign_roles
+
+SPRING_ERROR = 1e-3
+"""Relative standard error of a spring's stiffness, where none is stated: a calibrated one."""
+_POINTS = 600
+"""Samples of a record that its figure shows."""
+
+
+def fit_blank_tests(
+    records: Sequence[BlankTest],
+    *,
+    spring_stiffness: Quantity | None = None,
+    spring_error: float | str | None = None,
+) -> MachineFit:
+    r"""Return what blank tests determine of a testing machine.
+
+    A rigid stop gives the compliance :math:`C` and the creep, a spring of stiffness k in a machine
+    that reads :math:`K` the gain
+
+    .. math:: g = \frac{1}{k\,(1/K - C_r)}, \qquad C = g\,C_r
+
+    with the compliance :math:`C_r` in readings of the force, and the delay; an empty run noise,
+    drift and hum. Errors follow to first order.
+
+    Parameters
+    ----------
+    records : sequence of BlankTest
+    spring_stiffness : float or str, optional
+        Of the spring, N/m or ``"1N/mm"``; without it there is no gain.
+    spring_error : float or str, optional
+        Its relative standard error, such as ``"0.1%"``, by default that.
+
+    Raises
+    ------
+    DataError
+        If the role of a record is open, or a record does not hold what its role needs.
+    """
+    stiffness = convert_to_si(spring_stiffness, "stiffness")
+    relative = convert_to_si(spring_error, "strain")
+    if stiffness is not None and not 0 < stiffness < math.inf:
+        raise DataError(
+            f"spring stiffness = {stiffness:.4g} N/m; expected a number above 0, such as 1N/mm"
+        )
+    if relative is not None and not 0 <= relative < 0.5:
+        raise DataError(
+            f"uncertainty of the spring = {relative:.4g}; expected 0 to 0.5, such as 0.1%"
+        )
+    if relative is not None and stiffness is None:
+        raise DataError(
+            "an uncertainty of the spring is given without its stiffness. Give it: "
+            "--spring-stiffness 1N/mm"
+        )
+    relative = SPRING_ERROR if relative is None else relative
+    roles = assign_roles(records, stiffness)
+    blanks = estimate_blanks(records, roles)
+    values = report_values(blanks, stiffness, relative)
+    sprung = stiffness is not None and bool(blanks.springs)
+    sources = sources_of(records)
+    return MachineFit(
+        values,
+        tuple(map(_thin_record, records, roles, blanks.series)),
+        stiffness if sprung else None,
+        relative if sprung else None,
+        predict_drift(blanks),
+        max((abs(press.curvature.value) for press in blanks.stops), default=0.0),
+        (*checks.run_checks(blanks, values), *caution_checks(sources)),
+        sources,
+    )
+
+
+def estimate_blanks(records: Sequence[BlankTest], roles: Sequence[AssignedRole]) -> Blanks:
+    """Return the estimates of every record.
+
+    Raises
+    ------
+    DataError
+        If one does not hold what its role needs; the sentence names it.
+    """
+    series = tuple(map(_estimate_record, records, roles))
+    pairs = list(zip(series, roles, strict=True))
+    presses = [(found, role.role) for found, role in pairs if isinstance(found, Press)]
+    return Blanks(
+        tuple(found for found, role in presses if role == "stop"),
+        tuple(found for found, role in presses if role == "spring"),
+        tuple(found for found in series if isinstance(found, EmptyRun)),
+        series,
+    )
+
+
+def _estimate_record(record: BlankTest, role: AssignedRole) -> Press | EmptyRun:
+    try:
+        if role.role == "empty":
+            return estimate_empty_run(record)
+        return estimate_press(record, spring=role.role == "spring")
+    except DataError as error:
+        name = name_record(record)
+        text = str(error)
+        raise DataError(text if text.startswith(name) else f"{name}: {text}") from None
+
+
+def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
+    r"""Return the mean of repeats by their weights; None of none.
+
+    Its error is wider by :math:`\sqrt{\chi^2/(n - 1)}` where they scatter by more than theirs.
+    """
+    if not estimates:
+        return None
+    value, error = np.array(estimates).T
+    weights = 1 / np.maximum(error, 1e-300) ** 2
+    mean = float(weights @ value / weights.sum())
+    spread = float(weights @ (value - mean) ** 2) / max(len(value) - 1, 1)
+    return RigEstimate(mean, float(np.sqrt(max(spread, 1.0) / weights.sum())))
+
+
+def report_values(
+    blanks: Blanks, stiffness: float | None, relative: float
+) -> tuple[ReportedValue, ...]:
+    """Return the numbers of the machine that these records give, each with its 95 % interval."""
+    rigid = combine_estimates([press.stiffness for press in blanks.stops])
+    sprung = combine_estimates([press.stiffness for press in blanks.springs])
+    give = None if rigid is None else RigEstimate(1 / rigid.value, rigid.error / rigid.value**2)
+    gain = None
+    if give is not None and sprung is not None and stiffness is not None:
+        gain = _compute_gain(give, sprung, stiffness, relative)
+        if gain is not None:
+            # m in a newton of force, not of its reading
+            error = np.hypot(gain.value * give.error, give.value * gain.error)
+            give = RigEstimate(give.value * gain.value, float(error))
+    creep = combine_estimates([press.creep for press in blanks.stops or blanks.springs])
+    delay = combine_estimates([press.delay for press in blanks.springs or blanks.stops])
+    noise = combine_estimates([run.noise for run in blanks.empties])
+    drift = combine_estimates([run.drift for run in blanks.empties])
+    rows = (
+        ("compliance", give, "m/N", "um/N"), ("creep", creep, "m", "um"), ("gain", gain, "", ""),
+        ("delay", delay, "s", "ms"), ("noise", noise, "N", "mN"),
+        ("drift", drift, "N/s", "mN/s"),
+    )  # fmt: skip
+    return (
+        *(
+            ReportedValue.from_error(name, *entry, unit=unit, read=read, words=name)
+            for name, entry, unit, read in rows
+            if entry is not None
+        ),
+        *_report_hum(blanks.empties),
+    )
+
+
+def _compute_gain(
+    give: RigEstimate, sprung: RigEstimate, stiffness: float, relative: float
+) -> RigEstimate | None:
+    """Return the gain of the force over the displacement; None where no spring is left."""
+    soft = 1 / sprung.value - give.value
+    if not soft > 0:
+        return None
+    gain = 1 / (stiffness * soft)
+    error = math.hypot(sprung.error / sprung.value**2, give.error) / soft
+    return RigEstimate(gain, gain * math.hypot(error, relative))
+
+
+def _report_hum(empties: Sequence[EmptyRun]) -> tuple[ReportedValue, ...]:
+    """Return amplitude and frequency of the strongest line; a bound where none stands out."""
+    if not empties:
+        return ()
+    strongest = max(empties, key=lambda run: run.hum.value)
+    value, error = strongest.hum
+    if math.isnan(strongest.hum_frequency):
+        bound = value + NORMAL * error
+        return (ReportedValue("hum", value, 0.0, bound, "N", error, "mN", "hum"),)
+    return (
+        ReportedValue.from_error("hum", value, error, unit="N", read="mN", words="hum"),
+        ReportedValue("hum_frequency", strongest.hum_frequency, unit="Hz", words="hum frequency"),
+    )
+
+
+def predict_drift(blanks: Blanks) -> float | None:
+    r"""Return the standard deviation of a drift to come, N/s; None without an empty run.
+
+    That of n drifts :math:`d_i` seen, of mean zero: :math:`\sqrt{\overline{d^2}}\,t_n/1.96` with
+    Student's quantile at 95 %.
+    """
+    if not blanks.empties:
+        return None
+    seen = [run.drift for run in blanks.empties]
+    limit = max(max(abs(value), 6 * error) for value, error in seen) / 2
+    seen += [press.drift for press in blanks.presses if press.drift.error <= limit]
+    size = math.sqrt(sum(value**2 + error**2 for value, error in seen) / len(seen))
+    return size * t_quantile(0.95, len(seen)) / NORMAL
+
+
+def _thin_record(record: BlankTest, role: AssignedRole, found: Press | EmptyRun) -> BlankCurve:
+    """Return a record as its figure shows it."""
+    count = max(len(record.time) // _POINTS, 1)
+    time, x = record.time - record.time[0], record.displacement
+
+    def thin(values: FloatArray) -> FloatArray:
+        return np.ascontiguousarray(values[::count])
+
+    return BlankCurve(
+        role.role, name_record(record), role.reason, thin(time), thin(x - x[0]), thin(found.force),
+        thin(found.fitted),
+    )  # fmt: skip

@@ -1,0 +1,26 @@
+"""Handler of ``dashpot fit`` for blank tests."""
+
+from __future__ import annotations
+
+from dashpot.cli._command_files import format_command
+from dashpot.cli._command_result import CommandResult, write_output
+from dashpot.cli.fit_handlers import FitRequest
+from dashpot.extensions.blank_tests.fit_files import fit_blank_files
+from dashpot.extensions.blank_tests.machine_file import render_machine_file
+
+
+def run(request: FitRequest) -> CommandResult:
+    """Fit a testing machine to its blank tests, and write the machine file."""
+    suffix = request.check_output_suffix(".toml", ".json", what="a machine")
+    fit = fit_blank_files(
+        request.files, options=request.reading,
+        **request.some("spring_stiffness", "spring_error", "roles"),
+    )  # fmt: skip
+    if suffix == ".toml":
+        request.draw(fit.plot)
+        write_output(request.output or "", render_machine_file(fit, date=request.specimen.date))
+        follow = format_command("fit", "SEAL", "--machine", request.output)
+        return CommandResult.from_result(fit, follow=follow)
+    again = request.get_option_words("as_json")
+    follow = format_command("fit", *request.files, *again, "-o", "rig.toml", why="keeps it")
+    return request.write_output(fit, follow=follow)

@@ -1,0 +1,185 @@
+"""Machine file: TOML of what blank tests measured, written and read."""
+
+from __future__ import annotations
+
+import datetime as dt
+import json
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.number_format import format_count
+from dashpot.base.option_fields import iterate_option_fields
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import Dimension, convert_to_unit
+from dashpot.base.version import __version__, byline
+from dashpot.datamodel.machine import Machine, MachineCalibration
+from dashpot.extensions.blank_tests.datamodel import MachineFit
+from dashpot.reading.toml import Section, tables_of
+
+_MEASURED: Mapping[str, Dimension] = {
+    "delay": "time",
+    "compliance_error": "compliance",
+    "settling": "length",
+}
+_PLAIN = ("gain", "gain_error")
+_READ = {
+    "sync": "ms", "delay": "ms", "drift": "mN/s", "compliance": "um/N", "compliance_error": "um/N",
+    "creep": "um", "settling": "um",
+}  # fmt: skip
+"""Units in which a file states what it holds."""
+_ORIGIN = (
+    "date", "dashpot", "verdict", "files", "roles", "sha256", "spring_stiffness", "spring_error",
+    "intervals",
+)  # fmt: skip
+
+
+def render_machine_file(fit: MachineFit, *, date: str = "") -> str:
+    """Return the TOML of a machine file.
+
+    Parameters
+    ----------
+    fit : MachineFit
+    date : str
+        Of the blank tests, year-month-day; by default today.
+    """
+    machine = fit.machine
+    calibration = machine.calibration or MachineCalibration()
+    stated = {field.name: getattr(machine, field.name) for field in iterate_option_fields(machine)}
+    stated |= {name: getattr(calibration, name) for name in (*_MEASURED, *_PLAIN)}
+    lines = [f"# {byline('machine file, from blank tests')}", "", "[machine]"]
+    lines += [
+        f"{name.replace('_', '-')} = {_render(name, value)}"
+        for name, value in stated.items()
+        if value is not None
+    ]
+    origin: dict[str, Any] = {
+        "date": date or dt.datetime.now(dt.UTC).date().isoformat(),
+        "dashpot": __version__,
+        "verdict": fit.verdict.use,
+        "files": [record.file for record in fit.records],
+        "roles": [record.role for record in fit.records],
+        "sha256": [source.sha256 for source in fit.sources],
+    }
+    if fit.spring_stiffness is not None:
+        origin["spring-stiffness"] = f"{convert_to_unit(fit.spring_stiffness, 'N/mm'):.6g} N/mm"
+        origin["spring-error"] = f"{convert_to_unit(fit.spring_error or 0.0, '%'):.4g} %"
+    lines += ["", "[blank]", *(f"{name} = {json.dumps(value)}" for name, value in origin.items())]
+    lines += ["", "[blank.intervals]", *map(_render_interval, fit.found)]
+    return "\n".join([*lines, ""])
+
+
+def _render(name: str, value: float) -> str:
+    if name in _PLAIN:
+        return f"{value:.8g}"
+    return json.dumps(f"{convert_to_unit(value, _READ[name]):.7g} {_READ[name]}")
+
+
+def _render_interval(value: ReportedValue) -> str:
+    """Return a number found, with its 95 % interval, as a line of a table."""
+    cells = value.cells
+    text = " ".join(f"{cells.value} ({cells.interval}) {cells.unit}".split())
+    return f"{value.name.replace('_', '-')} = {json.dumps(text.replace(' ()', ''))}"
+
+
+def read_machine_file(path: str | Path, **_: Any) -> Machine:
+    """Return the machine that a machine file describes.
+
+    Raises
+    ------
+    ReadError
+        If it is no machine file, or a number of it cannot be used.
+    """
+    raw, tables = tables_of(path)
+    where = raw.name
+    if "machine" not in tables:
+        raise ReadError(
+            f"{where}: the table [machine] is missing. Write the file from blank tests: dashpot "
+            "fit stop.csv spring.csv empty.csv --kind blank -o rig.toml"
+        )
+    for name in tables:
+        if name not in {"machine", "blank"}:
+            raise ReadError(f"{where}: [{name}] is unknown; known are [machine] and [blank]")
+    options = {field.name: field for field in iterate_option_fields(Machine())}
+    names = (*options, *_MEASURED, *_PLAIN)
+    section = _open_section(f"{where}, [machine]", tables["machine"], names)
+    values: dict[str, Any] = {
+        name: section.quantity(name, field.metadata["unit"]) for name, field in options.items()
+    }
+    measured: dict[str, Any] = {
+        name: section.quantity(name, dimension) for name, dimension in _MEASURED.items()
+    }
+    measured |= {name: section.number(name) for name in _PLAIN}
+    measured = {name: value for name, value in measured.items() if value is not None}
+    _refuse_gain(where, measured)
+    source = _describe_origin(
+        where, _open_section(f"{where}, [blank]", tables.get("blank", {}), _ORIGIN)
+    )
+    if measured:
+        values["calibration"] = MachineCalibration(**measured, source=source)
+    try:
+        return Machine(**values)
+    except DataError as error:
+        raise ReadError(f"{where}: {error}") from None
+
+
+class MachineFields(Mapping[str, Any]):
+    """Fields of a machine that ``--machine FILE`` states; they are read when one is asked for."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    @cached_property
+    def fields(self) -> dict[str, Any]:
+        """Fields that are stated, SI."""
+        machine = read_machine_file(self.path)
+        names = [field.name for field in iterate_option_fields(machine)]
+        fields = {name: getattr(machine, name) for name in (*names, "calibration")}
+        return {name: value for name, value in fields.items() if value is not None}
+
+    def __getitem__(self, name: str) -> Any:
+        return self.fields[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.fields)
+
+    def __len__(self) -> int:
+        return len(self.fields)
+
+
+def _open_section(where: str, entries: Any, names: tuple[str, ...]) -> Section:
+    """Return a table whose keys may be typed with a dash or an underline."""
+    if isinstance(entries, Mapping):
+        entries = {name.replace("-", "_"): value for name, value in entries.items()}
+    return Section(where, entries, names)
+
+
+def _refuse_gain(where: str, measured: Mapping[str, float]) -> None:
+    gain = measured.get("gain", 1.0)
+    if not 0.1 < gain < 10:
+        raise ReadError(f"{where}: gain = {gain:.4g}; expected 0.1 to 10, such as 1.002")
+    for name in ("gain_error", "compliance_error"):
+        if measured.get(name, 0.0) < 0:
+            raise ReadError(
+                f"{where}: {name.replace('_', '-')} = {measured[name]:.4g}; expected a number >= 0"
+            )
+
+
+def _describe_origin(where: str, origin: Section) -> str:
+    """Return what the file is and how old, for people."""
+    date = origin.word("date")
+    text = f"machine file {where}"
+    if date is None:
+        return text
+    try:
+        made = dt.date.fromisoformat(date)
+    except ValueError:
+        raise ReadError(
+            f"{where}: date = {date!r}; expected year-month-day, such as 2026-11-21"
+        ) from None
+    age = (dt.datetime.now(dt.UTC).date() - made).days
+    text += f", measured {date} ({format_count(age, 'day') + ' ago' if age > 0 else 'today'})"
+    verdict = origin.word("verdict")
+    return text if verdict in {None, "use"} else f"{text}, verdict of its tests: {verdict}"

@@ -1,0 +1,146 @@
+"""Roles of blank tests: rigid stop, steel spring or empty run, by the record or as stated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import block_means
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import format_count
+from dashpot.base.units import format_quantity
+from dashpot.extensions.blank_tests.datamodel import ROLE_LABELS, BlankTest
+from dashpot.extensions.blank_tests.estimation import name_record, orient_channels
+from dashpot.signals.noise import scatter
+
+STIFFER = 4.0
+"""Times a spring's stiffness from which a part is a rigid stop."""
+SPRING = (0.6, 1.5)
+"""Stiffness of a spring in its machine, over what is stated of it."""
+_EMPTY, _LOADED = 0.02, 0.1
+"""Parts of the largest force of all records: below the first a run is empty, above the second
+something was pressed."""
+_NOISY = 12.0
+"""Scatter of a force that a run without a specimen may span."""
+_MEANS = 400
+
+
+class AssignedRole(NamedTuple):
+    """Role of a record, and what shows it."""
+
+    role: str
+    reason: str
+
+
+class Load(NamedTuple):
+    """Largest force of a record, N, its scatter, N, and force over displacement, N/m."""
+
+    force: float
+    noise: float
+    stiffness: float
+
+
+def measure_load(record: BlankTest) -> Load:
+    """Return how much a record loads, and how stiff what it pressed is."""
+    x, force = orient_channels(record)
+    few = max(len(force) // _MEANS, 1)
+    means, places = block_means(force, few), block_means(x, few)
+    peak = float(means.max())
+    loaded = means > 0.2 * peak
+    spans = float(np.ptp(places[loaded])) if loaded.any() else 0.0
+    stiffness = float(np.ptp(means[loaded])) / spans if spans > 0 else float("inf")
+    return Load(float(np.abs(means).max()), scatter(record.time, record.force), stiffness)
+
+
+def assign_roles(
+    records: Sequence[BlankTest], spring_stiffness: float | None = None
+) -> tuple[AssignedRole, ...]:
+    """Return what each record pressed.
+
+    A run is empty whose force is below 2 % of the largest of all, or within its own noise. A part
+    is the spring if its stiffness is .6 to 1.5 of the one stated, and a rigid stop from 4 times
+    that; without a stated one the stiffest is the stop if another is 4 times softer.
+
+    Raises
+    ------
+    DataError
+        If a record leaves that open: the sentence says what to state.
+    """
+    loads = [measure_load(record) for record in records]
+    largest = max(load.force for load in loads)
+    pressed = [
+        load.stiffness
+        for record, load in zip(records, loads, strict=True)
+        if not record.role and _is_loaded(record, load, largest)
+    ]
+    return tuple(
+        AssignedRole(record.role, "as stated")
+        if record.role
+        else _assign_role(record, load, largest, spring_stiffness, pressed)
+        for record, load in zip(records, loads, strict=True)
+    )
+
+
+def _is_loaded(record: BlankTest, load: Load, largest: float) -> bool:
+    """Return whether something was pressed.
+
+    Raises
+    ------
+    DataError
+        If that is open.
+    """
+    share = load.force / largest if largest > 0 else 0.0
+    if load.force <= _NOISY * load.noise or share < _EMPTY:
+        return False
+    if share > _LOADED:
+        return True
+    raise DataError(
+        f"{name_record(record)} rises to {format_quantity(load.force, 'N', '.3g')}, "
+        f"{100 * share:.2g} % of the largest force of these tests: neither an empty run nor a "
+        f"press for certain. {_ask(record)}"
+    )
+
+
+def _assign_role(
+    record: BlankTest, load: Load, largest: float, stated: float | None, pressed: Sequence[float]
+) -> AssignedRole:
+    if not _is_loaded(record, load, largest):
+        return AssignedRole("empty", f"its force stays within {_say_force(load.force)}")
+    shown = f"{format_quantity(load.stiffness, 'N/mm', '.3g')}"
+    if stated is not None:
+        ratio = load.stiffness / stated
+        if ratio >= STIFFER:
+            return AssignedRole("stop", f"{shown}, {ratio:.3g} times the stated spring")
+        if SPRING[0] <= ratio <= SPRING[1]:
+            return AssignedRole("spring", f"{shown}, near the stated spring")
+        raise DataError(
+            f"{name_record(record)} has {shown}, {ratio:.2g} times the stated spring: neither that "
+            f"spring nor a rigid stop for certain. Check the spring's stiffness. {_ask(record)}"
+        )
+    softest, stiffest = min(pressed), max(pressed)
+    if stiffest < STIFFER * softest:
+        raise DataError(
+            f"{name_record(record)} has {shown}, and {format_count(len(pressed), 'record')} of "
+            "these press a part: nothing shows whether it is a rigid stop or a spring. State the "
+            f"spring's stiffness (--spring-stiffness 1N/mm). {_ask(record)}"
+        )
+    if load.stiffness * STIFFER > stiffest * np.sqrt(STIFFER):
+        return AssignedRole("stop", f"{shown}, the stiffest")
+    if load.stiffness <= softest * np.sqrt(STIFFER):
+        return AssignedRole("spring", f"{shown}, the softest")
+    raise DataError(f"{name_record(record)} has {shown}, between two others. {_ask(record)}")
+
+
+def _say_force(force: float) -> str:
+    return format_quantity(force, "mN", ".2g")
+
+
+def _ask(record: BlankTest) -> str:
+    roles = [role for role in ROLE_LABELS if role]
+    name = name_record(record)
+    return (
+        f"State its role: --role {name}:{roles[0]}, or {' or '.join(roles[1:])} "
+        '(Python: dp.read(FILE, kind="blank", role="stop"))'
+    )
