@@ -49,10 +49,9 @@ from dashpot.extensions.batch import batch_run
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.batch.lot_options import OF_HAMMER_ALONE
-from dashpot.extensions.materials.hyperelastic.options import Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.extensions.materials.options import Measures, RodChoices
 from dashpot.extensions.materials.rod.datamodel import RodErrors
-from dashpot.extensions.materials.rod.options import RodChoices
 from dashpot.extensions.modes import fit_handler as modes_handler
 from dashpot.extensions.modes.job import ModesJob
 from dashpot.extensions.modes.mass_series_files import modes_by_mass

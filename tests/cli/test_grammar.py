@@ -19,7 +19,7 @@ from dashpot.cli import COMMANDS, main
 from dashpot.cli._command import LIMIT, WIDTH, CommandOption, DashpotCommand
 from dashpot.cli._param_types import Keyed, Scoped, Units, format_suggestion
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
-from dashpot.extensions.materials.hyperelastic.options import MODES
+from dashpot.extensions.materials.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
 VERBS = (

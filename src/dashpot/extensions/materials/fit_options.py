@@ -9,10 +9,8 @@ import click
 from dashpot.cli._command import CommandOption, build_options, group, opt
 from dashpot.cli._options import VIBRATION
 from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range
-from dashpot.extensions.materials.drop.options import DropOptions
-from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.indentation.indenter import Indenter
-from dashpot.extensions.materials.rod.options import RodChoices
+from dashpot.extensions.materials.options import MODES, DropOptions, Measures, RodChoices
 
 
 class LowHigh(click.ParamType[Any]):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.cli._command import CommandOption, build_options
-from dashpot.extensions.materials.drop.options import DropOptions
+from dashpot.extensions.materials.options import DropOptions
 
 
 def list_of_prediction(kinds: str) -> list[CommandOption]:

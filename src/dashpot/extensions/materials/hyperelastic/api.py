@@ -45,7 +45,7 @@ def read_stress_strain_record(
     path: str | Path, given: dict[str, Any], how: Mapping[str, Any]
 ) -> Any:
     """Read a test of stress over strain."""
-    from dashpot.extensions.materials.hyperelastic.options import MODES
+    from dashpot.extensions.materials.options import MODES
 
     word = how.get("test", "uniaxial")
     if word not in MODES:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dashpot.base.option_fields import FormData, FormField
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
 from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_files
-from dashpot.extensions.materials.hyperelastic.options import MODES
+from dashpot.extensions.materials.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), each=True),)

@@ -18,9 +18,9 @@ from dashpot.extensions.materials.hyperelastic.law_least_squares import (
 from dashpot.extensions.materials.hyperelastic.strain_energy import (
     SHEARING,
     Hyperelastic,
-    Mode,
     direction,
 )
+from dashpot.extensions.materials.options import Mode
 from dashpot.numerics.inference.covariance_estimate import DerivedQuantity
 
 FOLLOWED = 0.05

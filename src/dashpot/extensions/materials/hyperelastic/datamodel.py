@@ -21,7 +21,8 @@ from dashpot.base.provenance import Source, describe_record_source, sources_of
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic, Mode
+from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic
+from dashpot.extensions.materials.options import Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 LEAST_ROWS = 4

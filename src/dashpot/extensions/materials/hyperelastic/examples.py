@@ -9,7 +9,8 @@ import numpy as np
 
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
-from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic, Mode
+from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic
+from dashpot.extensions.materials.options import Mode
 from dashpot.registry import Example
 
 _RUBBER = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))

@@ -8,7 +8,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit
-from dashpot.extensions.materials.hyperelastic.strain_energy import SHEARING, Mode
+from dashpot.extensions.materials.hyperelastic.strain_energy import SHEARING
+from dashpot.extensions.materials.options import Mode
 from dashpot.plot.picture import (
     FIT,
     PREDICTED,

@@ -34,9 +34,9 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import (
     POWERS,
     SHEARING,
     Hyperelastic,
-    Mode,
     direction,
 )
+from dashpot.extensions.materials.options import Mode
 from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -11,8 +11,8 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.hyperelastic.datamodel import HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindAsked
-from dashpot.extensions.materials.hyperelastic.options import MODES, Measures
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
+from dashpot.extensions.materials.options import MODES, Measures
 from dashpot.extensions.materials.relaxation_model import normalise_relaxation
 from dashpot.reading.read_options import ReadOptions
 

@@ -12,8 +12,8 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
-from dashpot.extensions.materials.hyperelastic.options import Measures
-from dashpot.extensions.materials.hyperelastic.strain_energy import Mode, poisson_of
+from dashpot.extensions.materials.hyperelastic.strain_energy import poisson_of
+from dashpot.extensions.materials.options import Measures, Mode
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.role_assignment import format_column, handle, score_columns
 from dashpot.reading.columns.vocabulary import Role

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -36,8 +36,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import require_choice
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKind
+from dashpot.extensions.materials.options import Mode
 
-Mode: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "volumetric"]
 SHEARING: tuple[Mode, ...] = ("uniaxial", "equibiaxial", "planar")
 """The modes that change the shape."""
 POWERS: MappingProxyType[ElasticKind, tuple[tuple[int, int], ...]] = MappingProxyType({

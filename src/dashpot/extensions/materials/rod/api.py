@@ -10,7 +10,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
-from dashpot.extensions.materials.rod.options import RodChoices
+from dashpot.extensions.materials.options import RodChoices
 from dashpot.solids.part_geometry import Block, Disc
 from dashpot.workflow.job import HammerChoices
 

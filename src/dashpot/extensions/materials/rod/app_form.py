@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import FormData, FormField
+from dashpot.extensions.materials.options import RodChoices
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
-from dashpot.extensions.materials.rod.options import RodChoices
 from dashpot.reading.read_options import ReadOptions
 
 _WATER = 1000.0

@@ -20,9 +20,9 @@ from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.options import RodChoices
 from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
 from dashpot.extensions.materials.rod.fit import fit_rod
-from dashpot.extensions.materials.rod.options import RodChoices
 from dashpot.extensions.materials.rod.wave_equation import rod_modulus
 from dashpot.reading.read_options import ReadOptions
 from dashpot.solids.part_geometry import Block, Disc
