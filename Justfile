@@ -1,5 +1,10 @@
 # The tasks of the house; `just` alone lists them.
 
+# .venv/bin/just finds its tools beside it: no environment needs to be activated
+tools := parent_directory(just_executable())
+separator := if os() == "windows" { ";" } else { ":" }
+export PATH := if path_exists(tools / "ruff") == "true" { tools + separator + env("PATH") } else { env("PATH") }
+
 default:
     @just --list
 
@@ -29,6 +34,10 @@ test *args:
 structure *args:
     python tests/kit/structure.py {{args}}
 
+# README's two set-up lines, in a fresh clone and an empty environment; one of them: main or tests
+readme which="all":
+    .ci/readme {{which}}
+
 # the statistical sweeps that are too long for every run
 slow *args:
     pytest -m slow {{args}}
@@ -42,6 +51,8 @@ nightly:
     night="$room/night"
     export HYPOTHESIS_PROFILE=night
     failed=0
+    mkdir -p "$night"
+    just readme > "$night/readme.txt" || failed=1
     pytest -q -m slow --junitxml "$night/slow.xml" || failed=1
     DASHPOT_FUZZ=1 pytest -q -m fuzz --junitxml "$night/fuzz.xml" || failed=1
     just release || failed=1

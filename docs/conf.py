@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -127,11 +128,36 @@ def sentence(_app: Sphinx, what: str, *rest: object) -> None:
         rest[-1][:0] = ["..", ""]  # an empty comment stands where the type would
 
 
+def part_commands(_app: Sphinx, tree: nodes.document) -> None:
+    """Part each command of a session from its output, so that it wraps where the output scrolls."""
+    for block in list(tree.findall(nodes.literal_block)):
+        lines = block.astext().splitlines()
+        if block.get("language") == "sh" or all(line.startswith("dashpot ") for line in lines):
+            block["classes"].append("typed")
+        if block.get("language") != "console":
+            continue
+        parts = []
+        for command in re.split(r"^(?=\$ )", block.astext(), flags=re.M):
+            first, _, output = command.partition("\n")
+            if first:
+                parts.append(
+                    nodes.literal_block(first, first, language="console", classes=["typed"])
+                )
+            # a line that names the next command is one, too
+            for text in filter(str.strip, re.split(r"^(next: .*\n?)", output, flags=re.M)):
+                kind = "typed" if text.startswith("next: ") else "printed"
+                lines = text.removesuffix("\n")
+                parts.append(nodes.literal_block(lines, lines, language="text", classes=[kind]))
+        whole = nodes.container("", *parts, classes=["session"])
+        block.replace_self(whole)
+
+
 def setup(app: Sphinx) -> None:
     """Register the renderer, and draw the gallery before anything is read."""
     app.add_directive("commands", Commands)
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("source-read", trimmed)
+    app.connect("doctree-read", part_commands)
     app.connect("doctree-read", shallow, priority=900)
     app.connect("autodoc-process-docstring", sentence, priority=100)
     app.connect("builder-inited", lambda _: pictures.gallery())

@@ -166,12 +166,12 @@ def _in_a_shell(text: str) -> str:
     lines = text.rstrip().splitlines()
     wide, high = 8 * max(map(len, lines)) + 32, 18 * len(lines) + 32
     rows = "".join(
-        f'<text x="16" y="{18 * row + 30}">{html.escape(line)}</text>'
+        f'<text x="16" y="{18 * row + 30}" style="white-space:pre" xml:space="preserve">'
+        f"{html.escape(line)}</text>"
         for row, line in enumerate(lines)
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" '
-        'style="white-space:pre" '
         'font-family="DejaVu Sans Mono, Consolas, monospace" font-size="13" fill="#e8e8e8">'
         f'<rect width="100%" height="100%" rx="8" fill="#1e2430"/>{rows}</svg>'
     )

@@ -44,6 +44,7 @@ from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.shift_law_fit import LawScore, ShiftOutlier
 from dashpot.extensions.curves.superposition import checks
 from dashpot.extensions.curves.temperatures import checks as several
+from dashpot.extensions.dynamic_stiffness import checks as dynamic_stiffness
 from dashpot.extensions.materials.cld import checks as cld
 from dashpot.extensions.materials.csr import checks as csr
 from dashpot.extensions.materials.drop import checks as drop
@@ -1334,6 +1335,16 @@ CSR = [
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
+DYNAMIC_STIFFNESS = [
+    Case(
+        "frequencies_in_valid_band",
+        lambda x: dynamic_stiffness.frequencies_in_valid_band((5.0, 10 * x), (1.0, 10.0)),
+        0.999,
+        1.001,
+    ),
+    Case("loss_factor_determined_at", dynamic_stiffness.loss_factor_determined_at, 0.299, 0.301),
+]
+
 DROP = [
     Case(
         "impact_within_measured_depth",
@@ -1936,6 +1947,7 @@ STAGES = {
     "extensions/amplitude": LEVEL,
     "extensions/materials/csr": CSR,
     "extensions/materials/rod": ROD,
+    "extensions/dynamic_stiffness": DYNAMIC_STIFFNESS,
     "extensions/materials/drop": DROP,
     "extensions/batch": LOTS,
     "planning": PLANNING,
@@ -2101,6 +2113,9 @@ LIMITS = {
         "load_cell_zero_stable": 3,
         "temperature_near_ovens": 30, "robust_to_lower_activation_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1,
+    },
+    "extensions/dynamic_stiffness": {
+        "frequencies_in_valid_band": 1, "loss_factor_determined_at": 0.3,
     },
     "extensions/materials/drop": {
         "impact_within_measured_depth": 1, "impact_in_valid_band": 1, "air_escapes": 0.1,

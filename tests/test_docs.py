@@ -320,6 +320,70 @@ def test_readme_has_two_setup_lines_and_the_gate_runs_the_second():
     )
     assert pattern is not None
     assert [line for line in README.splitlines() if re.search(pattern[1], line)] == [lines[1]]
+    install = (ROOT / "docs" / "install.md").read_text("utf-8").splitlines()
+    assert lines[0] in install
+    windows = lines[0].replace("python3", "py").replace(".venv/bin/", ".venv\\Scripts\\")
+    assert windows in install
+
+
+def test_readme_prints_what_the_main_job_prints(bench):
+    """Number by number, to one of its last digit: the digits are those of this very run."""
+    (job,) = (one for one in typed(README) if one.prints and "Peak at" in one.prints)
+    _, name, *words = shlex.split(job.line)
+    printed = CliRunner().invoke(main, [name, *words]).output.splitlines()
+    rows = [" ".join(row.split()) for row in job.prints.splitlines()]
+    compared = 0
+    for row in rows:
+        said = row.removesuffix(" ...")
+        if said in {"...", ""}:
+            continue
+        where = DECIMAL.sub("#", said)
+        found = [line for line in map(" ".join, map(str.split, printed))
+                 if DECIMAL.sub("#", line).startswith(where)]  # fmt: skip
+        assert found, f"{row}\n--- printed\n" + "\n".join(printed)
+        for wanted, got in zip(DECIMAL.findall(said), DECIMAL.findall(found[0]), strict=False):
+            last = 10.0 ** -len(wanted.partition(".")[2])
+            assert abs(float(wanted) - float(got)) <= 1.001 * last, (row, found[0])
+            compared += 1
+    assert compared > 20
+
+
+HIDDEN = {
+    "a force 5 % too large": "a force 5 % too large, alone or with another fault",
+    "a network that flows with a power of its force":
+        "two networks, one of which flows with a power of its force",
+    "an arm that does": "an arm that flows with the second to fifth power of its force",
+    "a change of temperature in the hold, .5 to 2.4 K":
+        "seals that warm or cool by .5 to 2.4 K in the hold",
+    "earlier loadings, cut off and ignored": "seed 31, ignored",
+    "the same loadings, in the file": "seed 31, included",
+    "an unstated compliance of 50 µm/N": "compliance 50 um/N",
+    "aliased mains hum": "mains hum aliased by a slow converter",
+    "an arm slower than the hold, with a hammer test":
+        "an arm slower than the hold, both tests",
+}  # fmt: skip
+"""What docs/limits.md calls a row of docs/bounds.md."""
+
+
+def test_counts_of_the_limits_page_are_those_of_the_measured_tables():
+    """Records, those with *use* and the wrong ones of these; some tables give shares of records."""
+    measured = {}
+    for line in (ROOT / "docs" / "bounds.md").read_text("utf-8").splitlines():
+        label, *cells = [cell.strip() for cell in line.strip("|").split("|")]
+        measured.setdefault(label, []).append(cells)
+    page = (ROOT / "docs" / "limits.md").read_text("utf-8")
+    rows = re.findall(r"^\| (.+?) \| (\d+) \| (\d+) \| (\d+) \|$", page, re.M)
+    assert [label for label, *_ in rows] == list(HIDDEN)
+    for label, *counts in rows:
+        records, used, wrong = map(int, counts)
+        found = [
+            cells
+            for cells in measured[HIDDEN[label]]
+            if int(cells[0]) == records
+            and (str(used) in cells or f"{used / records:.2f}" in cells)
+            and (str(wrong) in cells or f"{wrong}/{wrong}" in cells)
+        ]
+        assert found, (label, counts, measured[HIDDEN[label]])
 
 
 def test_pictures_of_the_readme_exist():

@@ -183,7 +183,7 @@ def test_every_sample_of_an_impact_test_knows_its_record(tmp_path):
 def test_without_the_library_the_extra_is_named(nouns, monkeypatch):
     for library in ("pandas", "xarray"):
         monkeypatch.setitem(sys.modules, library, None)  # as if it were not installed
-        with pytest.raises(dp.DataError, match=r'pip install "dashpot\[frames\]"'):
+        with pytest.raises(dp.DataError, match=f"{library} is not installed; install it with: "):
             getattr(nouns["FRF"], f"to_{library}")()
 
 

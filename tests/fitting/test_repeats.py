@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from kit.shell import ran
 from kit.trials import Bench, Seal, record, relaxation_test
 
 import dashpot as dp
@@ -101,3 +103,20 @@ def test_several_depths_and_temperatures_are_not_lots():
         for seed, (seal, kelvin) in enumerate([(PAPER.scaled(1.5), 253.0), (PAPER, 296.0)])
     )
     assert same_specimen(end_stiffnesses([cold, warm])).passed is None
+
+
+def test_specimens_in_one_fit_are_answered_with_the_whole_batch_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = []
+    for i, scale in enumerate((1.0, 1.1, 0.9)):
+        test = pressed(PAPER.scaled(scale), seed=i)
+        columns = (test.time, 1e3 * test.displacement, test.force)
+        rows = "\n".join(map("{:.4f},{:.5f},{:.6f}".format, *columns))
+        names.append(f"seal {i}.csv")
+        (tmp_path / names[-1]).write_text(f"time [s],displacement [mm],force [N]\n{rows}\n")
+    told = ran("fit", *names)
+    verdict = " ".join(told.stdout.split())
+    assert re.match(r"Do not use: tests \d and \d are not of one seal\.", verdict), told.stdout
+    assert "next: dashpot batch 'seal 0.csv' 'seal 1.csv' 'seal 2.csv' -o lot" in told.stderr, (
+        told.stderr
+    )

@@ -354,7 +354,7 @@ def test_dma_export(tmp_path: Path) -> None:
 def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tdms(tmp_path / "a.tdms")
     monkeypatch.setitem(sys.modules, "nptdms", None)
-    with pytest.raises(ReadError, match=r'npTDMS; install it with pip install "dashpot\[io\]"'):
+    with pytest.raises(ReadError, match="npTDMS; install it with: "):
         read_impact(tmp_path / "a.tdms")
 
 

@@ -26,7 +26,7 @@ P = ParamSpec("P")
 Grade = Literal["note", "limit", "stop"]
 GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
-Use = Literal["use", "use with care", "do not use"]
+Use = Literal["use", "no test", "use with care", "do not use"]
 _USES_BY_SEVERITY: tuple[Use, ...] = get_args(Use)
 
 #: how a value is held against a limit; ``"|x| <="`` asks for its size, ``"x/"`` for a factor
@@ -146,7 +146,7 @@ class Verdict(Serialisable):
     Attributes
     ----------
     use : str
-        ``"use"``, ``"use with care"`` or ``"do not use"``.
+        ``"use"``, ``"use with care"``, ``"do not use"``, or ``"no test"`` where nothing was tested.
     message : str
         The sentences that lead every report of the result: the number its reader came for and
         where it holds; or why not, and what to do.

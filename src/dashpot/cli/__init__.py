@@ -6,7 +6,7 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
@@ -14,6 +14,7 @@ import click
 
 from dashpot.base.version import __version__
 from dashpot.registry import COMMANDS as ROWS
+from dashpot.registry import find_handler
 
 # the matrices are small: threads of BLAS beside the one that works wait for it at full load. Named
 # before NumPy is loaded; who names another number is heeded
@@ -25,24 +26,6 @@ for _name in ("OMP", "OPENBLAS", "MKL"):
 atexit.register(gc.freeze)
 
 COMMANDS = {command.name: command.help for command in ROWS.values()}
-
-
-_ASKED_AS_OPTIONS = {"help": "--help", "version": "--version"}
-"""Words that other programs take for a command."""
-
-
-def _suggest_command(name: str, rest: Sequence[str]) -> str:
-    """Return what to type in place of a word that is no command."""
-    import shlex
-
-    from dashpot.cli._param_types import format_suggestion
-
-    if name in _ASKED_AS_OPTIONS:
-        names = [word for word in rest[:1] if word in COMMANDS]
-        return f"Type: {shlex.join(['dashpot', *names, _ASKED_AS_OPTIONS[name]])}"
-    if os.path.exists(name):
-        return f"To see what it is: dashpot inspect {shlex.quote(name)}"
-    return format_suggestion(name, COMMANDS)
 
 
 class _Lazy(click.Group):
@@ -75,7 +58,8 @@ class _Lazy(click.Group):
         """Answer a word that is no verb with the line that is meant."""
         name, *others = args
         if name not in COMMANDS and not name.startswith("-"):
-            ctx.fail(f"There is no command '{name}'. {_suggest_command(name, others)}")
+            suggestion = find_handler("suggest", "command")(name, others)
+            ctx.fail(f"There is no command '{name}'. {suggestion}")
         return super().resolve_command(ctx, args)
 
     def main(self, *given: Any, **how: Any) -> Any:

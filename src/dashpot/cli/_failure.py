@@ -18,9 +18,8 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.plain_text import escaped_json
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.version import __version__
-from dashpot.cli import COMMANDS
-from dashpot.cli._command import CommandOption
 from dashpot.cli._terminal import to_stderr, to_stdout
+from dashpot.registry import find_handler
 
 BAD, FAULT, INTERRUPTED = 2, 3, 130
 """Exit codes: bad input or usage, a fault of dashpot's own, stopped by the user."""
@@ -68,16 +67,18 @@ def _failure(error: BaseException) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
         if isinstance(error, click.NoSuchOption):
-            similar = " or ".join(_find_similar_options(error))
-            correction = f" Did you mean {similar}?" if similar else ""
+            context = error.ctx
+            suggestion = context and find_handler("suggest", "option")(
+                context.command, context.parent, error.option_name
+            )
+            # without click's own suggestions
             error = click.NoSuchOption(
-                error.option_name, f"{error.message}{correction}", ctx=error.ctx
+                error.option_name, f"{error.message} {suggestion or ''}".rstrip(), ctx=context
             )
         page = io.StringIO()
         error.show(page)
-        hint = _hint(error)
-        message = _plainly(error.format_message()) + hint
-        shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n"))) + hint
+        message = _plainly(error.format_message())
+        shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n")))
         return Failure("UsageError", message, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
         text = str(error.__cause__ or error)  # click aborts because of the interrupt
@@ -107,52 +108,6 @@ def _plainly(message: str) -> str:
     """Return a refusal of click in words that no programmer is needed for."""
     whole = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
     return whole.replace("is not a valid float", "is no number")
-
-
-def _hint(error: click.ClickException) -> str:
-    """Say which command has one that this one lacks."""
-    context = getattr(error, "ctx", None)
-    if context is None or context.parent is None:
-        return ""
-    if isinstance(error, click.NoSuchOption):
-        having = ", ".join(_having(error))
-        if having:
-            return f" {error.option_name} is an option of dashpot {having}. Leave it out here."
-    return ""
-
-
-def _find_similar_options(error: click.NoSuchOption) -> list[str]:
-    """Return options of this command that may be meant, as help shows them.
-
-    None where another command has the very option.
-    """
-    if error.ctx is None or _having(error):
-        return []
-    shown = {
-        spelling: option.flag
-        for option in error.ctx.command.params
-        if isinstance(option, CommandOption)
-        for spelling in option.list_spellings()
-    }
-    return sorted({shown.get(name, name) for name in error.possibilities or ()})
-
-
-def _having(error: click.NoSuchOption) -> list[str]:
-    """Return the other commands that have an option which this one lacks."""
-    context = error.ctx.parent if error.ctx else None
-    if context is None or not isinstance(context.command, click.Group):
-        return []
-    every = {name: context.command.get_command(context, name) for name in COMMANDS}
-    return [
-        name
-        for name, command in every.items()
-        if command
-        and any(
-            error.option_name in param.list_spellings()
-            for param in command.params
-            if isinstance(param, CommandOption)
-        )
-    ]
 
 
 def _format_example_hint(cause: BaseException | None) -> str:

@@ -218,7 +218,9 @@ class ChoiceWithSuggestion(click.Choice[str]):
         self.plugins, self.synonyms = plugins, synonyms
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        value = self.synonyms.get(str(value).lower(), value)
+        key = str(value).lower()
+        folded = {choice.lower(): choice for choice in self.choices} | dict(self.synonyms)
+        value = folded.get(key) or folded.get(re.sub("[-_ ]", "", key), value)
         if value not in self.choices and not self._is_plugin(str(value)):
             message = f"'{value}' is unknown. {format_suggestion(str(value), self.choices)}"
             self.fail(message + self._more(), param, ctx)

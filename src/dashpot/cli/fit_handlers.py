@@ -221,6 +221,8 @@ def format_shift_table(fit: dp.Fit) -> str:
 
 
 def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
+    if any(check.name == "same_specimen" and check.failed for check in fit.checks):
+        return format_command("batch", *request.files, "-o", "lot", why="fits each specimen")
     if not request.output or request.page:
         why = "keeps it for predict, compare, export"
         return format_command(

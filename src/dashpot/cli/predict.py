@@ -58,6 +58,7 @@ def _fits(kind: KindOfTest) -> list[str]:
             metavar="TEMPERATURE",
             help="Temperature of the seals.",
         ),
+        *find_handler("options", "stiffness")(_SOLID),
         opt("--base", kinds=_SOLID, help="The base moves: transmissibility."),
         opt(
             "--base-psd",
@@ -82,7 +83,7 @@ def _fits(kind: KindOfTest) -> list[str]:
             kinds=_SOLID,
             help="Resonance at an amplitude, e.g. 0.5N.",
         ),
-        build_options(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
+        mark_advanced(build_options(LevelChoices, "sweep", into="at_level", kinds=_SOLID)),
         *(
             build_options(load_object(kind.predict_options), kinds=kind.name, leave=_fits(kind))
             for kind in PREDICTED
@@ -234,7 +235,7 @@ def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> Comman
             and option.names.isdisjoint(names)
         ):
             raise click.UsageError(
-                f"{option.flag} is for a vibration, and {flag} is one hit. Leave out one of them."
+                f"{option.flag} is for a vibration, and {flag} is not. Leave out one of them."
             )
     return _write_prediction(
         predict(workflow.read_fit(path), **{name: stated[name] for name in names}),

@@ -113,9 +113,10 @@ def unit_system(name: str | None) -> UnitSystem:
     """
     if name is None:
         return UNIT_SYSTEMS["SI"]
-    if name not in UNIT_SYSTEMS:
+    folded = {word.lower(): system for word, system in UNIT_SYSTEMS.items()}
+    if name.lower() not in folded:
         raise ExportError(f"'{name}' is no unit system; {_UNITS_ASKED}")
-    return UNIT_SYSTEMS[name]
+    return folded[name.lower()]
 
 
 def text(value: float) -> str:

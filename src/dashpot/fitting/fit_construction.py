@@ -249,16 +249,15 @@ def run_relaxation_checks(
     window = RelaxationWindow(
         record_window(records), "the record", (" (two samples)", " (the hold)")
     )
-    answers = [
+    # that the tests are of one specimen comes first: nothing else is wrong where they are not
+    return [
+        *([same_specimen(end_stiffnesses(records))] if len(records) > 1 else ()),
         *check_records(records, method=method, solids=[model] * len(records)),
         hold_long_enough(end),
         *run_solid_checks(
             records, model, error, residuals, window, end=end, needed=needed, in_arms=in_arms
         ),
     ]
-    if len(records) > 1:
-        answers.append(same_specimen(end_stiffnesses(records)))
-    return answers
 
 
 class RelaxationWindow(NamedTuple):

@@ -11,6 +11,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
+from dashpot.base.number_format import duration
 from dashpot.base.plain_text import sentence
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import Quantity, convert_to_si, convert_to_unit, format_quantity
@@ -179,7 +180,7 @@ def _find_faster_ramp(
     if not good:
         return "", None
     best = max(good, key=lambda e: e.ramp_time)
-    how = f"ramp in {best.ramp_time:.3g} s" if best.ramp_time < expected.ramp_time else ""
+    how = f"ramp in {duration(best.ramp_time)}" if best.ramp_time < expected.ramp_time else ""
     fit = "fit ramp and hold together" if best.method != expected.method else ""
     return " and ".join(part for part in (how, fit) if part), best
 

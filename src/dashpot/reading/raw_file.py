@@ -20,6 +20,7 @@ from typing import Any, BinaryIO
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.plain_text import escape_terminal_text
+from dashpot.registry import find_handler
 
 # Time limit of reading a file.
 
@@ -287,6 +288,5 @@ def extra(module: str, package: str, what: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
-        raise ReadError(
-            f'{what} need the package {package}; install it with pip install "dashpot[io]"'
-        ) from None
+        advice = find_handler("install command", "extra")("io")
+        raise ReadError(f"{what} need the package {package}; install it with: {advice}") from None

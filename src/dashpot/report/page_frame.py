@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 # Templates, filters, marks and security policy.
 
 
-VERDICT_COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
+VERDICT_COLOURS: dict[Use, str] = {
+    "use": "good", "no test": "note", "use with care": "care", "do not use": "bad",
+}  # fmt: skip
 """The style of each verdict; its words stand beside the colour."""
 
 

@@ -88,7 +88,7 @@ CHECK_LINES = 3
 MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
 """How a failed check is marked and coloured, by its grade."""
 
-USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
+USES = {"use": "green", "use with care": "yellow", "do not use": "red", "no test": "blue"}
 """The colours of a verdict."""
 
 

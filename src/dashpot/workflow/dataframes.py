@@ -14,6 +14,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict
 from dashpot.datamodel.fit import Fit
+from dashpot.registry import find_handler
 from dashpot.workflow.study import Study
 
 
@@ -61,9 +62,8 @@ def library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        raise DataError(
-            f'{name} is not installed; pip install "dashpot[frames]" brings it'
-        ) from None
+        advice = find_handler("install command", "extra")("frames")
+        raise DataError(f"{name} is not installed; install it with: {advice}") from None
 
 
 @singledispatch

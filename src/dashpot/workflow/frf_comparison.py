@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.checks import Check, Use, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import HasVerdict, Series
 from dashpot.base.serialisation import Key, Serialisable
@@ -182,7 +182,8 @@ class FRFComparison(HasVerdict, Serialisable):
         if select_failed_stops(self.comparison.measured):
             return new_verdict
         if self.in_sample:
-            return replace(new_verdict, message=self._circular())
+            use: Use = "no test" if new_verdict.use == "use" else new_verdict.use
+            return replace(new_verdict, use=use, message=self._circular())
         if not self.mass_inferred:
             return replace(new_verdict, message=self.comparison.message)
         return replace(
@@ -194,8 +195,7 @@ class FRFComparison(HasVerdict, Serialisable):
     def _circular(self) -> str:
         """Return what a comparison with the hits that were fitted shows."""
         off = 100 * self.comparison.frequency_error
-        message = f"The peak frequency is off by {off:+.2g} %. No test"
-        first = f"{message}, because the fit was made from these hits."
+        first = f"The peak frequency is off by {off:+.2g} %. The fit was made from these hits."
         if self.unmeasured is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * value for value in self.unmeasured.height_error)

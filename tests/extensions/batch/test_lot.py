@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import random
 import shutil
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import time
 from io import BytesIO
+from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
@@ -477,3 +479,28 @@ def test_a_path_that_names_nothing_is_refused(tmp_path):
             batch(tmp_path / path, **QUICK)
     with pytest.raises(ReadError, match="no file is there"):
         batch(tmp_path, **QUICK)
+
+
+def test_texts_and_pictures_of_a_folder_are_ignored_by_name(folder, tmp_path):
+    shutil.copy(folder / "lotA_seal0_rep0.csv", tmp_path)
+    (tmp_path / "readme.txt").write_text("Five seals of batch 7.\nMeasured on 3 Nov 2026 by K.\n")
+    (tmp_path / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0")
+    (tmp_path / "cut.txt").write_text("time;displacement;force\n")
+    found = batch(tmp_path, output=tmp_path / "lot", jobs=1, **QUICK)
+    assert found.outcomes == {"ignored": 2, "fitted": 1, "refused": 1}
+    assert {Path(file).name for file in found.ignored_files} == {"readme.txt", "photo.jpg"}
+    assert found.checks[0].message.startswith("1 of 2 files")
+
+
+def test_csv_begins_with_the_verdict_and_has_no_empty_column(folder, tmp_path):
+    for i in range(2):
+        shutil.copy(folder / f"lotA_seal{i}_rep0.csv", tmp_path)
+    lot = batch(tmp_path, output=tmp_path / "lot", jobs=1, **QUICK)
+    rows = list(csv.DictReader(lot.csv().splitlines()[1:]))
+    names = list(rows[0])
+    assert names[:5] == ["file", "lot", "seal", "repeat", "kind"]
+    assert names[-2:] == ["sha256", "key"]
+    assert "k_end_N_per_m" in names
+    assert "cld_force_N" not in names
+    always = {"file", "kind", "outcome", "verdict", "reason"}
+    assert all(any(row[name] for row in rows) for name in set(names) - always)

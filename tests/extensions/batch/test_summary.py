@@ -199,7 +199,7 @@ def test_workbook_is_recognised_and_reproducible():
 
 def test_workbook_refers_tests_over_the_sheet_limit_to_the_table(monkeypatch):
     found = summary(lot_of(scattered(1, 3, 2)))
-    for rows, width in ((6, found.lot.table.width), (5, 1)):
+    for rows, width in ((6, found.lot.written_table().width), (5, 1)):
         monkeypatch.setattr(workbooks, "_SHEET_ROWS", rows)
         book = openpyxl.load_workbook(BytesIO(workbook(found)))
         assert book["tests"].max_column == width

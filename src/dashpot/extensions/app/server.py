@@ -26,7 +26,7 @@ from dashpot.extensions.app.upload_store import Store, TooLargeError, remove_sta
 from dashpot.extensions.app.words import format_for_page
 from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
 from dashpot.plot import style
-from dashpot.registry import plugins
+from dashpot.registry import find_handler, plugins
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -341,7 +341,8 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     try:
         import uvicorn
     except ImportError:
-        raise DataError('the app needs its extra: pip install "dashpot[app]"') from None
+        advice = find_handler("install command", "extra")("app")
+        raise DataError(f"the app needs its extra; install it with: {advice}") from None
     os.environ[plugins.SWITCH] = plugins.OFF  # a page may name none: who types a command does
     # only where the protocol is named does asyncio turn off the wait for a fuller packet, 40 ms
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)

@@ -19,6 +19,7 @@ from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
 from dashpot.extensions.batch.process_pool import Chunk, Executor, Rows
+from dashpot.registry import find_handler
 
 PATIENCE = 10.0
 """Seconds for the scheduler to answer, and for a first worker to be there."""
@@ -40,9 +41,10 @@ def cluster(address: str) -> Iterator[Executor]:
     try:
         import distributed
     except ImportError:
+        advice = find_handler("install command", "extra")("batch,cluster")
         raise ExportError(
-            "a cluster is one of dask.distributed, which is not installed: "
-            'pip install "dashpot[batch,cluster]"'
+            "a cluster is one of dask.distributed, which is not installed; install it with: "
+            f"{advice}"
         ) from None
     with _silent(), closing(_open_client(distributed, address)) as client:
         side = sum(client.nthreads().values())

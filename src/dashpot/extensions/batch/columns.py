@@ -16,10 +16,20 @@ TEXTS = (
     "file", "sha256", "hammer", *LABELS, "kind", "outcome", "verdict", "agreement",
     "reason", "failed_checks", "status", "method", "version", "origin",
 )  # fmt: skip
-"""The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, or one of `AGAIN`.
+"""The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, ``ignored``, or one of
+`AGAIN`.
 
 `origin` is ``simulated`` where a file of the row says so.
 """
+LEADING = ("file", *LABELS, "kind", "outcome", "verdict", "reason")
+"""The columns with which a written table begins."""
+TRAILING = (
+    "failed_checks", "status", "method", "arms", "samples", "bytes", "origin", "version", "hammer",
+    "sha256", "key",
+)  # fmt: skip
+"""The columns with which a written table ends: what a file is, rather than what its test says."""
+ALWAYS = ("file", "kind", "outcome", "verdict", "reason")
+"""The columns that are written even where they are empty."""
 AGAIN = ("died", "changed")
 """Outcomes that another run may mend: such a file is tried again."""
 COUNTS = ("bytes", "samples", "arms")

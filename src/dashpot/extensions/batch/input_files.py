@@ -32,6 +32,39 @@ _HEAD = 1 << 12
 LOG = "batch.log"
 _LOGGED = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
 _PART = re.compile(r"part-[0-9a-f]{16}\.parquet")
+NO_TABLE = "it is no table of numbers"
+"""Why a text or picture of a folder is not read."""
+_NEVER_TABLES = frozenset(
+    [
+        ".avif",
+        ".bmp",
+        ".doc",
+        ".docx",
+        ".gif",
+        ".htm",
+        ".html",
+        ".jpeg",
+        ".jpg",
+        ".md",
+        ".pdf",
+        ".png",
+        ".ppt",
+        ".pptx",
+        ".py",
+        ".rst",
+        ".sh",
+        ".svg",
+        ".tif",
+        ".tiff",
+        ".webp",
+        ".yaml",
+        ".yml",
+    ]
+)
+"""Endings of files that hold texts and pictures."""
+_PROSE = frozenset(("", ".log", ".text", ".txt"))
+"""Endings of files that hold texts, or tables."""
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,8 +307,10 @@ def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
         for file in sorted(files):
             path = Path(above) / file
             aside = "" if file.startswith(".") else _aside(path, inside)
-            if aside or (not file.startswith(".") and path.is_file() and not _result(path)):
+            if aside:
                 yield str(path), aside
+            elif not file.startswith(".") and path.is_file() and not _result(path):
+                yield str(path), NO_TABLE if _is_prose(path) else ""
 
 
 def _aside(path: Path, folder: Path) -> str:
@@ -285,6 +320,36 @@ def _aside(path: Path, folder: Path) -> str:
     if path.exists() and not path.is_file():
         return "a device, a pipe or a socket is no file of a folder; name it to read it"
     return ""
+
+
+def _is_prose(path: Path) -> bool:
+    """Return whether a file of a folder is a text or a picture, by its ending and its lines.
+
+    A line of three cells, or one that is numbers for the most part, may be that of a table, which
+    a reader then refuses for what it lacks. What was named itself is never a text.
+    """
+    suffix = path.suffix.lower()
+    if suffix in _NEVER_TABLES:
+        return True
+    if suffix not in _PROSE:
+        return False
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_HEAD)
+            whole = not stream.read(1)
+    except OSError:
+        return False
+    if not whole or not head.strip() or b"\0" in head:
+        return False
+    return not any(map(_may_be_row, head.decode("utf-8", "replace").splitlines()))
+
+
+def _may_be_row(line: str) -> bool:
+    if len(re.findall(r"[\t;|]", line)) > 1:
+        return True
+    words = re.findall(r"[^\s;,]+", line)
+    numbers = sum(_NUMBER.fullmatch(word) is not None for word in words)
+    return numbers > 1 and 2 * numbers > len(words)
 
 
 def _unreadable(error: OSError) -> None:

@@ -24,6 +24,7 @@ from dashpot.extensions.batch.checks import (
     records_distinct,
     tests_alike,
 )
+from dashpot.extensions.batch.columns import ALWAYS, LEADING, TRAILING
 from dashpot.extensions.batch.parquet_parts import join_frames, polars, read_parts
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key, quantity
 from dashpot.extensions.batch.seals import (
@@ -113,8 +114,21 @@ class Lot:
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``."""
+        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``.
+
+        Texts and pictures of a folder were ``ignored``.
+        """
         return dict(Counter(self.table["outcome"]).most_common())
+
+    @property
+    def ignored_files(self) -> tuple[str, ...]:
+        """The files of a folder that are no tables of numbers."""
+        return tuple(self.table.filter(self.table["outcome"] == "ignored")["file"])
+
+    @property
+    def record_count(self) -> int:
+        """How many files may be tests."""
+        return self.table.height - len(self.ignored_files)
 
     @property
     def verdicts(self) -> dict[str, int]:
@@ -361,8 +375,23 @@ class Lot:
 
     def csv(self) -> str:
         """The table as CSV, below a line that names dashpot; no text is a spreadsheet's formula."""
-        written = self.escape_formulas().write_csv()
-        return f"# {byline('table of a batch of tests')}\n{written}"
+        return f"# {byline('table of a batch of tests')}\n{self.written_table().write_csv()}"
+
+    def written_table(self) -> pl.DataFrame:
+        """Return the table as files hold it: verdicts first, hashes last, no column without value.
+
+        No text is one that a spreadsheet takes for a formula.
+        """
+        rows = self.escape_formulas()
+        filled = [
+            name
+            for name in rows.columns
+            if name in ALWAYS or (rows[name].drop_nulls().cast(polars().String) != "").any()
+        ]
+        asked = [name for name in LEADING if name in filled]
+        values = [name for name in filled if name not in {*LEADING, *TRAILING}]
+        end = [name for name in TRAILING if name in filled]
+        return rows.select(*asked, *values, *end)
 
     def escape_formulas(self) -> pl.DataFrame:
         """Return the table with no text that a spreadsheet takes for a formula."""
@@ -395,7 +424,7 @@ class Lot:
         fitted = self.outcomes.get("fitted", 0)
         paired = self.table.filter(polars().col("hammer") != "").height
         return (
-            files_fitted(self.table.height - fitted, self.table.height),
+            files_fitted(self.record_count - fitted, self.record_count),
             fits_usable(self.verdicts.get("do not use", 0), fitted),
             hammers_compared(paired - sum(self.agreements.values()), paired),
             tests_alike(len(self.dissimilar), self.fitted_rows.height),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import dashpot as dp
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from dashpot.extensions.batch.batch_run import BatchJob
     from dashpot.extensions.batch.statistics.variance_components import Component
     from dashpot.extensions.batch.summary import Summary
+
+MOST_NAMED = 5
+"""Largest number of ignored files that are named."""
 
 
 def write_lot(job: BatchJob, summary: Summary) -> None:
@@ -134,6 +138,11 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
     verdicts = {"verdicts": lot.verdicts, "hammers": lot.agreements}
     if lot.simulated_count:
         lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}, by simulation")
+    if lot.ignored_files:
+        shown = [Path(file).name for file in lot.ignored_files[:MOST_NAMED]]
+        more = len(lot.ignored_files) - len(shown)
+        names = ", ".join(shown) + (f" and {more} more" if more else "")
+        lines.append(f"ignored     {names}: no table of numbers")
     return [
         *lines,
         *(f"{name:<12}{format_counts(verdict)}" for name, verdict in verdicts.items() if verdict),

@@ -497,12 +497,13 @@ def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
     """Every file: those that were not fitted first, then what stands out, then the others."""
     quantity = summary.main.quantity
     gravity = {"do not use": 1, "use with care": 2}
+    marks: dict[Any, str] = {**VERDICT_COLOURS, None: "", "ignored": ""}
     flagged = {flag.file for flag in summary.flags}
     names = ("file", "outcome", "verdict", "reason", quantity.column, *labels)
     rows = sorted(
         summary.lot.table.select(*names).iter_rows(),
         key=lambda row: (
-            row[1] == "fitted", gravity.get(row[2], 3), row[0] not in flagged, row[0],
+            row[1] in {"fitted", "ignored"}, gravity.get(row[2], 3), row[0] not in flagged, row[0],
         ),
     )  # fmt: skip
     return [
@@ -511,7 +512,7 @@ def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
             "labels": of,
             "value": quantity.format_value(value),
             "verdict": (verdict or "point estimate") if outcome == "fitted" else outcome,
-            "mark": VERDICT_COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
+            "mark": marks.get(verdict if outcome == "fitted" else outcome, "bad"),
             "reason": reason or "",
         }
         for file, outcome, verdict, reason, value, *of in rows

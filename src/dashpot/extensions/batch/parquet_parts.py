@@ -19,6 +19,7 @@ from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.columns import AGAIN, COUNTS, TEXTS, number_columns
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash
+from dashpot.registry import find_handler
 
 if TYPE_CHECKING:
     import polars as pl
@@ -97,8 +98,9 @@ def polars() -> Any:
     try:
         import polars as pl
     except ImportError:
+        advice = find_handler("install command", "extra")("batch")
         raise ExportError(
-            'a lot is a table of polars, which is not installed: pip install "dashpot[batch]"'
+            f"a lot is a table of polars, which is not installed; install it with: {advice}"
         ) from None
     return pl
 

@@ -278,7 +278,7 @@ class Summary(HasChecks, Serialisable):
     @property
     def _headline(self) -> str:
         """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
-        fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
+        fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.record_count
         how = f"{fitted} of {files} files were fitted"
         if fitted == files:
             how = f"all {files} files were fitted" if files > 1 else "the one file was fitted"
@@ -313,7 +313,7 @@ class Summary(HasChecks, Serialisable):
     def _files(self) -> str:
         lot = self.lot
         fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
-        text = f"{fitted} of {lot.table.height} fitted"
+        text = f"{fitted} of {lot.record_count} fitted"
         if lot.dissimilar:
             text += f", {len(lot.dissimilar)} dissimilar"
         return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
@@ -385,7 +385,7 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
     for file, other in lot.copies.items():
         yield Flag(*places[file], f"the same record as {other}: left out of the statistics")
     for file, _, _, outcome, verdict, reason in rows:
-        if outcome != "fitted" or verdict == "do not use":
+        if outcome not in {"fitted", "ignored"} or verdict == "do not use":
             yield Flag(*places[file], reason or outcome, weighty=False)
 
 

@@ -24,7 +24,7 @@ from dashpot.extensions.batch.impact_comparison import (
     make_origin_column,
     read_hammer_resonance,
 )
-from dashpot.extensions.batch.input_files import Entry, compute_file_hash
+from dashpot.extensions.batch.input_files import NO_TABLE, Entry, compute_file_hash
 from dashpot.reading.readers.detect_kind import Recognised, recognise
 from dashpot.registry import (
     FIT_FILES,
@@ -59,7 +59,8 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
         entries["mass_kg"] = choices.mass
     answer: dict[str, Any]
     if entry.aside:
-        return entries | {"outcome": "refused", "reason": entry.aside}
+        outcome = "ignored" if entry.aside == NO_TABLE else "refused"
+        return entries | {"outcome": outcome, "reason": entry.aside}
     try:
         answer = _fit_entry(entry, choices, entries)
     except DashpotError as error:

@@ -16,6 +16,7 @@ from dashpot.base.version import byline
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import polars
 from dashpot.extensions.batch.summary import Summary
+from dashpot.registry import find_handler
 
 if TYPE_CHECKING:
     import polars as pl
@@ -41,8 +42,9 @@ def workbook(summary: Summary) -> bytes:
     try:
         from xlsxwriter import Workbook
     except ImportError:
+        advice = find_handler("install command", "extra")("batch")
         raise ExportError(
-            'a workbook needs xlsxwriter, which is not installed: pip install "dashpot[batch]"'
+            f"a workbook needs xlsxwriter, which is not installed; install it with: {advice}"
         ) from None
     made = BytesIO()
     # a row of the largest sheets is on disk when the next one is made
@@ -57,7 +59,7 @@ def workbook(summary: Summary) -> bytes:
 
 def _tests(lot: Lot) -> pl.DataFrame:
     if lot.table.height <= _SHEET_ROWS:
-        return lot.escape_formulas()
+        return lot.written_table()
     message = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
     return _frame([{"tests": message}])
 

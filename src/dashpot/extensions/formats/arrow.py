@@ -30,6 +30,7 @@ from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import FileTable
+from dashpot.registry import find_handler
 
 _ARROW, _STREAM = b"ARROW1", b"\xff\xff\xff\xff"
 _LARGEST_SCHEMA = 1 << 22
@@ -49,9 +50,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     try:
         import polars as pl
     except ImportError:
+        advice = find_handler("install command", "extra")("batch")
         raise ReadError(
-            'Parquet and Arrow files need the package polars; install it with pip install "dashpot'
-            '[batch]"'
+            f"Parquet and Arrow files need the package polars; install it with: {advice}"
         ) from None
     head = raw.head(len(_ARROW))
     if head == _ARROW or head.startswith(_STREAM):

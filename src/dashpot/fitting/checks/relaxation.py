@@ -67,9 +67,10 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     return Finding(
         f"At the end of the hold the tests give {text} N/mm",
         difference,
-        f"Tests {i + 1} and {j + 1} differ by {100 * (second.value / first.value - 1):+.2g} % at "
-        f"one depth, or {difference:.3g} standard errors. They are not one seal",
-        "Fit each alone.",
+        failure=f"Tests {i + 1} and {j + 1} are not of one seal. They differ by "
+        f"{100 * (second.value / first.value - 1):+.2g} % at one depth, or {difference:.3g} "
+        f"standard errors. At the end of the hold the tests give {text} N/mm",
+        remedy="Fit each alone, or all in a batch.",
         always_passes=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
     )
 

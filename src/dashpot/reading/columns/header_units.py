@@ -82,13 +82,13 @@ def bare_ratio(word: str) -> Ratio | None:
 def undecibel(word: str) -> str | None:
     """What decibels are of, such as g/g in ``dB re 1 g/g``, dB if of nothing; None if no decibels.
 
-    >>> undecibel("dB re 1 g/g"), undecibel("dB"), undecibel("g/g")
-    ('g/g', 'dB', None)
+    >>> undecibel("dB re 1 g/g"), undecibel("dB ref 1 g/N"), undecibel("dB"), undecibel("g/g")
+    ('g/g', 'g/N', 'dB', None)
     """
     if not word.casefold().startswith("db"):
         return None
     rest = word[2:].strip(" ()[],.:")
-    for filler in ("re", "rel", "ref", ".", "1 "):
+    for filler in ("rel", "ref", "re", ".", "1 "):
         if rest.casefold().startswith(filler):
             rest = rest[len(filler) :].strip()
     return rest or "dB"

@@ -18,7 +18,10 @@ const SHOWN = [
   ["verdict", "verdict"],
   ["reason", "why"],
 ];
-const MARKS = new Map([["use", "good"], ["use with care", "care"], ["do not use", "bad"]]);
+const MARKS = new Map([["use", "good"], ["use with care", "care"], ["do not use", "bad"], [
+  "no test",
+  "note",
+]]);
 
 /** @type {{columns: string[], rows: Row[]}} */
 let table = { columns: [], rows: [] };

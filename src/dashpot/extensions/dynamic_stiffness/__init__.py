@@ -1,0 +1,1 @@
+"""Storage and loss stiffness of a fit at frequencies, without a mass."""

@@ -1,0 +1,40 @@
+"""Criteria on stiffness at a frequency."""
+
+from __future__ import annotations
+
+from dashpot.base.checks import Finding, criterion
+from dashpot.base.number_format import format_band
+from dashpot.datamodel.bounds import WELL_KNOWN
+
+
+@criterion("distance from the valid band, as a factor", "<=", 1.0, "the valid band of the fit")
+def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float, float]) -> Finding:
+    """Stiffness and loss factor are asked where the fit is valid."""
+    low, high = band
+    if not high > 0:
+        return Finding("The fit has no valid band, so nothing says how well the answer is known")
+
+    def distance(frequency: float) -> float:
+        return max(frequency / high, low / frequency)
+
+    farthest = max(frequencies, key=distance)
+    return Finding(
+        f"{farthest:.4g} Hz is asked, and the model is valid {format_band(band)}",
+        distance(farthest),
+        "Stiffness and loss factor there are extrapolated",
+        "Add a hammer test, or ramp faster.",
+    )
+
+
+@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice, as in the valid band")
+def loss_factor_determined_at(error: float | None) -> Finding:
+    """The loss factor at the frequencies that are asked is known."""
+    if error is None:
+        return Finding("How well the loss factor is known was not computed")
+    size = f"±{100 * error:.2g} %" if error < 1 else "a factor of two or worse"
+    return Finding(
+        f"The loss factor at the frequencies asked is known to {size}",
+        error,
+        "Arms that the data cannot show leave it open",
+        "Use the stiffness alone, or add a hammer test.",
+    )

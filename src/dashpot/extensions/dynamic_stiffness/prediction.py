@@ -1,0 +1,195 @@
+"""Storage stiffness, loss stiffness and loss factor of a fit at frequencies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base import dataclass
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.provenance import Source
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.value_ranges import require_positive
+from dashpot.datamodel.fit import Fit
+from dashpot.extensions.dynamic_stiffness import checks
+from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+
+if TYPE_CHECKING:
+    from dashpot.datamodel.machine import Machine
+    from dashpot.reading.read_options import ReadOptions
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StiffnessPrediction(HasVerdict, Serialisable):
+    r"""Complex stiffness :math:`K^* = K' + iK''` of a fit at frequencies.
+
+    Attributes
+    ----------
+    fit : Fit
+        At the temperature asked, and of all seals.
+    frequencies : tuple of float
+        Hz.
+    values : tuple of ReportedValue
+        Of each frequency storage and loss, N/m of a seal or Pa of a material, and loss factor.
+    checks : tuple of Check
+    """
+
+    schema = "dashpot/dynamic-stiffness@1"
+    _keys = ("verdict", "frequencies", "values", "checks")
+    _is_loadable = False
+
+    fit: Fit
+    frequencies: tuple[float, ...]
+    values: tuple[ReportedValue, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def facts(self) -> tuple[ReportedValue, ...]:
+        """The predicted numbers."""
+        return self.values
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The files behind the fit."""
+        return self.fit.source
+
+    @property
+    def verdict(self) -> Verdict:
+        """Verdict, with the stiffness and the loss factor at the first frequency."""
+        storage, _, loss_factor = (value.cells for value in self.values[:3])
+        word = "modulus" if self.fit.unit == "Pa" else "stiffness"
+        return verdict(
+            self.checks,
+            headline=f"at {self.frequencies[0]:.4g} Hz the storage {word} is {storage.value} "
+            f"{storage.unit}, the loss factor {loss_factor.value}",
+        )
+
+
+def predict_stiffness(
+    fit: Fit,
+    *,
+    frequency: Quantity | Sequence[Quantity],
+    seals: float = 1.0,
+    temperature: Quantity | None = None,
+    records: Sequence[str | Path] = (),
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+) -> StiffnessPrediction:
+    r"""Return storage, loss and loss factor of a fit at frequencies, without a mass.
+
+    .. math:: K^*(\omega) = K' + iK'', \quad \eta = K''/K'
+
+    In the valid band the limits are those of the fit's standard errors, and no narrower than what
+    every spectrum that its test does not reject allows. Beyond it nothing bounds them, unless the
+    records are at hand.
+
+    Parameters
+    ----------
+    fit : Fit
+    frequency : float or str, or sequence of them
+        Hz, or ``"12.71Hz"``.
+    seals : float
+        Number of seals side by side.
+    temperature : float or str, optional
+        K, or ``"23degC"``; by default that of the fit.
+    records : sequence of path
+        The relaxation tests behind the fit, which bound what is faster than they show.
+    machine : Machine, optional
+        On which they were made.
+    options : ReadOptions, optional
+        How their files are read.
+
+    Raises
+    ------
+    DataError
+        If a number is not > 0, or a record is not what was fitted.
+    """
+    asked = [frequency] if isinstance(frequency, str | float | int) else list(frequency)
+    hertz = tuple(convert_to_si(item, "frequency") for item in asked)
+    for value in hertz:
+        require_positive(frequency=value, unit=" Hz")
+    require_positive(seals=seals)
+    limits = None
+    if records:
+        from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
+
+        tests = prepared_files(records, machine=machine, options=options)
+        order = np.unique(hertz)
+        bounds = unseen_arm_band(fit, tests, order)
+        places = np.searchsorted(order, hertz)
+        limits = [
+            seals * bounds.storage[:, places], seals * bounds.loss[:, places],
+            bounds.loss_factor[:, places],
+        ]  # fmt: skip
+    here = fit if temperature is None else fit.at_temperature(temperature)
+    here = here if seals == 1 else here.in_parallel(seals)
+    values = tuple(
+        value
+        for i, f in enumerate(hertz)
+        for value in _report(here, f, None if limits is None else [part[:, i] for part in limits])
+    )
+    errors = [error for value in values[2::3] if (error := _relative_error(value)) is not None]
+    worst = max(errors) if errors else None
+    within = checks.frequencies_in_valid_band(hertz, here.band)
+    known = (*(() if records else (within,)), checks.loss_factor_determined_at(worst))
+    stops = (check for check in fit.checks if check.grade == "stop")
+    return StiffnessPrediction(here, hertz, values, (*known, *stops))
+
+
+def _report(
+    fit: Fit, frequency: float, limits: Sequence[FloatArray] | None
+) -> tuple[ReportedValue, ...]:
+    """Return storage, loss and loss factor at a frequency, Hz."""
+    K = complex(fit.solid.complex_stiffness(omega=2 * math.pi * frequency))
+    numbers = K.real, K.imag, K.imag / K.real
+    if limits is None:
+        limits = _limit_in_band(fit, frequency, numbers)
+    at, sign = f"{frequency:.5g} Hz", "E" if fit.unit == "Pa" else "K"
+    names = (
+        ("storage", f"{sign}' at {at}", fit.unit),
+        ("loss", f"{sign}'' at {at}", fit.unit),
+        ("loss_factor", f"loss factor at {at}", "1"),
+    )
+    return tuple(
+        ReportedValue(name, value, float(low), float(high), unit, words=words)
+        for (name, words, unit), value, (low, high) in zip(names, numbers, limits, strict=True)
+    )
+
+
+def _limit_in_band(fit: Fit, frequency: float, values: Sequence[float]) -> list[FloatArray]:
+    """Return the limits of storage, loss and loss factor; nan outside the valid band."""
+    low, high = fit.band
+    error = fit.evidence.band_error
+    if not (high > 0 and low <= frequency <= high) or error is None:
+        return [np.array([math.nan, math.nan])] * 3
+    at = np.log(error.frequency)
+    size, factor = (
+        max(float(np.interp(math.log(frequency), at, part)), least)
+        for part, least in zip((error.stiffness, error.loss_factor), error.misfit, strict=True)
+    )
+    formal = parameter_band(fit, [frequency])
+    relative = (size, (1 + size) * (1 + factor) - 1, factor)
+    return [
+        np.array([min(value / (1 + off), low), max(value * (1 + off), high)])
+        for value, off, (low, high) in zip(
+            values, relative, (formal.storage[:, 0], formal.loss[:, 0], formal.loss_factor[:, 0]),
+            strict=True,
+        )
+    ]  # fmt: skip
+
+
+def _relative_error(value: ReportedValue) -> float | None:
+    """Return the largest factor from a value to its limits, less 1; None where none is known."""
+    if math.isnan(value.low) and math.isnan(value.high):
+        return None
+    if not (value.low > 0 and math.isfinite(value.high)):
+        return math.inf
+    return max(value.high / value.value, value.value / value.low) - 1

@@ -1,0 +1,16 @@
+"""Registry rows of what to type instead."""
+
+from dashpot.registry.row import Extension
+
+EXTENSION = Extension(
+    "guidance",
+    handlers={
+        "suggest": {
+            "option": "dashpot.extensions.guidance.option_suggestions:suggest_option",
+            "command": "dashpot.extensions.guidance.option_suggestions:suggest_command",
+        },
+        "install command": {
+            "extra": "dashpot.extensions.guidance.install_command:format_install_command",
+        },
+    },
+)

@@ -1,0 +1,75 @@
+"""Storage and loss stiffness at a frequency, against the formula of Maxwell arms."""
+
+import json
+import math
+
+import pytest
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot.extensions.dynamic_stiffness.figure import draw_stiffness_prediction
+
+K_INF, ARMS = 180.0, ((120.0, 0.5), (20.0, 16.0))
+
+
+@pytest.fixture(scope="module")
+def fit():
+    record = dp.simulate("relaxation", hold="20s", seed=4)
+    return dp.fit(record)
+
+
+def stiffness(model, frequency):
+    """K' and K'' of a spring beside Maxwell arms, by their closed form."""
+    w = 2 * math.pi * frequency
+    pairs = list(zip(model.k, model.tau, strict=True))
+    storage = model.k_inf + sum(k * (w * tau) ** 2 / (1 + (w * tau) ** 2) for k, tau in pairs)
+    return storage, sum(k * w * tau / (1 + (w * tau) ** 2) for k, tau in pairs)
+
+
+def test_stiffness_is_that_of_the_arms_and_of_all_seals(fit):
+    found = dp.predict(fit, frequency=["0.05Hz", "0.2Hz"], seals=2)
+    for i, f in enumerate((0.05, 0.2)):
+        storage, loss = stiffness(fit.model, f)
+        values = [item.value for item in found.values[3 * i : 3 * i + 3]]
+        assert values == pytest.approx([2 * storage, 2 * loss, loss / storage], rel=1e-12)
+    assert found.verdict.use == "use"
+
+
+def test_limits_hold_the_value_in_the_valid_band(fit):
+    low, high = fit.band
+    for value in dp.predict(fit, frequency=math.sqrt(low * high)).values:
+        assert value.low < value.value < value.high
+
+
+def test_frequency_outside_the_band_has_no_limits_and_is_extrapolated(fit):
+    found = dp.predict(fit, frequency="12.71Hz")
+    assert all(math.isnan(value.low) and math.isnan(value.high) for value in found.values)
+    assert found.verdict.use == "use with care"
+    assert found.verdict.reasons == ("frequencies_in_valid_band",)
+
+
+def test_records_bound_what_the_band_leaves_open(tmp_path):
+    assert ran("simulate", "relaxation", "-o", tmp_path / "seal.csv").exit_code == 0
+    made = ran("fit", tmp_path / "seal.csv", "-o", tmp_path / "fit.json")
+    assert made.exit_code == 0, made.output
+    told = ran(
+        "predict", tmp_path / "fit.json", "--frequency", "12.71Hz",
+        "--record", tmp_path / "seal.csv", "--json",
+    )  # fmt: skip
+    found = json.loads(told.stdout)
+    storage = found["values"][0]
+    assert storage["low"] < storage["value"] < storage["high"]
+    assert found["verdict"]["failed_checks"] == ["loss_factor_determined_at"]
+
+
+@pytest.mark.parametrize("frequency", [0.0, -1.0, "0Hz"])
+def test_frequency_that_is_not_positive_is_refused(fit, frequency):
+    with pytest.raises(dp.DataError, match="frequency"):
+        dp.predict(fit, frequency=frequency)
+
+
+def test_figure_is_that_of_the_fit_with_its_origin(fit):
+    found = dp.predict(fit, frequency="0.2Hz")
+    assert found.plot().name == fit.plot().name
+    stamped = draw_stiffness_prediction(found, stamp="of a test")
+    assert stamped.stamp == "of a test"
