@@ -37,6 +37,12 @@ from dashpot.extensions.systems.multibody import (
 from dashpot.extensions.systems.multibody import (
     point_mass as point_mass,
 )
+from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
+    TransferStiffness as TransferStiffness,
+)
+from dashpot.extensions.transfer_stiffness.transfer_methods import (
+    transfer_stiffness as transfer_stiffness,
+)
 from dashpot.solids.part_geometry import Block as Block
 from dashpot.solids.part_geometry import Bulb as Bulb
 from dashpot.solids.part_geometry import Bush as Bush

@@ -85,6 +85,9 @@ EXTENSION = Extension(
             "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.lot_row:list_curve_columns",
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.lot_row:list_sweep_columns",
         },
+        "dynamic stiffness": {
+            "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.dynamic.read:convert_to_frf",
+        },
         "fit complex modulus": {
             "dma": "dashpot.extensions.curves.dynamic.fit:fit_complex_modulus",
         },

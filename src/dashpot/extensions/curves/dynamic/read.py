@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.errors import DataError
+from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.reading.columns.kind_detection import kind_of
@@ -69,3 +71,26 @@ def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
         channels.source(file, [c.message for c in chosen], notes),
         units="SI",
     )
+
+
+def convert_to_frf(sweep: DynamicTest) -> FRF:
+    """Return a sweep of a part, N/m, at one temperature as an FRF of force over displacement.
+
+    Raises
+    ------
+    DataError
+        If it is of a material, of several temperatures, or measures a frequency twice.
+    """
+    if sweep.unit != "N/m":
+        raise DataError(
+            f"the sweep is of a material, in {sweep.unit}; expected the stiffness of a mount, N/m"
+        )
+    if sweep.several_temperatures:
+        raise DataError("the sweeps are of several temperatures: choose one, or fit them")
+    order = np.argsort(sweep.frequency, kind="stable")
+    frequency = sweep.frequency[order]
+    if (np.diff(frequency) <= 0).any():
+        twice = float(frequency[np.flatnonzero(np.diff(frequency) <= 0)[0]])
+        raise DataError(f"the sweep has {twice:g} Hz twice; expected each frequency once")
+    source = () if sweep.source is None else (sweep.source,)
+    return FRF(frequency, sweep.value[order], Kind.DYNAMIC_STIFFNESS, source=source, units="SI")

@@ -1,0 +1,152 @@
+"""dashpot stiffness: dynamic transfer stiffness of a mount."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from dashpot import workflow
+from dashpot.cli import _options as options
+from dashpot.cli._command import group, mark_advanced, opt, refuse_others, verb
+from dashpot.cli._command_files import (
+    PAGE_SUFFIXES,
+    detect_file_kinds,
+    get_kind_name,
+    kinds_of,
+    print_detected_kinds,
+)
+from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
+from dashpot.cli._param_types import File, Range, WithUnit
+from dashpot.datamodel.frf import FRF
+from dashpot.extensions.transfer_stiffness.stiffness_sheet import TransferStiffness
+from dashpot.extensions.transfer_stiffness.transfer_methods import PART, transfer_stiffness
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.frf import read_frf
+from dashpot.registry import KINDS, find_handler, load_object
+from dashpot.vibration.modal.dynamic_stiffness import DEGREE
+from dashpot.workflow.bench_tests import prepared_files
+from dashpot.workflow.measured_frf import as_measured
+
+_FIT, _FRF, _BASE, _SWEEP = "fit", "frf", "transmissibility", "dma"
+_MEASURED = f"{_FRF} {_BASE} {_SWEEP}"
+
+
+@verb(
+    "stiffness",
+    """Transfer stiffness of a mount over frequency, as ISO 10846 reports it.
+
+  dashpot stiffness force_over_motion.csv -o sheet.html
+  dashpot stiffness transmissibility.csv --mass 5kg -o sheet.csv
+  dashpot stiffness fit.json --seals 2 --band 3:40Hz --mass 5kg
+
+A force over a motion is the direct method, a transmissibility with the mass on
+the mount the indirect one. Of a fit, --mass shows what an indirect test would
+give.""",
+    options.files("FRF|FIT", "path", several=False),
+    group(
+        "Mount",
+        opt("--mass", type=WithUnit("mass"), metavar="MASS", kinds=f"{_BASE} {_FIT}",
+            help="Blocking mass on the output, e.g. 5kg."),
+        opt("--flange-mass", type=WithUnit("mass"), default=0.0, metavar="MASS",
+            help="Mass of the output flange (0)."),
+        opt("--seals", type=float, default=1.0, metavar="N", kinds=_FIT,
+            help="Parts in parallel that are one mount (1)."),
+        opt("--band", type=Range("frequency"), metavar="RANGE",
+            help="Frequencies, e.g. 3:40Hz (all; of a fit 1:100Hz)."),
+        opt("--exact", kinds=_MEASURED,
+            help="Formula with the motion of the output, T/(T-1)."),
+        opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_FIT,
+            help="The record behind the fit: limits with unseen arms."),
+        mark_advanced(
+            opt("--output-response", "output_response", type=File(), metavar="FILE",
+                kinds=f"{_FRF} {_SWEEP}", help="Transmissibility to the output of a direct test."),
+            opt("--gain-error", type=WithUnit("strain"), default=PART, metavar="PERCENT",
+                kinds=_MEASURED, help="Standard error of the sensors' ratio (1%)."),
+            opt("--phase-error", type=WithUnit("angle"), default=DEGREE, metavar="ANGLE",
+                kinds=_MEASURED, help="Standard error of their phase (1deg)."),
+            opt("--mass-error", type=WithUnit("mass"), metavar="MASS", kinds=_BASE,
+                help="Standard error of the blocking mass (1 % of it)."),
+            opt("--rigid-to", type=WithUnit("frequency"), metavar="FREQUENCY",
+                help="Up to which mass and foundation are rigid."),
+            opt("--preload", type=WithUnit("force"), metavar="FORCE",
+                help="Static preload, which the sheet states."),
+            opt("--temperature", type=WithUnit("temperature"), metavar="TEMPERATURE",
+                help="Temperature; of a fit, it is shifted there."),
+            opt("--compression", type=WithUnit("length"), metavar="LENGTH", kinds=_FIT,
+                help="Compression at which the tangent is taken."),
+            options.relative(_BASE),
+        ),
+    ),
+    options.reading(),
+    options.result(
+        "Page .html, third octaves .csv, document .json.", ".html", ".htm", ".csv", ".json"
+    ),
+    group(options.RESULT, mark_advanced(opt("--lines", help="With -o FILE.csv: the lines."))),
+)  # fmt: skip
+def command(
+    *,
+    path: str,
+    picture: str | None,
+    output: str | None,
+    lines: bool,
+    options: ReadOptions,
+    hammer: Any,
+    output_response: str | None,
+    records: tuple[str, ...],
+    **choices: Any,
+) -> CommandResult:
+    """Return the sheet of a measurement or of a fit."""
+    if lines and not (output or "").lower().endswith(".csv"):
+        raise click.UsageError("--lines is for a table of the lines: add -o FILE.csv")
+    detections = detect_file_kinds([path], options)
+    kind = kinds_of(detections, options)[path]
+    on_a_base = options.base_acceleration is not None
+    kind = _BASE if on_a_base else kind
+    refuse_others(command, click.get_current_context(), {path: kind})
+    if kind == _FIT:
+        tests = prepared_files(records, options=options) if records else ()
+        sheet = transfer_stiffness(workflow.read_fit(path), record=tests, **choices)
+    else:
+        print_detected_kinds(detections)
+        measured = _read(path, kind, options, hammer, mass=choices["mass"])
+        response = None if output_response is None else read_frf(output_response, options=options)
+        sheet = transfer_stiffness(measured, output_response=response, **choices)
+    if picture:
+        write_figure(picture, sheet.plot())
+    if output:
+        write_output(output, _render(sheet, output, lines=lines))
+    return CommandResult.from_result(sheet)
+
+
+def _read(path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: float | None) -> FRF:
+    """Return the FRF of what was measured.
+
+    Raises
+    ------
+    click.UsageError
+        If it is no such measurement.
+    """
+    if options.base_acceleration is not None:
+        test = find_handler("read several", "shaken base")([path], options=options)
+        frf: FRF = find_handler("estimate frf", test)(test, choices=hammer, mass=mass, band=None)[0]
+        return frf
+    if kind in {_FRF, _BASE}:
+        return as_measured(read_frf(path, options=options), hammer.motion)
+    if kind == _SWEEP:
+        sweep = load_object(KINDS[kind].reader)(path, options=options)
+        response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
+        return response
+    raise click.UsageError(
+        f"{path} is {get_kind_name(kind)}. A sheet is of a force over a motion, a "
+        "transmissibility, or a fit. Fit it first: dashpot fit"
+    )
+
+
+def _render(sheet: TransferStiffness, path: str, *, lines: bool) -> str:
+    """Return the content of an output file."""
+    suffix = Path(path).suffix.lower()
+    if suffix in PAGE_SUFFIXES:
+        return workflow.html(sheet)
+    return sheet.csv(lines=lines) if suffix == ".csv" else format_json(sheet) + "\n"

@@ -1,0 +1,24 @@
+"""Registry rows of the transfer stiffness of a mount."""
+
+from dashpot.registry.row import Command, Extension
+
+_SHEET = "dashpot.extensions.transfer_stiffness.stiffness_sheet:TransferStiffness"
+
+EXTENSION = Extension(
+    "transfer_stiffness",
+    handlers={
+        "text": {_SHEET: "dashpot.extensions.transfer_stiffness.text:transfer_stiffness"},
+        "figure": {_SHEET: "dashpot.extensions.transfer_stiffness.figure:transfer_stiffness"},
+        "plot": {
+            "transfer_stiffness": "dashpot.extensions.transfer_stiffness.figure:transfer_stiffness",
+        },
+        "page": {_SHEET: "dashpot.extensions.transfer_stiffness.page:page"},
+        "document": {"dashpot/transfer-stiffness@1": _SHEET},
+    },
+    commands=(
+        Command(
+            "stiffness", "Work", "Transfer stiffness of a mount, as ISO 10846 has it.",
+            "dashpot.extensions.transfer_stiffness.command", order=6,
+        ),
+    ),
+)  # fmt: skip

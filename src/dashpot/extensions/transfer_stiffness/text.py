@@ -1,0 +1,69 @@
+"""Transfer stiffness of a mount, as text."""
+
+from __future__ import annotations
+
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.extensions.transfer_stiffness.stiffness_sheet import BandStiffness, TransferStiffness
+from dashpot.text_output.layout import Text, table
+from dashpot.text_output.results import format_rounded
+
+_HEAD = ("Hz", "|k|, N/mm", "95 % interval", "dB re 1 N/m", "loss factor", "95 % interval")
+
+
+def transfer_stiffness(sheet: TransferStiffness) -> Text:
+    """Return the method and the table of third octaves."""
+    lines = [f"  {describe_method(sheet)}"]
+    if sheet.transmissibility is not None:
+        start = sheet.valid_from
+        where = "nowhere" if start is None else f"from {start:.4g} Hz on"
+        lines.append(f"  the output moves 20 dB less than the input {where}")
+    gaps = sheet.transmissibility is not None
+    head = [*_HEAD, *(["blocked, dB", "valid"] if gaps else [])]
+    lines += table([head, *(_row(band, gaps=gaps) for band in sheet.bands)])
+    details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
+    details += [
+        [
+            f"{band.centre:g}", f"{band.level:.4f}",
+            " to ".join(f"{end:.3f}" for end in band.level_limits),
+            "" if band.indirect_level is None else f"{band.indirect_level:.3f}", str(band.lines),
+        ]
+        for band in sheet.bands
+    ]  # fmt: skip
+    return Text(lines, table(details))
+
+
+def describe_method(sheet: TransferStiffness) -> str:
+    """Return the method, its masses and its formula in one line."""
+    words = {
+        "direct": "direct method, blocked force over input displacement",
+        "indirect": "indirect method, blocking mass",
+        "predicted": "predicted from the fit",
+    }[sheet.method]
+    parts = [words]
+    if sheet.mass is not None:
+        parts.append(f"m2 {format_quantity(sheet.mass, 'kg')}")
+    if sheet.flange_mass:
+        parts.append(f"flange {format_quantity(sheet.flange_mass, 'g')}")
+    if sheet.seals != 1:
+        parts.append(f"{sheet.seals:g} in parallel")
+    if sheet.preload is not None:
+        parts.append(f"preload {format_quantity(sheet.preload, 'N')}")
+    if sheet.exact:
+        parts.append("exact formula")
+    return ", ".join(parts)
+
+
+def _row(band: BandStiffness, *, gaps: bool) -> list[str]:
+    low, high = (format_rounded(convert_to_unit(end, "N/mm")) for end in band.limits)
+    cells = [
+        f"{band.centre:g}",
+        format_rounded(convert_to_unit(band.stiffness, "N/mm")),
+        f"{low} to {high}",
+        f"{band.level:.2f}",
+        format_rounded(band.loss_factor, digits=3),
+        " to ".join(format_rounded(end, digits=2) for end in band.loss_factor_limits),
+    ]
+    if gaps:
+        gap = band.level_difference
+        cells += ["" if gap is None else f"{gap:.1f}", "yes" if band.valid else "no"]
+    return cells

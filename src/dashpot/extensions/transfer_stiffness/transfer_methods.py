@@ -1,0 +1,626 @@
+"""Transfer stiffness of a mount: direct and indirect measurement, and prediction from a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source, Step
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.units import Quantity, Range, convert_to_si, si_range
+from dashpot.base.value_ranges import require_nonnegative, require_positive
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.relaxation import RampHold, RelaxationTest
+from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
+from dashpot.extensions.transfer_stiffness import checks
+from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
+    BLOCKED,
+    BandStiffness,
+    Method,
+    TransferStiffness,
+    compute_level,
+)
+from dashpot.extensions.transfer_stiffness.third_octaves import (
+    BandMeans,
+    ThirdOctave,
+    assign_lines,
+    compute_band_means,
+    estimate_line_noise,
+    list_third_octaves,
+)
+from dashpot.fitting.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.registry import find_handler
+from dashpot.vibration.modal.dynamic_stiffness import DEGREE
+from dashpot.workflow.job import HammerChoices
+
+PART = 0.01
+"""Relative standard error of the ratio of two sensors, and of a mass, where none is stated."""
+LINES = 11
+"""Lines of a third octave that is predicted; of one with the limits of a record five."""
+_FEWEST = 5
+"""Lines of a third octave of which the standard takes a mean."""
+_USUAL = (1.0, 100.0)
+"""Hz that are predicted where no band is said."""
+
+
+class SensorErrors(NamedTuple):
+    """Standard errors of a measurement that all lines have in common.
+
+    Attributes
+    ----------
+    gain : float
+        Relative, of the ratio of the two sensors.
+    phase : float
+        Between them, rad.
+    mass : float or None
+        Of the blocking mass, kg; None is 1 % of it.
+    """
+
+    gain: float = PART
+    phase: float = DEGREE
+    mass: float | None = None
+
+
+def transfer_stiffness(
+    measured: FRF | ShakenTest | Fit,
+    /,
+    *,
+    mass: Quantity | None = None,
+    flange_mass: Quantity = 0.0,
+    exact: bool = False,
+    band: Range | None = None,
+    output_response: FRF | None = None,
+    gain_error: float = PART,
+    phase_error: Quantity = DEGREE,
+    mass_error: Quantity | None = None,
+    rigid_to: Quantity | None = None,
+    preload: Quantity | None = None,
+    temperature: Quantity | None = None,
+    compression: Quantity | None = None,
+    seals: float = 1.0,
+    record: RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold] = (),
+) -> TransferStiffness:
+    r"""Return the dynamic transfer stiffness of a mount over frequency and third octaves.
+
+    Direct method, of an FRF of blocked force and input motion, and indirect method, of a
+    transmissibility T to a blocking mass (ISO 10846-2, -3):
+
+    .. math::
+
+        k = \frac{F_{2,b}}{u_1}, \qquad k = -(2\pi f)^2 (m_2 + m_f)\,T
+
+    The second holds where T is small. The exact formulas of a mount without mass of its own are
+
+    .. math::
+
+        k = \frac{F_2/u_1 - (2\pi f)^2 m_f T}{1 - T}, \qquad
+        k = (2\pi f)^2 (m_2 + m_f) \frac{T}{T - 1}
+
+    The 95 % limits hold the scatter of the lines and the common errors of sensors and
+    mass; those of the standard's formula also reach to the exact one.
+
+    Parameters
+    ----------
+    measured : FRF, ShakenTest or Fit
+        Force over motion, or its inverse: direct. A transmissibility, or a record of base and
+        mass: indirect. A fit: predicted. A :class:`~dashpot.DynamicTest` of
+        a part, N/m: direct.
+    mass : float or str, optional
+        Blocking mass :math:`m_2`, kg; of a fit, that of a planned indirect test.
+    flange_mass : float or str
+        Output flange :math:`m_f`, kg: part of the blocking mass, or between mount and force
+        transducers, where it needs `output_response`.
+    exact : bool
+        Take the exact formula.
+    band : (float, float) or str, optional
+        Hz; by default all lines, of a fit 1 to 100 Hz.
+    output_response : FRF, optional
+        Transmissibility from the input to the output of a direct test.
+    gain_error : float
+        Relative standard error of the ratio of the sensors; 1 % by default.
+    phase_error : float or str
+        Between the channels, rad; one degree by default.
+    mass_error : float or str, optional
+        kg; 1 % of the mass by default.
+    rigid_to : float or str, optional
+        Up to which frequency mass and foundation are rigid, Hz.
+    preload, temperature : float or str, optional
+        N and K, as the sheet states them; to the temperature a fit is shifted.
+    compression : float or str, optional
+        Of a fit: at which the tangent is taken, m.
+    seals : float
+        Of a fit: how many in parallel.
+    record : RelaxationTest, RampHold or sequence of them
+        Behind the fit: the limits then hold every arm that it does not exclude.
+
+    Returns
+    -------
+    TransferStiffness
+
+    Raises
+    ------
+    DataError
+        If an option does not suit what was measured, a value is missing or impossible, or no
+        third octave lies in the band.
+    """
+    request = _Request(
+        convert_to_si(mass, "mass"),
+        convert_to_si(flange_mass, "mass"),
+        exact,
+        si_range(band, "frequency"),
+        output_response,
+        SensorErrors(
+            gain_error, convert_to_si(phase_error, "angle"), convert_to_si(mass_error, "mass")
+        ),
+        convert_to_si(rigid_to, "frequency"),
+        convert_to_si(preload, "force"),
+        convert_to_si(temperature, "temperature"),
+    )
+    _validate(request, seals)
+    if isinstance(measured, Fit):
+        tests = (record,) if isinstance(record, RelaxationTest | RampHold) else tuple(record)
+        return _predict(measured, request, convert_to_si(compression, "length"), seals, tests)
+    if seals != 1.0 or compression is not None or record:
+        raise DataError(
+            "what was measured is one mount as it stood: leave out the number of seals, the "
+            "compression and the record, which are of a fit (--seals, --compression, --record)"
+        )
+    if isinstance(measured, ShakenTest):
+        estimate = find_handler("estimate frf", measured)
+        measured = estimate(measured, choices=HammerChoices(), mass=request.mass, band=None)[0]
+    convert = None if isinstance(measured, FRF) else find_handler("dynamic stiffness", measured)
+    measured = measured if convert is None else convert(measured)
+    if isinstance(measured, ImpactTest) or not isinstance(measured, FRF) or measured.is_from_hits:
+        raise DataError(
+            "hits on a mass show mass and mount together, no transfer stiffness. Fit them (dashpot "
+            "fit), or give force over input motion, or a transmissibility. (Python: "
+            "frf.stiffness(mass=...) gives the stiffness under a hammer)"
+        )
+    return (
+        _measure_indirect(measured, request)
+        if measured.quantity.over_base
+        else _measure_direct(measured, request)
+    )
+
+
+class _Request(NamedTuple):
+    """What was asked, in SI units."""
+
+    mass: float | None
+    flange_mass: float
+    exact: bool
+    band: tuple[float, float] | None
+    output: FRF | None
+    errors: SensorErrors
+    rigid_to: float | None
+    preload: float | None
+    temperature: float | None
+
+
+def _validate(request: _Request, seals: float) -> None:
+    require_positive(mass=request.mass, rigid_to=request.rigid_to, optional=True)
+    require_positive(seals=seals)
+    require_nonnegative(
+        flange_mass=request.flange_mass,
+        gain_error=request.errors.gain,
+        phase_error=request.errors.phase,
+    )
+    if request.errors.mass is not None:
+        require_nonnegative(mass_error=request.errors.mass)
+        if request.mass is None or request.errors.mass >= request.mass:
+            raise DataError(
+                f"an error of {request.errors.mass:g} kg needs a larger blocking mass: give both "
+                "(--mass, --mass-error)"
+            )
+    if request.errors.gain >= _MOST_GAIN or request.errors.phase >= _MOST_PHASE:
+        raise DataError(
+            f"a gain error of {request.errors.gain:g} and a phase error of "
+            f"{request.errors.phase:g} rad tell no stiffness; expected below {_MOST_GAIN:g} and "
+            f"{_MOST_PHASE:g}"
+        )
+
+
+_MOST_GAIN, _MOST_PHASE = 0.5, 0.5
+
+
+class _Lines(NamedTuple):
+    """Lines of a measurement, with their errors.
+
+    `random` is the relative sd of the real and of the imaginary part of each; `common`, shape
+    (errors, n), what one standard error of each cause does to ln k.
+    """
+
+    frequency: FloatArray
+    value: ComplexArray
+    random: FloatArray
+    common: ComplexArray
+
+
+def _select_lines(frf: FRF, request: _Request) -> FRF:
+    """Return the lines in the band, none at 0 Hz or without a value."""
+    frf = frf if request.band is None else frf.band(*request.band)
+    frf = frf.only((frf.frequency > 0) & (np.abs(frf.value) > 0))
+    if len(frf.frequency) < _FEWEST:
+        raise DataError(
+            f"{len(frf.frequency)} lines are left; expected {_FEWEST} or more: widen the band "
+            "(--band)"
+        )
+    return frf
+
+
+def _relative_noise(frf: FRF, smooth: ComplexArray) -> tuple[FloatArray, tuple[Check, ...]]:
+    """Return the relative random error of each line; of lines that state none, by neighbours."""
+    scatter = frf.random_sd
+    if scatter is not None:
+        return np.asarray(scatter / np.abs(frf.value)), ()
+    noise = estimate_line_noise(smooth)
+    return np.full(len(smooth), noise), (checks.line_noise_stated(noise),)
+
+
+def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
+    if request.mass is not None or request.errors.mass is not None:
+        raise DataError(
+            "a blocking mass is of the indirect method, and this FRF relates a force to a motion: "
+            "leave out --mass, or give the transmissibility"
+        )
+    if request.output is None and (request.flange_mass or request.exact):
+        raise DataError(
+            "what the flange and the motion of the output do to a direct test follows from that "
+            "motion. Add its transmissibility: --output-response FILE (Python: output_response=)"
+        )
+    stiffness = _select_lines(frf, request).to(Kind.DYNAMIC_STIFFNESS)
+    measured = stiffness.value
+    T = None if request.output is None else _interpolate(request.output, stiffness.frequency)
+    noise, stated = _relative_noise(stiffness, measured)
+    ones = np.ones_like(measured)
+    common = np.array([request.errors.gain * ones, 1j * request.errors.phase * ones])
+    standard = _Lines(stiffness.frequency, measured, noise, common)
+    if T is None:
+        corrected, taken = standard, None
+    else:
+        inertia = request.flange_mass * (2 * np.pi * stiffness.frequency) ** 2 * T
+        taken = float((np.abs(inertia) / np.abs(measured)).max()) if request.flange_mass else None
+        value = (measured - inertia) / (1 - T)
+        slope = measured / (measured - inertia)
+        corrected = _Lines(stiffness.frequency, value, noise * np.abs(slope), common * slope)
+    asked = (checks.flange_inertia_negligible(taken),) if request.flange_mass or T is None else ()
+    return _assemble(
+        "direct",
+        stiffness,
+        request,
+        (standard, corrected),
+        transmissibility=T,
+        asked=(*stated, *asked),
+    )
+
+
+def _measure_indirect(frf: FRF, request: _Request) -> TransferStiffness:
+    if request.mass is None:
+        raise DataError(
+            "a transmissibility tells the stiffness over the mass: give the blocking mass, --mass "
+            "5kg"
+        )
+    if request.output is not None:
+        raise DataError(
+            "the transmissibility is the motion of the output already: leave out --output-response"
+        )
+    lines = _select_lines(frf.to(Kind.TRANSMISSIBILITY), request)
+    T = lines.value
+    inertia = (request.mass + request.flange_mass) * (2 * np.pi * lines.frequency) ** 2
+    noise, stated = _relative_noise(lines, -inertia * T)
+    errors = request.errors
+    heavy = PART * request.mass if errors.mass is None else errors.mass
+    part = heavy / (request.mass + request.flange_mass)
+    ones = np.ones_like(T)
+    slope = 1 / (1 - T)
+    # of a relative motion R = T - 1 the sensors' ratio is that of R
+    sensed = ones if frf.quantity is Kind.TRANSMISSIBILITY else (T - 1) / T
+    ratio = np.array([errors.gain * sensed, 1j * errors.phase * sensed])
+    standard = _Lines(lines.frequency, -inertia * T, noise, np.array([*ratio, part * ones]))
+    corrected = _Lines(
+        lines.frequency,
+        inertia * T / (T - 1),
+        noise * np.abs(slope),
+        np.array([*(ratio * slope), part * ones]),
+    )
+    return _assemble(
+        "indirect", lines, request, (standard, corrected), transmissibility=T, asked=stated
+    )
+
+
+def _interpolate(response: FRF, frequency: FloatArray) -> ComplexArray:
+    """Return the motion of the output over that of the input at these frequencies."""
+    if not response.quantity.over_base:
+        raise DataError(
+            f"the response of the output is a {response.quantity.value}; expected a "
+            "transmissibility, output over input motion"
+        )
+    whole = response.to(Kind.TRANSMISSIBILITY)
+    f = whole.frequency
+    if f[0] > frequency[0] * (1 + 1e-6) or f[-1] < frequency[-1] * (1 - 1e-6):
+        raise DataError(
+            f"the response of the output has {f[0]:.4g} to {f[-1]:.4g} Hz, the stiffness "
+            f"{frequency[0]:.4g} to {frequency[-1]:.4g} Hz: narrow the band (--band)"
+        )
+    parts = (np.interp(frequency, f, part) for part in (whole.value.real, whole.value.imag))
+    real, imaginary = parts
+    return np.asarray(real + 1j * imaginary)
+
+
+def _assemble(
+    method: Method,
+    frf: FRF,
+    request: _Request,
+    both: tuple[_Lines, _Lines],
+    *,
+    transmissibility: ComplexArray | None,
+    asked: tuple[Check, ...],
+) -> TransferStiffness:
+    """Return the sheet of a measurement: by the standard's formula, or by the exact one."""
+    standard, corrected = both
+    lines = corrected if request.exact else standard
+    bands = _bands(lines.frequency)
+    spans = assign_lines(lines.frequency, bands)
+    whole = tuple(
+        (band, span) for band, span in zip(bands, spans, strict=True) if span[1] > span[0]
+    )
+    if not whole:
+        raise _no_band(lines.frequency)
+    singles = [(i, i + 1) for i in range(len(lines.frequency))]
+    by_line = _limits(both, singles, exact=request.exact)
+    by_band = _limits(both, [span for _, span in whole], exact=request.exact)
+    blocked = _is_blocked(transmissibility, len(lines.value))
+    indirect = standard.value if method == "indirect" else None
+    table = tuple(
+        _build_band(
+            band,
+            span,
+            by_band,
+            i,
+            transmissibility=transmissibility,
+            blocked=blocked,
+            indirect=indirect,
+            exact=request.exact,
+        )
+        for i, (band, span) in enumerate(whole)
+    )
+    sheet = TransferStiffness(
+        method,
+        request.exact,
+        lines.frequency,
+        lines.value,
+        by_line.stiffness_limits,
+        by_line.loss_factor_limits,
+        transmissibility,
+        blocked,
+        indirect,
+        table,
+        request.mass,
+        request.flange_mass,
+        request.rigid_to,
+        request.preload,
+        request.temperature,
+        source=frf.source,
+        steps=(*frf.steps, _step(method, request)),
+    )
+    return replace(sheet, checks=(*frf.checks, *asked, *_judge(sheet)))
+
+
+def _step(method: Method, request: _Request) -> Step:
+    settings: list[tuple[str, Any]] = [("method", method), ("exact", str(request.exact).lower())]
+    if request.mass is not None:
+        settings.append(("mass_kg", f"{request.mass:g}"))
+    if request.flange_mass:
+        settings.append(("flange_mass_kg", f"{request.flange_mass:g}"))
+    return Step("transfer_stiffness", tuple(settings))
+
+
+def _no_band(frequency: FloatArray) -> DataError:
+    return DataError(
+        f"no third octave lies in {frequency[0]:.4g} to {frequency[-1]:.4g} Hz as a whole; "
+        "expected lines over a factor of 1.26 or more: widen the band (--band)"
+    )
+
+
+def _bands(frequency: FloatArray) -> tuple[ThirdOctave, ...]:
+    """Return the third octaves that the lines cover, to half their distance."""
+    gap = np.diff(frequency)
+    low, high = frequency[0] - gap[0] / 2, frequency[-1] + gap[-1] / 2
+    return list_third_octaves(max(float(low), float(frequency[0]) / 1.06), float(high))
+
+
+def _limits(
+    both: tuple[_Lines, _Lines], spans: Sequence[tuple[int, int]], *, exact: bool
+) -> BandMeans:
+    """Return means over spans of lines, the limits of the standard's formula out to the exact."""
+    standard, corrected = (_means(lines, spans) for lines in both)
+    if exact:
+        return corrected
+    low, high = corrected.stiffness_limits
+    least, most = corrected.loss_factor_limits
+    value, eta = standard.stiffness, standard.loss_factor
+    return BandMeans(
+        value,
+        np.array([np.minimum(low, value), np.maximum(high, value)]),
+        eta,
+        np.array([np.minimum(least, eta), np.maximum(most, eta)]),
+    )
+
+
+def _means(lines: _Lines, spans: Sequence[tuple[int, int]]) -> BandMeans:
+    order = np.concatenate([np.arange(first, last) for first, last in spans])
+    counts = np.array([last - first for first, last in spans])
+    return compute_band_means(
+        lines.value[order],
+        np.concatenate(([0], np.cumsum(counts)[:-1])),
+        random=lines.random[order],
+        common=lines.common[:, order],
+        quantile=NORMAL,
+    )
+
+
+def _is_blocked(transmissibility: ComplexArray | None, count: int) -> BoolArray:
+    if transmissibility is None:
+        return np.ones(count, dtype=bool)
+    return np.asarray(-compute_level(np.abs(transmissibility)) >= BLOCKED)
+
+
+def _build_band(
+    band: ThirdOctave,
+    span: tuple[int, int],
+    means: BandMeans,
+    i: int,
+    *,
+    transmissibility: ComplexArray | None,
+    blocked: BoolArray,
+    indirect: ComplexArray | None,
+    exact: bool,
+) -> BandStiffness:
+    here = slice(*span)
+    low, high = means.stiffness_limits[:, i].tolist()
+    least, most = means.loss_factor_limits[:, i].tolist()
+    moved = None if transmissibility is None else np.abs(transmissibility[here]).max()
+    count = span[1] - span[0]
+    return BandStiffness(
+        band.nominal,
+        count,
+        float(means.stiffness[i]),
+        (low, high),
+        float(means.loss_factor[i]),
+        (least, most),
+        None if moved is None else float(-compute_level(moved)),
+        None if indirect is None else float(np.sqrt((np.abs(indirect[here]) ** 2).mean())),
+        count >= _FEWEST and (exact or bool(blocked[here].all())),
+    )
+
+
+def _judge(sheet: TransferStiffness) -> tuple[Check, ...]:
+    """Every check of a measured sheet."""
+    bands = sheet.bands
+    fewest = min(bands, key=lambda band: band.lines)
+    # what a moving output leaves open is asked by itself
+    valid = [band for band in bands if band.valid] or list(bands)
+    widest = max(valid, key=lambda band: band.half_width)
+    lossless = min(valid, key=lambda band: band.loss_factor_limits[1])
+    cosine = sheet.value.real / np.abs(sheet.value)
+    least = int(cosine.argmin())
+    difference = sheet.level_difference
+    gap = None if difference is None else float(difference.min())
+    T = sheet.transmissibility
+    moves = (
+        checks.errors_not_magnified(float((1 / np.abs(1 - T)).max()))
+        if sheet.exact and T is not None
+        else checks.output_blocked(gap, valid_from=sheet.valid_from)
+    )
+    return (
+        moves,
+        checks.blocking_mass_rigid(float(sheet.frequency[-1]), sheet.rigid_to),
+        checks.third_octaves_resolved(fewest.lines, centre=fewest.centre),
+        checks.level_determined(widest.half_width, centre=widest.centre),
+        checks.mount_dissipates(lossless.loss_factor_limits[1], centre=lossless.centre),
+        checks.mount_acts_as_spring(float(cosine[least]), frequency=float(sheet.frequency[least])),
+    )
+
+
+def _predict(
+    fit: Fit,
+    request: _Request,
+    compression: float | None,
+    seals: float,
+    tests: Sequence[RelaxationTest | RampHold],
+) -> TransferStiffness:
+    """Return the sheet that a fit predicts, and what the indirect method would make of it."""
+    if request.output is not None or request.exact:
+        raise DataError(
+            "a fit predicts the blocked force itself: leave out --exact and --output-response"
+        )
+    if fit.unit != "N/m":
+        raise DataError(
+            f"the fit is of a material, in {fit.unit}: a mount has a shape. Fit a test of the "
+            "mount, or export a part (dashpot export --shape)"
+        )
+    if request.temperature is not None:
+        fit = fit.at_temperature(request.temperature)
+    if compression is not None:
+        fit = fit.at_compression(compression)
+    prepared = [test.prepare() if isinstance(test, RelaxationTest) else test for test in tests]
+    low, high = request.band or _USUAL
+    bands = list_third_octaves(low, high)
+    if not bands:
+        raise _no_band(np.array([low, high]))
+    count = _FEWEST if prepared else LINES
+    steps = (np.arange(count) + 0.5) / count
+    frequency = np.concatenate([band.low + (band.high - band.low) * steps for band in bands])
+    spans = [(i * count, (i + 1) * count) for i in range(len(bands))]
+    value = seals * fit.solid.complex_stiffness(omega=2 * np.pi * frequency)
+    known = (
+        unseen_arm_band(fit, prepared, frequency) if prepared else parameter_band(fit, frequency)
+    )
+    ends = seals * np.hypot(known.storage, np.maximum(known.loss, 0.0))
+    transmissibility, indirect = None, None
+    if request.mass is not None:
+        inertia = (request.mass + request.flange_mass) * (2 * np.pi * frequency) ** 2
+        transmissibility = value / (value - inertia)
+        indirect = -inertia * transmissibility
+    blocked = _is_blocked(transmissibility, len(value))
+    starts = np.array([first for first, _ in spans])
+    means = compute_band_means(
+        value, starts, random=np.zeros(len(value)), common=np.zeros((1, len(value)), complex),
+        quantile=NORMAL,
+    )  # fmt: skip
+    limits = np.sqrt(np.add.reduceat(ends**2, starts, axis=1) / count)
+    factors = np.array(
+        [
+            np.minimum.reduceat(known.loss_factor[0], starts),
+            np.maximum.reduceat(known.loss_factor[1], starts),
+        ]
+    )
+    means = means._replace(stiffness_limits=limits, loss_factor_limits=factors)
+    table = tuple(
+        _build_band(
+            band,
+            span,
+            means,
+            i,
+            transmissibility=transmissibility,
+            blocked=blocked,
+            indirect=indirect,
+            exact=True,
+        )
+        for i, (band, span) in enumerate(zip(bands, spans, strict=True))
+    )
+    edges = (bands[0].low, bands[-1].high)
+    widest = max(table, key=lambda band: band.half_width)
+    source: tuple[Source, ...] = fit.source
+    return TransferStiffness(
+        "predicted",
+        False,
+        frequency,
+        value,
+        ends,
+        known.loss_factor,
+        transmissibility,
+        blocked,
+        indirect,
+        table,
+        request.mass,
+        request.flange_mass,
+        request.rigid_to,
+        request.preload,
+        fit.specimen.temperature if request.temperature is None else request.temperature,
+        seals,
+        (
+            checks.sheet_in_valid_band(edges, fit.band, has_record=bool(prepared)),
+            checks.level_determined(widest.half_width, centre=widest.centre),
+            *fit.checks,
+        ),
+        source,
+        (*fit.steps, _step("predicted", request)),
+    )
