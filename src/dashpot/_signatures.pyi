@@ -31,6 +31,7 @@ from .extensions.materials.indentation.datamodel import IndentationFit, Indentat
 from .extensions.modes.mass_series_files import MassSeriesModes
 from .extensions.systems.door.closing_result import ClosingResult
 from .extensions.systems.door.door_model import Door
+from .extensions.systems.door.leak_result import LeakResult
 from .extensions.systems.door.result import DoorResult
 from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from .solids.maxwell import Solid
@@ -219,6 +220,10 @@ def predict(solid: Aging, /, *, temperature: Quantity, until: str, new: Fit) -> 
 def predict(
     solid: Door, /, *, close: Quantity, temperature: Quantity | None = None
 ) -> ClosingResult: ...
+@overload
+def predict(
+    solid: Door, /, *, leak: Literal[True], temperature: Quantity | None = None
+) -> LeakResult: ...
 @overload
 def predict(
     solid: Door, /, *, band: Range | None = None, temperature: Quantity | None = None

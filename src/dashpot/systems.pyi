@@ -10,6 +10,9 @@ from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis as 
 from dashpot.extensions.systems.door.closing_analysis import close_door as close_door
 from dashpot.extensions.systems.door.closing_setup import ClosingSetup as ClosingSetup
 from dashpot.extensions.systems.door.energy_shares import energy_shares as energy_shares
+from dashpot.extensions.systems.door.leak_result import LeakResult as LeakResult
+from dashpot.extensions.systems.door.leak_setup import LeakSetup as LeakSetup
+from dashpot.extensions.systems.door.leak_setup import LeakState as LeakState
 from dashpot.extensions.systems.door.seal_line import (
     Joint as Joint,
 )

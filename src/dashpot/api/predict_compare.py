@@ -62,12 +62,14 @@ def predict(solid: Any, /, **options: Any) -> Any:
         As ``dashpot predict --help`` has them; `record` is the test behind the fit.
     close : float or str
         Of a door: the speed at its edge, m/s.
+    leak : bool
+        Of a door: the speed of the car at which its seal lifts.
     drop : float or str
         Of a mass dropped on a specimen: its impact speed, m/s, or its drop height, ``"18mm"``.
 
     Returns
     -------
-    Prediction, FRF, DropPrediction, DoorResult or ClosingResult
+    Prediction, FRF, DropPrediction, DoorResult, ClosingResult or LeakResult
 
     Raises
     ------

@@ -57,7 +57,7 @@ _SIZES: dict[Dimension, str] = {
     "acceleration": f"m/s^2 1, mm/s^2 1e-3, g {GRAVITY}, gn {GRAVITY}, cm/s^2 1e-2, Gal 1e-2, "
     "ft/s^2 0.3048, in/s^2 0.0254",
     "velocity": f"m/s 1, mm/s 1e-3, mm/min {1e-3 / 60}, um/s 1e-6, cm/s 1e-2, in/s 0.0254, "
-    f"ft/s 0.3048, in/min {0.0254 / 60}",
+    f"ft/s 0.3048, in/min {0.0254 / 60}, km/h {1 / 3.6}",
     "frequency": f"Hz 1, kHz 1e3, mHz 1e-3, rad/s {0.5 / math.pi}, 1/min {1 / 60}",
     "stiffness": "N/m 1, N/mm 1e3, kN/m 1e3, kN/mm 1e6, N/um 1e6, MN/m 1e6, mN/mm 1, N/cm 100, "
     f"lbf/in {_POUND_FORCE / 0.0254}",

@@ -34,9 +34,13 @@ EXTENSION = Extension(
         "file row": {".toml": "dashpot.extensions.systems.door.app_page:describe_file"},
         "predict open files": {"door": "dashpot.extensions.systems.door.app_page:predict_open_files"},
         "figure cards": {"dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.app_page:list_cards"},
-        "page": {"dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.app_page:page"},
+        "page": {
+            "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_page:leak_page",
+            "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.app_page:page",
+        },
         "mounts": {"dashpot.extensions.systems.door.seal_line:SealLine": "dashpot.extensions.systems.door.mounts:line_mounts"},
         "text": {
+            "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_text:render_leak",
             "dashpot.extensions.systems.door.closing_result:ClosingResult": "dashpot.extensions.systems.door.closing_text:render_closing",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.text:door",
         },
@@ -47,8 +51,10 @@ EXTENSION = Extension(
         "plot": {
             "closing": "dashpot.extensions.systems.door.closing_figure:closing",
             "door": "dashpot.extensions.systems.door.figure:door",
+            "leak": "dashpot.extensions.systems.door.leak_figure:leak",
         },
         "figure": {
+            "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_figure:leak",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.figure:door",
             "dashpot.extensions.systems.door.closing_result:ClosingResult": "dashpot.extensions.systems.door.closing_figure:closing",
         },

@@ -237,3 +237,20 @@ def faster_closings_latch(closes: bool) -> Finding:
         remedy="Look at the air in the energy table.",
         always_fails=not closes,
     )
+
+
+@criterion("half width of the interval over the speed", "<=", 0.2, "our choice: 40 % of the load")
+def leak_speed_known(width: float, *, state: str) -> Finding:
+    """The leak speed is known to 20 % in every state."""
+    if not math.isfinite(width):
+        return Finding(
+            f"The seal leaks at rest in state '{state}': a station does not touch",
+            width,
+            remedy="Close the gap there, or use a higher seal.",
+        )
+    return Finding(
+        f"The leak speed is known to {100 * width:.2g} % or better",
+        width,
+        instead=f"The leak speed is known to {100 * width:.2g} % only in state '{state}'",
+        remedy="Measure gap and lip, hold the test longer, or test the aged seal.",
+    )

@@ -21,6 +21,7 @@ def list_groups() -> list[list[CommandOption]]:
                 kinds=_DOOR,
                 help="Closing speed: energy, least closing speed.",
             ),
+            opt("--leak", kinds=_DOOR, help="Car speed that lifts the seal: new, cold, aged."),
             opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
         )
     ]

@@ -9,6 +9,7 @@ from dashpot.base.arrays import EqualByValue
 from dashpot.base.provenance import Source
 from dashpot.datamodel.seal_line import LineFriction
 from dashpot.extensions.systems.door.closing_setup import ClosingSetup
+from dashpot.extensions.systems.door.leak_setup import LeakSetup
 from dashpot.extensions.systems.door.seal_line import SealLine
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -181,6 +182,8 @@ class Door(EqualByValue):
     base_along : (float, float, float)
     closing : ClosingSetup
         What else meets it as it closes.
+    leak : LeakSetup or None
+        Pressure on its seal.
     source : Source or None
 
     Examples
@@ -204,6 +207,7 @@ class Door(EqualByValue):
     base: str = ""
     base_along: Vector = (0.0, 0.0, 1.0)
     closing: ClosingSetup = field(default_factory=ClosingSetup)
+    leak: LeakSetup | None = None
     source: Source | None = None
 
     @property

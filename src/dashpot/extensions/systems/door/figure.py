@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.systems.door.assembly import AXES, DOOR
 from dashpot.extensions.systems.door.mounts import SEAL
 from dashpot.extensions.systems.door.result import DoorResult
+from dashpot.extensions.systems.door.seal_line import SealLine
 from dashpot.extensions.systems.multibody import Point
 from dashpot.plot.picture import (
     FIT,
@@ -112,9 +113,11 @@ class View:
     @classmethod
     def from_result(cls, result: DoorResult) -> View | None:
         """As the seal line of a door lies; None without one."""
-        line = result.door.line
-        if line is None:
-            return None
+        return None if result.door.line is None else cls.from_line(result.door.line)
+
+    @classmethod
+    def from_line(cls, line: SealLine) -> View:
+        """As a seal line lies."""
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
         inward = line.normal_at(line.arc_length).mean(axis=0)
         size = float(np.linalg.norm(inward))
@@ -143,7 +146,7 @@ def line_panel(result: DoorResult, view: View) -> Panel:
         if pressed is None:
             marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
         else:
-            marks += _classes(at[:, 0], at[:, 1], convert_to_unit(pressed, "mm"))
+            marks += mark_classes(at, convert_to_unit(pressed, "mm"), pressed >= 0, unit="mm")
     latch = () if result.door.latch is None else (result.door.latch,)
     for hinge in (*result.door.hinges, *latch, *result.door.bumpers):
         ((x, y),) = view.project_points(np.array([hinge.at]))
@@ -171,18 +174,20 @@ def line_panel(result: DoorResult, view: View) -> Panel:
     )
 
 
-def _classes(x: FloatArray, y: FloatArray, mm: FloatArray) -> list[Mark]:
-    """Stations in a few classes of compression, and those that do not touch."""
-    touches = mm >= 0
+def mark_classes(
+    at: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
+) -> list[Mark]:
+    """Return stations in a few classes of their values, and those that do not touch."""
+    x, y = at.T
     marks: list[Mark] = []
     if touches.any():
-        low, high = float(mm[touches].min()), float(mm[touches].max())
+        low, high = float(values[touches].min()), float(values[touches].max())
         count = _CLASSES if high - low > 1e-6 else 1
         edges = np.linspace(low, high, count + 1)
-        rank = np.clip(np.searchsorted(edges, mm, side="right") - 1, 0, count - 1)
+        rank = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, count - 1)
         for k, colour in enumerate(sequential(count)):
             here = touches & (rank == k)
-            label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} mm"
+            label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} {unit}"
             if here.any():
                 marks.append(Dots(x[here], y[here], colour, label, size=5.0))
     if not touches.all():

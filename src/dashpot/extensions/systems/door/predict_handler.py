@@ -15,9 +15,12 @@ from dashpot.extensions.systems.door.analyse_file import door_file
 from dashpot.extensions.systems.door.closing_from_file import close_file
 from dashpot.extensions.systems.door.closing_result import ClosingResult
 from dashpot.extensions.systems.door.closing_text import closing_text
+from dashpot.extensions.systems.door.leak_from_file import find_leak_speeds
+from dashpot.extensions.systems.door.leak_result import LeakResult
 from dashpot.extensions.systems.door.page import door_html
 from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.extensions.systems.door.text import door
+from dashpot.report import html
 from dashpot.text_output.layout import Text
 
 
@@ -36,12 +39,17 @@ def run(
     *,
     every: bool,
     speed: float | None,
+    leak: bool,
     picture: str | None,
     output: str | None,
     band: tuple[float, float] | None,
     temperature: float | None,
 ) -> CommandResult:
-    """Predict how a door vibrates on its seal, and how it closes."""
+    """Predict how a door vibrates on its seal and closes, or at which speed its seal lifts."""
+    if leak:
+        if every or speed is not None or band is not None:
+            raise click.UsageError("--leak is asked by itself: leave out --modes, --close, --band")
+        return _write_leak(find_leak_speeds(path, temperature=temperature), picture, output)
     if picture and every and speed is not None:
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
@@ -60,6 +68,17 @@ def run(
         results = [item for item in (result, closed) if item is not None]
         write_output(output, door_html(*results) if page else format_json(outcome.found) + "\n")
     return outcome
+
+
+def _write_leak(result: LeakResult, picture: str | None, output: str | None) -> CommandResult:
+    """Write picture and page, document or table of stations."""
+    if picture:
+        write_figure(picture, result.plot())
+    if output and output.lower().endswith(".csv"):
+        write_output(output, result.csv())
+    elif output:
+        write_output(output, html(result) if is_page(output) else format_json(result) + "\n")
+    return CommandResult.from_result(result)
 
 
 def _merge_door_results(

@@ -26,6 +26,7 @@ from dashpot.extensions.systems.door.door_model import (
 )
 from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
 from dashpot.extensions.systems.door.read_closing import closing_of
+from dashpot.extensions.systems.door.read_leak import leak_of
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
 from dashpot.reading.toml import Section, Vector, tables_of
@@ -50,8 +51,8 @@ def read_door(path: str | Path) -> Door:
     """
     raw, tables = tables_of(path)
     for name in tables:
-        if name not in {*_TABLES, "closing"}:
-            text = ", ".join(f"[{table}]" for table in (*_TABLES, "closing"))
+        if name not in {*_TABLES, "closing", "leak"}:
+            text = ", ".join(f"[{table}]" for table in (*_TABLES, "closing", "leak"))
             raise ReadError(f"{raw.name}: [{name}] is unknown; known are {text}")
     if "door" not in tables:
         raise ReadError(f"{raw.name}: no [door] is in it; expected its mass and its hinges")
@@ -64,6 +65,8 @@ def read_door(path: str | Path) -> Door:
                 size = Section(here.where, tables["door"], tuple(tables["door"]))
                 sizes = (size.quantity(word, "length") for word in ("width", "height"))
                 results["closing"] = closing_of(here.where, entries, *sizes)
+            elif name == "leak":
+                results["leak"] = leak_of(here.where, entries, here.path)
             else:
                 results |= _TABLES[name](here, entries)
         except DataError as error:

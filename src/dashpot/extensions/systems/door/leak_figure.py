@@ -1,0 +1,117 @@
+"""Figure of leak speeds: each state, along the line, and on the door."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.units import convert_to_unit
+from dashpot.extensions.systems.door.figure import View, mark_classes
+from dashpot.extensions.systems.door.leak_result import LeakResult
+from dashpot.plot.picture import REF, Area, Line, Mark, Panel, Pen, Picture, Rule, Scale, Tag
+from dashpot.plot.plotted_data import compute_padded_limits
+from dashpot.plot.plotted_data import stamp as format_stamp
+
+_HALF = 0.3
+"""Of a bar, its rows being 1 apart."""
+_COLOURS = ("fit", "joint", "measured", "ref", "bad")
+_DASHES: tuple[tuple[float, ...], ...] = ((), (7, 4), (2, 3))
+
+
+def leak(result: LeakResult, *, stamp: str = "") -> Picture:
+    """Return the leak speed in every state, along the line, and on the door as described.
+
+    Parameters
+    ----------
+    result : LeakResult
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    caption = (
+        "Speed of the car at which the pressure lifts the seal: of the first station in every "
+        "state with its 95 % limits, along the line, and on the door seen from outside."
+    )
+    strips = ((states_panel(result),), (along_panel(result),), (door_panel(result),))
+    origin = format_stamp(result.sources) if result.sources else ""
+    return Picture("leak", caption, strips, 3, stamp or origin, width=960.0)
+
+
+def states_panel(result: LeakResult) -> Panel:
+    """Return the speed at which the first station lifts in each state, with its limits."""
+    rows = len(result.states)
+    marks: list[Mark] = []
+    most = 0.0
+    for y, state in zip(range(rows, 0, -1), result.states, strict=True):
+        value, low, high = (float(convert_to_unit(item, "km/h")) for item in state.least)
+        most = max(most, high)
+        ends, across = np.array([low, high]), np.full(2, y)
+        marks += [
+            Area(ends, across - _HALF, across + _HALF, "fit", "95 % limits"),
+            Line(np.array([value, value]), np.array([y - _HALF, y + _HALF]), Pen("ink", 2.4)),
+            Tag(0.0, y + _HALF, f"{state.name}: {value:.0f}", "ink"),
+        ]
+    limit = result.setup.limit
+    if limit is not None:
+        at = float(convert_to_unit(limit, "km/h"))
+        most = max(most, at)
+        marks.append(Rule(at, REF, f"limit {at:.0f} km/h"))
+    return Panel(
+        Scale("speed, km/h", (0.0, 1.08 * max(most, 1.0))),
+        Scale("", (0.3, rows + 0.8), unnumbered=True),
+        tuple(marks),
+        title="the first station lifts at",
+        height=264,
+    )
+
+
+def along_panel(result: LeakResult) -> Panel:
+    """Return the leak speed of every station along the line in each state."""
+    along = result.along
+    marks: list[Mark] = []
+    shown = [np.zeros(1)]
+    for i, state in enumerate(result.states):
+        speed = convert_to_unit(state.speed, "km/h")
+        low, high = convert_to_unit(state.limits, "km/h")
+        if i == 0:
+            marks.append(Area(along, low, high, "fit", "95 % limits, new"))
+            shown.append(high)
+        pen = Pen(_COLOURS[i % len(_COLOURS)], 1.8, _DASHES[i // len(_COLOURS) % len(_DASHES)])
+        marks.append(Line(along, speed, pen, state.name))
+        shown.append(speed)
+    limit = result.setup.limit
+    if limit is not None:
+        at = float(convert_to_unit(limit, "km/h"))
+        shown.append(np.array([at]))
+        marks.append(Rule(at, REF, f"limit {at:.0f} km/h", across=True))
+    most = compute_padded_limits(*shown)[1]
+    return Panel(
+        Scale("along the line, m", (0.0, float(along[-1]))),
+        Scale("leak speed, km/h", (0.0, most)),
+        tuple(marks),
+        title="leak speed along the line",
+        height=264,
+    )
+
+
+def door_panel(result: LeakResult) -> Panel:
+    """Return the seal line from outside by the leak speed of its stations."""
+    line, first = result.door.line, result.states[0]
+    assert line is not None  # noqa: S101  a leak speed is of a line
+    view = View.from_line(line)
+    outline, at = view.project_points(line.points), view.project_points(result.place)
+    speed = convert_to_unit(first.speed, "km/h")
+    weakest = at[first.weakest]
+    marks: list[Mark] = [
+        Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)),
+        *mark_classes(at, speed, first.speed > 0, unit="km/h"),
+        Tag(float(weakest[0]), float(weakest[1]), "lifts first", "ink", "hollow"),
+    ]
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    return Panel(
+        Scale("", compute_padded_limits(np.array([low[0], high[0]]), margin=0.16)),
+        Scale("", compute_padded_limits(np.array([low[1], high[1]]), margin=0.1)),
+        tuple(marks),
+        title="seal line lifted at, from outside",
+        height=300,
+        square=True,
+        drawing=True,
+    )

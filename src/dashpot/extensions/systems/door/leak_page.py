@@ -1,0 +1,106 @@
+"""Page of leak speeds."""
+
+from __future__ import annotations
+
+from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.extensions.systems.door.leak_figure import along_panel, door_panel, states_panel
+from dashpot.extensions.systems.door.leak_result import LeakResult, format_speed
+from dashpot.extensions.systems.door.leak_text import describe_states
+from dashpot.plot.picture import Picture
+from dashpot.report.first_screen import NOT_GIVEN, Light
+from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
+from dashpot.report.tables import TextTable
+
+_ROWS = 60
+"""Stations in the table, at most; every one stands in the document."""
+
+
+def leak_page(result: LeakResult) -> KindPage:
+    """Return the page of leak speeds."""
+    setup = result.setup
+    limit = NOT_GIVEN
+    if setup.limit is not None:
+        limit = f"{convert_to_unit(setup.limit, 'km/h'):.4g} km/h"
+    return KindPage(
+        about="leak speed of the seal of a door",
+        strip=(
+            ("Seal line", f"{result.stations.length.sum():.3g} m, {len(result.along)} stations"),
+            ("Pressure on", format_quantity(setup.lip, "mm")),
+            ("Pressure coefficient", f"{setup.pressure_coefficient:g}"),
+            ("Limit", limit),
+        ),
+        lights=tuple(_lights(result)),
+        answers="Speed of the car at which the seal lifts",
+        picture=Picture(
+            "leak", result.plot().caption, ((states_panel(result),), (along_panel(result),)), 2
+        ),
+        told="The first station lifts at",
+        groups=(group("", result.facts),),
+        sources=result.sources,
+        folds=(
+            CollapsibleSection(
+                "On the door", "leak speed of every station as described", None,
+                Picture("leak-door", "Leak speed on the door", ((door_panel(result),),)),
+            ),
+            CollapsibleSection("States", "what each is, and where it leaks first", _states(result)),
+            CollapsibleSection("Stations", _note(result), _stations(result)),
+        ),
+        name="leak",
+    )  # fmt: skip
+
+
+def _lights(result: LeakResult) -> list[Light]:
+    lit = list(
+        lights(
+            result.checks,
+            Topic("Seal"),
+            Topic("Leak speed", {"leak_speed_known"}, format_speed(result.states[0].least)),
+        )
+    )
+    met = result.met
+    if met:
+        missed = [name for name, word in met.items() if word == "missed"]
+        undecided = [name for name, word in met.items() if word == "open"]
+        text = "met in every state"
+        if missed or undecided:
+            parts = [f"missed: {', '.join(missed)}"] if missed else []
+            parts += [f"open: {', '.join(undecided)}"] if undecided else []
+            text = "; ".join(parts)
+        mark = "good" if not missed and not undecided else "note"
+        lit.append(Light("Limit", mark, text))
+    return lit
+
+
+def _states(result: LeakResult) -> TextTable:
+    head = ("state", "which is", "N/m", "Pa", "km/h", "from", "to", "at, m", "limit")
+    rows = []
+    for state, words in zip(result.states, describe_states(result), strict=True):
+        i = state.weakest
+        speeds = (f"{convert_to_unit(item, 'km/h'):.1f}" for item in state.least)
+        rows.append((
+            state.name, words, f"{state.force[i]:.4g}", f"{state.pressure[i]:.4g}", *speeds,
+            f"{result.along[i]:.3f}", result.met.get(state.name, ""),
+        ))  # fmt: skip
+    return TextTable(head, tuple(rows))
+
+
+def _step(result: LeakResult) -> int:
+    return -(-len(result.along) // _ROWS)
+
+
+def _note(result: LeakResult) -> str:
+    step, count = _step(result), len(result.along)
+    return f"{count} stations" if step == 1 else f"one of {step} of {count} stations"
+
+
+def _stations(result: LeakResult) -> TextTable:
+    head = ("along, m", "compression, mm", *(f"{state.name}, km/h" for state in result.states))
+    rows = tuple(
+        (
+            f"{result.along[i]:.3f}",
+            f"{convert_to_unit(float(result.compression[i]), 'mm'):.2f}",
+            *(f"{convert_to_unit(float(state.speed[i]), 'km/h'):.1f}" for state in result.states),
+        )
+        for i in range(0, len(result.along), _step(result))
+    )
+    return TextTable(head, rows)

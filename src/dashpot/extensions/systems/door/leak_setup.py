@@ -1,0 +1,158 @@
+"""Pressure on the seal of a door, and the states in which its leak speed is asked."""
+
+from __future__ import annotations
+
+from dashpot.base import dataclass
+from dashpot.base.errors import DataError
+from dashpot.base.value_ranges import require_nonnegative, require_positive
+from dashpot.extensions.systems.door.air_flow import AMBIENT
+
+GAS_CONSTANT = 287.05
+"""Of dry air, J/(kg K)."""
+STANDARD_TEMPERATURE = 293.15
+"""Of the air where a state says none, K."""
+_WIDEST = 0.2
+"""m; no lip of a seal is wider."""
+_HIGHEST = 5.0
+"""No pressure coefficient of a car body is higher."""
+
+
+def compute_air_density(temperature: float) -> float:
+    r"""Return the density of air of :math:`p_a` = 1013.25 hPa, :math:`p_a/(R T)`, kg/m^3."""
+    return AMBIENT / (GAS_CONSTANT * temperature)
+
+
+@dataclass(frozen=True)
+class AgingChoice:
+    """Aging of the seal in a state, by an aging law.
+
+    Attributes
+    ----------
+    path : str
+        Of the law, a fit of compression stress relaxation.
+    time, temperature : float
+        s and K.
+    """
+
+    path: str
+    time: float
+    temperature: float
+
+
+@dataclass(frozen=True)
+class LeakState:
+    """State of the seal in which its leak speed is asked.
+
+    Attributes
+    ----------
+    name : str
+    gap : float
+        By how much the gap is wider than where the seal relaxed, m.
+    time : float
+        Since the gap widened, s; inf lets the seal relax there.
+    temperature : float or None
+        K; None is that of the seal of the door.
+    retained : float
+        Part of the force that aging leaves, F/F0.
+    retained_sd : float
+        Its standard error.
+    aging : AgingChoice or None
+        In place of `retained`.
+    density : float or None
+        Of the air, kg/m^3; None is that at the temperature.
+    """
+
+    name: str
+    gap: float = 0.0
+    time: float = float("inf")
+    temperature: float | None = None
+    retained: float = 1.0
+    retained_sd: float = 0.0
+    aging: AgingChoice | None = None
+    density: float | None = None
+
+    def __post_init__(self) -> None:
+        of = f"the state '{self.name}': "
+        require_nonnegative(of, gap=self.gap, retained_sd=self.retained_sd)
+        require_positive(of, temperature=self.temperature, density=self.density, optional=True)
+        if not 0 < self.retained <= 1:
+            raise DataError(
+                f"{of}a part of {self.retained:g} of the force; expected more than 0 and at most "
+                "100 %"
+            )
+        if not self.time > 0:
+            raise DataError(f"{of}time = {self.time:g} s; expected a time > 0 since the gap opened")
+        if self.time < float("inf") and self.gap == 0:
+            raise DataError(
+                f"{of}time is that since the gap became wider, and gap is not given: add gap, or "
+                "leave time out"
+            )
+        if self.aging is not None and self.retained != 1:
+            raise DataError(f"{of}an aging law and a part of the force say the same; keep one")
+
+
+@dataclass(frozen=True)
+class LeakSetup:
+    """Pressure on the seal, and what is known of it.
+
+    Attributes
+    ----------
+    lip : float
+        Width of the seal on which the pressure acts, m.
+    pressure_coefficient : float
+        Pressure difference over the seal, of the dynamic pressure.
+    lip_sd, pressure_coefficient_sd : float
+        Their standard errors.
+    gap_sd : float
+        Standard error of the gap, the same along the line, m.
+    force_sd : float
+        Standard deviation of the force of seals about that of the tested specimen, a part of it.
+    limit : float or None
+        Speed up to which the seal must not leak, m/s.
+    states : tuple of LeakState
+        Beside that of the door as its file describes it.
+    """
+
+    lip: float
+    pressure_coefficient: float = 1.0
+    lip_sd: float = 0.0
+    pressure_coefficient_sd: float = 0.0
+    gap_sd: float = 0.0
+    force_sd: float = 0.0
+    limit: float | None = None
+    states: tuple[LeakState, ...] = ()
+
+    def __post_init__(self) -> None:
+        require_positive(lip=self.lip, pressure_coefficient=self.pressure_coefficient)
+        require_positive(limit=self.limit, optional=True)
+        require_nonnegative(
+            lip_sd=self.lip_sd,
+            pressure_coefficient_sd=self.pressure_coefficient_sd,
+            gap_sd=self.gap_sd,
+            force_sd=self.force_sd,
+        )
+        if self.lip > _WIDEST or self.pressure_coefficient > _HIGHEST:
+            raise DataError(
+                f"a lip of {self.lip:g} m and a pressure coefficient of "
+                f"{self.pressure_coefficient:g}; expected at most {_WIDEST:g} m and {_HIGHEST:g}: "
+                "is the unit mm?"
+            )
+        for name in ("lip", "pressure_coefficient"):
+            if getattr(self, f"{name}_sd") > _MOST * getattr(self, name):
+                raise DataError(
+                    f"{name}_sd is more than {100 * _MOST:.0f} % of {name}; expected a smaller "
+                    "standard error"
+                )
+        if self.force_sd > _MOST:
+            raise DataError(
+                f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST:.0f} %"
+            )
+        names = [NEW, *(state.name for state in self.states)]
+        twice = [name for name in names if names.count(name) > 1]
+        if twice:
+            raise DataError(f"two states are called '{twice[0]}'; the first of all is '{NEW}'")
+
+
+NEW = "new"
+"""The state of the door as its file describes it."""
+_MOST = 0.5

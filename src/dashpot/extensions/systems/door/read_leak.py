@@ -1,0 +1,84 @@
+"""Reader of the table [leak] of a door file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.systems.door.leak_setup import AgingChoice, LeakSetup, LeakState
+from dashpot.reading.toml import Section
+
+_KEYS = (
+    "lip", "lip_sd", "pressure_coefficient", "pressure_coefficient_sd", "gap_sd", "force_sd",
+    "limit", "state",
+)  # fmt: skip
+_STATE = (
+    "name", "gap", "time", "temperature", "retained", "retained_sd", "csr", "aging_time",
+    "aging_temperature", "density",
+)  # fmt: skip
+_MOST = 50
+"""States; nobody compares more."""
+
+
+def leak_of(where: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:
+    """Return what a table says.
+
+    Parameters
+    ----------
+    where : str
+        How to speak of it.
+    entries : mapping
+    path : callable
+        From a name in the file to the file beside the door's own.
+
+    Raises
+    ------
+    ReadError
+        If a key is unknown, missing or cannot be.
+    """
+    table = Section(where, entries, _KEYS)
+    table.needs("lip")
+    rows = table.entries.get("state", [])
+    rows = [rows] if isinstance(rows, dict) else rows
+    if not isinstance(rows, list) or len(rows) > _MOST:
+        raise ReadError(f"{where}: expected at most {_MOST} tables [[leak.state]]")
+    states = tuple(
+        _read_state(Section(f"{where[:-1]}.state] {i}", row, _STATE), i, path)
+        for i, row in enumerate(rows, start=1)
+    )
+    coefficient = table.number("pressure_coefficient")
+    return LeakSetup(
+        table.quantity("lip", "length") or 0.0,
+        LeakSetup.pressure_coefficient if coefficient is None else coefficient,
+        table.quantity("lip_sd", "length") or 0.0,
+        table.number("pressure_coefficient_sd") or 0.0,
+        table.quantity("gap_sd", "length") or 0.0,
+        table.quantity("force_sd", "strain") or 0.0,
+        table.quantity("limit", "velocity"),
+        states,
+    )
+
+
+def _read_state(row: Section, number: int, path: Callable[[str | None], str]) -> LeakState:
+    time, retained = row.quantity("time", "time"), row.quantity("retained", "strain")
+    aging = None
+    if "csr" in row:
+        row.needs("aging_time", "aging_temperature")
+        aging = AgingChoice(
+            path(row.word("csr")),
+            row.quantity("aging_time", "time") or 0.0,
+            row.quantity("aging_temperature", "temperature") or 0.0,
+        )
+    elif "aging_time" in row or "aging_temperature" in row:
+        raise ReadError(f"{row.where}: csr is missing, the file of the aging law")
+    return LeakState(
+        row.word("name") or f"state {number}",
+        row.quantity("gap", "length") or 0.0,
+        float("inf") if time is None else time,
+        row.quantity("temperature", "temperature"),
+        1.0 if retained is None else retained,
+        row.quantity("retained_sd", "strain") or 0.0,
+        aging,
+        row.number("density"),
+    )
