@@ -55,6 +55,9 @@ fit depth_4mm.csv depth_6mm.csv depth_8mm.csv -o depths.json
 predict depths.json --mass 114.8g --seals 2 --amplitude 0.01N --amplitude 0.2N --plot opened.svg
 predict door.toml --modes --plot door.svg
 predict door.toml --close 1.2m/s --plot closing.svg
+predict door.toml --leak --plot leak.svg
+predict fit.json --mass 200g --seals 2 --band 5:200Hz --base -o mount.csv
+stiffness mount.csv --mass 200g --band 20:200Hz --plot transfer_stiffness.svg
 demo --paper -o .
 simulate relaxation --hold 4s --gauges --misaligned 2deg -o gauges.csv
 """

@@ -61,6 +61,7 @@ from dashpot.extensions.projects import verification_checks
 from dashpot.extensions.solver_inputs.cards import checks as cards
 from dashpot.extensions.solver_inputs.draws import checks as draws
 from dashpot.extensions.systems.door import checks as seals
+from dashpot.extensions.transfer_stiffness import checks as mounts
 from dashpot.fitting.checks import relaxation, solid
 from dashpot.fitting.fractional_model import checks as fractional
 from dashpot.fitting.identification import checks as identification
@@ -1071,6 +1072,7 @@ SEALS = [
         0.0,
         0.01,
     ),
+    Case("leak_speed_known", lambda x: seals.leak_speed_known(x, state="new"), 0.199, 0.201),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
     Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("lateral_restraint_present", lambda x: seals.lateral_restraint_present(x, 0.354), 0, 1),
@@ -1908,6 +1910,24 @@ CARDS = [
     Case("arms_testable", lambda x: cards.arms_testable(x, 3, ""), 0, 1),
     Case("table_followed", cards.table_followed, 0.0099, 0.0101),
 ]
+MOUNTS = [
+    Case("output_blocked", lambda x: mounts.output_blocked(x, valid_from=6.0), 20.01, 19.99),
+    Case("errors_not_magnified", mounts.errors_not_magnified, 1.99, 2.01),
+    Case("flange_inertia_negligible", mounts.flange_inertia_negligible, 0.0599, 0.0601),
+    Case("blocking_mass_rigid", lambda x: mounts.blocking_mass_rigid(x, 500.0), 499.0, 501.0),
+    Case("third_octaves_resolved", lambda n: mounts.third_octaves_resolved(n, centre=10.0), 5, 4),
+    Case("level_determined", lambda x: mounts.level_determined(x, centre=10.0), 1.49, 1.51),
+    Case("mount_dissipates", lambda x: mounts.mount_dissipates(x, centre=10.0), 0.001, -0.001),
+    Case(
+        "mount_acts_as_spring",
+        lambda x: mounts.mount_acts_as_spring(x, frequency=80.0), 0.001, -0.001,
+    ),
+    Case("line_noise_stated", mounts.line_noise_stated, None, 0.01),
+    Case(
+        "sheet_in_valid_band",
+        lambda x: mounts.sheet_in_valid_band((1.0, x), (0.5, 10.0), has_record=False), 9.9, 10.1,
+    ),
+]  # fmt: skip
 DRAWS = [
     Case(
         "unresolved_arm_drawn",
@@ -1929,6 +1949,7 @@ STAGES = {
     "export": EXPORT,
     "extensions/solver_inputs/cards": CARDS,
     "extensions/solver_inputs/draws": DRAWS,
+    "extensions/transfer_stiffness": MOUNTS,
     "datamodel": RECORDS,
     "reading/readers": READING,
     "preprocessing": PREPARATION,
@@ -2150,7 +2171,12 @@ LIMITS = {
         "modes_suffice": 5e-3, "mode_shapes_cover_points": 0.03, "masses_agree": 1.05,
         "door_supported": 0,
         "closing_in_valid_band": 1.0, "lateral_restraint_present": 0,
-        "shear_stiffness_plausible": 1.5,
+        "shear_stiffness_plausible": 1.5, "leak_speed_known": 0.2,
+    },
+    "extensions/transfer_stiffness": {
+        "output_blocked": 20.0, "errors_not_magnified": 2.0, "flange_inertia_negligible": 0.06,
+        "blocking_mass_rigid": 1.0, "third_octaves_resolved": 5, "level_determined": 1.5,
+        "mount_dissipates": 0.0, "mount_acts_as_spring": 0.0, "sheet_in_valid_band": 1.0,
     },
     "datamodel": {"numbers_unambiguous": 0, "temperature_tested": 0},
     "vibration": {
@@ -2188,6 +2214,7 @@ LIMITS = {
 GRADES = {
     "note": {
         "extensions/systems/door": {"line_closed", "faster_closings_latch"},
+        "extensions/transfer_stiffness": {"line_noise_stated"},
         "extensions/batch": {"records_distinct", "no_lot_outlier", "scatter_normal"},
         "extensions/blank_tests": {"blank_tests_complete"},
         "extensions/materials/cld": {"unloading_recorded", "length_given"},
@@ -2220,6 +2247,7 @@ GRADES = {
         "measurement_independent_of_fit", "seals_counted"},
     },
     "stop": {
+        "extensions/transfer_stiffness": {"mount_dissipates"},
         "extensions/materials/cld": {"no_energy_gained"},
         "preprocessing": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",

@@ -81,8 +81,8 @@ def test_seal_of_the_paper_lifts_at_the_speeds_computed_apart(folder: Path):
     assert new.pressure == pytest.approx(2358)
     kilometres = [3.6 * state.least.value for state in (new, wider, aged)]
     assert kilometres == pytest.approx([225.3, 184.0, 159.3], abs=0.05)
-    assert result.met["aged"] == "open"
-    assert result.met["new"] == "met"
+    assert result.limit_verdicts["aged"] == "open"
+    assert result.limit_verdicts["new"] == "met"
 
 
 def test_wider_gap_lifts_a_seal_that_has_no_time_to_follow():
@@ -123,7 +123,7 @@ def test_cold_seal_follows_later_in_denser_air(folder: Path):
 
 def test_limits_hold_the_truth_of_foreign_seals_and_doors():
     """240 tests of foreign seals; gap, lip and coefficient are off by their stated errors."""
-    held = np.zeros(2)
+    inside = np.zeros(2)
     seeds = 240
     for seed in range(seeds):
         r = np.random.default_rng(seed)
@@ -153,23 +153,23 @@ def test_limits_hold_the_truth_of_foreign_seals_and_doors():
             truth = np.sqrt(
                 2 * 20 * k_inf * pressed * left / ((10e-3 + lip) * 1.204 * (1 + coefficient))
             )
-            held[i] += leak.limits[0, 0] <= truth <= leak.limits[1, 0]
-    assert (held / seeds >= 0.92).all()
-    assert (held / seeds <= 0.985).all()
+            inside[i] += leak.limits[0, 0] <= truth <= leak.limits[1, 0]
+    assert (inside / seeds >= 0.92).all()
+    assert (inside / seeds <= 0.985).all()
 
 
 @pytest.mark.once
 def test_command_writes_text_document_page_and_stations(folder: Path):
     door_file(folder, DOOR + STATES)
-    told = ran(folder / "door.toml", "--leak")
-    assert "225.3" in told.output
+    printed = ran(folder / "door.toml", "--leak")
+    assert "225.3" in printed.output
     for name in ("leak.html", "leak.csv", "leak.json"):
         ran(folder / "door.toml", "--leak", "-o", folder / name)
     document = json.loads((folder / "leak.json").read_text(encoding="utf-8"))
     assert document["schema"] == "dashpot/leak@1"
     assert document["states"][1]["leak_speed"]["value"] * 3.6 == pytest.approx(184.0, abs=0.05)
     rows = (folder / "leak.csv").read_text(encoding="utf-8").splitlines()
-    assert len(rows) == len(document["along"]) + 1
+    assert len(rows) == len(document["arc_length"]) + 1
     page = (folder / "leak.html").read_text(encoding="utf-8")
     assert "The first station lifts at" in page
 

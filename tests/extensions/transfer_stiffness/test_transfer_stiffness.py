@@ -117,7 +117,7 @@ def test_random_errors_average_out_and_common_ones_do_not():
 @pytest.mark.parametrize("method", ["direct", "indirect", "exact"])
 def test_limits_hold_the_truth_in_19_of_20_mounts(method: str):
     """400 foreign mounts with noise, gain, phase and mass errors: lines and third octaves."""
-    held, every = np.zeros(3), 0
+    inside_limits, every = np.zeros(3), 0
     f = np.arange(4.0, 60.0, 0.25)
     for seed in range(400):
         r = np.random.default_rng(seed)
@@ -144,7 +144,7 @@ def test_limits_hold_the_truth_in_19_of_20_mounts(method: str):
             inside = (here >= middle / 10**0.05) & (here < middle * 10**0.05)
             truth = np.sqrt((np.abs(K[inside]) ** 2).mean())
             eta = K[inside].sum().imag / K[inside].sum().real
-            held += [
+            inside_limits += [
                 band.limits[0] <= truth <= band.limits[1],
                 band.loss_factor_limits[0] <= eta <= band.loss_factor_limits[1],
                 bool(
@@ -152,7 +152,7 @@ def test_limits_hold_the_truth_in_19_of_20_mounts(method: str):
                 ),
             ]
             every += 1
-    share = held / every
+    share = inside_limits / every
     # the formula of the standard is right on one side by construction, which its limits allow for
     assert (share[:2] >= 0.92).all()
     assert (share[:2] <= 0.985).all()
@@ -160,7 +160,7 @@ def test_limits_hold_the_truth_in_19_of_20_mounts(method: str):
 
 def test_limits_of_a_fit_hold_the_truth_inside_its_band():
     """200 relaxation tests of foreign seals, one third octave within the valid band."""
-    held = 0
+    inside_limits = 0
     for seed in range(200):
         r = np.random.default_rng(seed)
         (k_inf, *k), tau = np.array(TABLE_1[0]) * r.uniform(0.8, 1.2, 3), TABLE_1[1]
@@ -168,11 +168,11 @@ def test_limits_of_a_fit_hold_the_truth_inside_its_band():
         (band,) = transfer_stiffness(fit, band=(0.222, 0.284)).bands
         w = 2j * np.pi * np.linspace(10**-0.65, 10**-0.55, 401)
         K = k_inf + sum(a * w * t / (1 + w * t) for a, t in zip(k, tau, strict=True))
-        held += band.limits[0] <= np.sqrt((np.abs(K) ** 2).mean()) <= band.limits[1]
-    assert held / 200 >= 0.92
+        inside_limits += band.limits[0] <= np.sqrt((np.abs(K) ** 2).mean()) <= band.limits[1]
+    assert inside_limits / 200 >= 0.92
 
 
-def test_motion_of_output_and_flange_are_corrected_and_judged():
+def test_exact_formula_corrects_motion_of_output_and_flange():
     f, flange = np.arange(5.0, 60.0, 0.5), 0.3
     K = two_seals(f)
     T = transmissibility(K, f, 20.0)
@@ -186,9 +186,9 @@ def test_motion_of_output_and_flange_are_corrected_and_judged():
     checks = {check.name: check for check in plain.checks}
     part = np.abs(flange * omega2 * T / measured.value).max()
     assert checks["flange_inertia_negligible"].value == pytest.approx(part)
-    inside = np.abs(K)
-    assert (plain.limits[0] <= inside * (1 + 1e-9)).all()
-    assert (plain.limits[1] >= inside * (1 - 1e-9)).all()
+    size = np.abs(K)
+    assert (plain.limits[0] <= size * (1 + 1e-9)).all()
+    assert (plain.limits[1] >= size * (1 - 1e-9)).all()
 
 
 def test_every_quantity_of_force_over_motion_is_one_stiffness():

@@ -150,6 +150,28 @@ opening = "600cm^2"         # exhaust vents and leaks
 gap = "1.5mm"               # three standard deviations, all along alike
 force = "15%"
 limit = "0.75m/s"
+
+[leak]                      # pressure of the wind on the seal
+lip = "10mm"                # on which it acts
+lip_sd = "0.5mm"
+pressure_coefficient = 1.0  # of the dynamic pressure
+pressure_coefficient_sd = 0.1
+gap_sd = "0.3mm"
+limit = "120km/h"
+
+[[leak.state]]
+name = "gap 2 mm wider"
+gap = "2mm"
+
+[[leak.state]]
+name = "the same, at once"
+gap = "2mm"
+time = "0.1s"               # since the gap widened
+
+[[leak.state]]
+name = "aged"
+retained = "60%"            # of the force; or csr, aging_time, aging_temperature
+retained_sd = "5%"
 """
 
 

@@ -65,7 +65,7 @@ def states_panel(result: LeakResult) -> Panel:
 
 def along_panel(result: LeakResult) -> Panel:
     """Return the leak speed of every station along the line in each state."""
-    along = result.along
+    along = result.arc_length
     marks: list[Mark] = []
     shown = [np.zeros(1)]
     for i, state in enumerate(result.states):

@@ -76,7 +76,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
             section = SealSection.from_fit(here, length=door.seal.length)
             air = STANDARD_TEMPERATURE if warm is None else warm
             density = compute_air_density(air) if state.density is None else state.density
-            cases.append((here, SectionState(state, section, density, _retained(state))))
+            cases.append((here, SectionState(state, section, density, _evaluate_retention(state))))
         found = tuple(
             find_leak(case, door.leak, fit=here, compression=pressed, factor=stations.factor)
             for here, case in cases
@@ -86,7 +86,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
     return LeakResult(door, door.leak, fit, stations, pressed, found, every)
 
 
-def _retained(state: LeakState) -> Interval:
+def _evaluate_retention(state: LeakState) -> Interval:
     """Return what is left of the force in a state, with its 95 % limits."""
     aging = state.aging
     if aging is None:
@@ -113,7 +113,7 @@ def _retained(state: LeakState) -> Interval:
 
 def _check(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iterator[Check]:
     fit, pressed = result.fit, result.compression
-    yield touches_along(pressed, result.along, result.stations.length.sum())
+    yield touches_along(pressed, result.arc_length, result.stations.length.sum())
     law = fit.elastic_law
     yield compression_tested(float(pressed.max()), None if law is None else law.depth)
     for state, here in states:

@@ -24,7 +24,7 @@ def leak_page(result: LeakResult) -> KindPage:
     return KindPage(
         about="leak speed of the seal of a door",
         strip=(
-            ("Seal line", f"{result.stations.length.sum():.3g} m, {len(result.along)} stations"),
+            ("Seal line", f"{result.stations.length.sum():.3g} m, {len(result.arc_length)} stations"),
             ("Pressure on", format_quantity(setup.lip, "mm")),
             ("Pressure coefficient", f"{setup.pressure_coefficient:g}"),
             ("Limit", limit),
@@ -57,7 +57,7 @@ def _lights(result: LeakResult) -> list[Light]:
             Topic("Leak speed", {"leak_speed_known"}, format_speed(result.states[0].least)),
         )
     )
-    met = result.met
+    met = result.limit_verdicts
     if met:
         missed = [name for name, word in met.items() if word == "missed"]
         undecided = [name for name, word in met.items() if word == "open"]
@@ -79,17 +79,17 @@ def _states(result: LeakResult) -> TextTable:
         speeds = (f"{convert_to_unit(item, 'km/h'):.1f}" for item in state.least)
         rows.append((
             state.name, words, f"{state.force[i]:.4g}", f"{state.pressure[i]:.4g}", *speeds,
-            f"{result.along[i]:.3f}", result.met.get(state.name, ""),
+            f"{result.arc_length[i]:.3f}", result.limit_verdicts.get(state.name, ""),
         ))  # fmt: skip
     return TextTable(head, tuple(rows))
 
 
 def _step(result: LeakResult) -> int:
-    return -(-len(result.along) // _ROWS)
+    return -(-len(result.arc_length) // _ROWS)
 
 
 def _note(result: LeakResult) -> str:
-    step, count = _step(result), len(result.along)
+    step, count = _step(result), len(result.arc_length)
     return f"{count} stations" if step == 1 else f"one of {step} of {count} stations"
 
 
@@ -97,10 +97,10 @@ def _stations(result: LeakResult) -> TextTable:
     head = ("along, m", "compression, mm", *(f"{state.name}, km/h" for state in result.states))
     rows = tuple(
         (
-            f"{result.along[i]:.3f}",
+            f"{result.arc_length[i]:.3f}",
             f"{convert_to_unit(float(result.compression[i]), 'mm'):.2f}",
             *(f"{convert_to_unit(float(state.speed[i]), 'km/h'):.1f}" for state in result.states),
         )
-        for i in range(0, len(result.along), _step(result))
+        for i in range(0, len(result.arc_length), _step(result))
     )
     return TextTable(head, rows)

@@ -40,11 +40,11 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
         Key("lip", "setup.lip"),
         Key("pressure_coefficient", "setup.pressure_coefficient"),
         Key("limit", "setup.limit"),
-        "along",
+        "arc_length",
         "place",
         "compression",
         "states",
-        "met",
+        "limit_verdicts",
         "verdict",
         "checks",
         Key("source", "sources"),
@@ -59,7 +59,7 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     checks: tuple[Check, ...]
 
     @property
-    def along(self) -> FloatArray:
+    def arc_length(self) -> FloatArray:
         """Where each station lies along the line, m."""
         return self.stations.along
 
@@ -75,7 +75,7 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
         return (*own, *self.fit.source)
 
     @property
-    def met(self) -> dict[str, str]:
+    def limit_verdicts(self) -> dict[str, str]:
         """Of each state, whether the limit is met, missed or open; empty without a limit."""
         limit = self.setup.limit
         if limit is None:
@@ -94,7 +94,7 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     def _table_columns(self) -> Series:
         """Stations, with the leak speed in each state."""
         columns: dict[str, tuple[FloatArray, str]] = {
-            "along": (self.along, "m"),
+            "along": (self.arc_length, "m"),
             "x": (self.place[:, 0], "m"),
             "y": (self.place[:, 1], "m"),
             "z": (self.place[:, 2], "m"),

@@ -12,10 +12,10 @@ _HEAD = ("state", "N/m", "Pa", "km/h", "95 % interval", "at, m")
 
 def render_leak(result: LeakResult) -> Text:
     """Return the pressure, and of each state the station that lifts first."""
-    setup, met = result.setup, result.met
+    setup, met = result.setup, result.limit_verdicts
     first = (
         f"  seal line {format_rounded(float(result.stations.length.sum()))} m, "
-        f"{len(result.along)} stations; pressure on {format_quantity(setup.lip, 'mm')}, "
+        f"{len(result.arc_length)} stations; pressure on {format_quantity(setup.lip, 'mm')}, "
         f"coefficient {setup.pressure_coefficient:g}"
     )
     lines = [first]
@@ -31,7 +31,7 @@ def render_leak(result: LeakResult) -> Text:
             format_rounded(float(state.pressure[i])),
             f"{value:.1f}",
             f"{low:.1f} to {high:.1f}",
-            f"{result.along[i]:.3f}",
+            f"{result.arc_length[i]:.3f}",
         ]
         rows.append([*row, *([met[state.name]] if met else [])])
     details = [["state", "which is", "force left, %", "air, kg/m^3"]]
