@@ -74,7 +74,7 @@ def door_file(folder: Path, text: str) -> Path:
     return path
 
 
-def test_seal_of_the_paper_lifts_at_the_speeds_computed_apart(folder: Path):
+def test_leak_speed_of_the_paper_seal_new_wider_aged(folder: Path):
     result = dp.predict(dp.read(door_file(folder, DOOR + STATES)), leak=True)
     new, wider, aged = result.states
     assert new.force == pytest.approx(23.58)
@@ -197,7 +197,7 @@ def test_command_writes_text_document_page_and_stations(folder: Path):
         (DOOR + "state = 3\n", "expected at most 50 tables"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_refused_where_it_stands(folder: Path, text: str, message: str):
+def test_read_door_refuses_impossible_leak_tables(folder: Path, text: str, message: str):
     with pytest.raises(ReadError, match=message):
         dp.read(door_file(folder, text))
 
@@ -216,7 +216,7 @@ def test_what_cannot_be_is_refused_where_it_stands(folder: Path, text: str, mess
         ),
     ],
 )
-def test_what_a_leak_speed_lacks_is_said(folder: Path, text: str, message: str):
+def test_leak_speed_names_what_the_file_lacks(folder: Path, text: str, message: str):
     with pytest.raises(DataError, match=message):
         dp.predict(dp.read(door_file(folder, text)), leak=True)
 

@@ -243,7 +243,9 @@ MOTION = frf(F, transmissibility(two_seals(F), F, MASS), "transmissibility")
         (FORCE, {"compression": "6mm"}, "leave out the number of seals, the compression"),
     ],
 )
-def test_what_suits_no_method_is_refused(measured: dp.FRF, options: dict, message: str):
+def test_transfer_stiffness_refuses_unsuitable_options(
+    measured: dp.FRF, options: dict, message: str
+):
     with pytest.raises(DataError, match=message):
         transfer_stiffness(measured, **options)
 

@@ -19,9 +19,8 @@ def output_blocked(difference: float | None, *, valid_from: float | None) -> Fin
         f"The output moves at least {difference:.3g} dB less than the input",
         difference,
         where,
-        Remedy("Narrow the band, use a heavier mass, or take the exact formula.", "exact"),
-        instead=f"The level difference of input and output is {difference:.3g} dB at its worst "
-        "line, and 20 dB are needed",
+        Remedy("Narrow the band, or use a heavier mass.", "exact"),
+        instead=f"Input over output is only {difference:.3g} dB at its worst line, 20 dB are needed",
     )
 
 
