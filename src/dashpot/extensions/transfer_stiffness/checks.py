@@ -20,7 +20,8 @@ def output_blocked(difference: float | None, *, valid_from: float | None) -> Fin
         difference,
         where,
         Remedy("Narrow the band, or use a heavier mass.", "exact"),
-        instead=f"Input over output is only {difference:.3g} dB at its worst line, 20 dB are needed",
+        instead=f"Input over output is only {difference:.3g} dB at its worst line, and 20 dB are "
+        "needed",
     )
 
 

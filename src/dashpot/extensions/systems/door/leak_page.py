@@ -24,7 +24,8 @@ def leak_page(result: LeakResult) -> KindPage:
     return KindPage(
         about="leak speed of the seal of a door",
         strip=(
-            ("Seal line", f"{result.stations.length.sum():.3g} m, {len(result.arc_length)} stations"),
+            ("Seal line", f"{float(result.stations.length.sum()):.3g} m"),
+            ("Stations", str(len(result.arc_length))),
             ("Pressure on", format_quantity(setup.lip, "mm")),
             ("Pressure coefficient", f"{setup.pressure_coefficient:g}"),
             ("Limit", limit),
