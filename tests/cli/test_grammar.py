@@ -23,7 +23,8 @@ from dashpot.extensions.materials.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
 VERBS = (
-    "inspect", "fit", "predict", "compare", "report", "export", "import", "batch", "verify", "plan",
+    "inspect", "fit", "predict", "compare", "report", "export", "import", "stiffness",
+    "batch", "verify", "plan",
     "record", "simulate", "demo", "app",
 )  # fmt: skip
 OTHER_THINGS = {"-o", "--output", "--port"}
@@ -78,7 +79,7 @@ def refused(*typed: object) -> str:
 # -- verbs, options and their help ----------------------------------------------------------------
 
 
-def test_there_are_fourteen_verbs() -> None:
+def test_there_are_fifteen_verbs() -> None:
     assert tuple(COMMANDS) == VERBS
 
 

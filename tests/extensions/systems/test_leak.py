@@ -189,9 +189,9 @@ def test_command_writes_text_document_page_and_stations(folder: Path):
         (DOOR + '[[leak.state]]\ntime = "1s"\n', "add gap, or leave time out"),
         (DOOR + '[[leak.state]]\ngap = "-1mm"\n', "gap = -0.001; expected a number >= 0"),
         (DOOR + '[[leak.state]]\nname = "new"\n', "two states are called 'new'"),
-        (DOOR + '[[leak.state]]\naging_time = "1h"\n', "csr is missing"),
-        (DOOR + '[[leak.state]]\ncsr = "fit.json"\n', "aging_time is missing"),
-        (DOOR + '[[leak.state]]\ncsr = "../fit.json"\naging_time = "1h"\n'
+        (DOOR + '[[leak.state]]\naging_time = "1h"\n', "aging is missing"),
+        (DOOR + '[[leak.state]]\naging = "fit.json"\n', "aging_time is missing"),
+        (DOOR + '[[leak.state]]\naging = "../fit.json"\naging_time = "1h"\n'
          'aging_temperature = "20degC"\n',
          "lies outside the folder"),
         (DOOR + "state = 3\n", "expected at most 50 tables"),
@@ -210,7 +210,7 @@ def test_read_door_refuses_impossible_leak_tables(folder: Path, text: str, messa
         (DOOR[: DOOR.index("[seal]")] + DOOR[DOOR.index("[leak]") :], r"no \[seal\] is in it"),
         (DOOR + '[[leak.state]]\ntemperature = "-20degC"\n', "fit tests at several temperatures"),
         (
-            DOOR + '[[leak.state]]\ncsr = "fit.json"\naging_time = "1h"\n'
+            DOOR + '[[leak.state]]\naging = "fit.json"\naging_time = "1h"\n'
             'aging_temperature = "20degC"\n',
             "holds no aging law",
         ),

@@ -95,6 +95,9 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
+        "retained force": {
+            "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:predict_aging",
+        },
         "option groups": {"fit": "dashpot.extensions.materials.fit_options:list_groups"},
         "options": {
             "predict": "dashpot.extensions.materials.drop.command_options:list_of_prediction",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,18 +19,21 @@ from dashpot.cli._command_files import (
 )
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._param_types import File, Range, WithUnit
-from dashpot.datamodel.frf import FRF
-from dashpot.extensions.transfer_stiffness.stiffness_sheet import TransferStiffness
-from dashpot.extensions.transfer_stiffness.transfer_methods import PART, transfer_stiffness
-from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.frf import read_frf
-from dashpot.registry import KINDS, find_handler, load_object
-from dashpot.vibration.modal.dynamic_stiffness import DEGREE
-from dashpot.workflow.bench_tests import prepared_files
-from dashpot.workflow.measured_frf import as_measured
+from dashpot.registry import KINDS, find_handler, list_names, load_object
 
-_FIT, _FRF, _BASE, _SWEEP = "fit", "frf", "transmissibility", "dma"
-_MEASURED = f"{_FRF} {_BASE} {_SWEEP}"
+if TYPE_CHECKING:
+    from dashpot.datamodel.frf import FRF
+    from dashpot.extensions.transfer_stiffness.stiffness_sheet import TransferStiffness
+    from dashpot.reading.read_options import ReadOptions
+
+_FIT, _FRF, _BASE = "fit", "frf", "transmissibility"
+_SWEEPS = " ".join(
+    name
+    for name, kind in KINDS.items()
+    if not set(kind.nouns).isdisjoint(list_names("dynamic stiffness"))
+)
+"""Kinds of sweeps of storage and loss."""
+_MEASURED = f"{_FRF} {_BASE} {_SWEEPS}"
 
 
 @verb(
@@ -61,10 +64,10 @@ give.""",
             help="The record behind the fit: limits with unseen arms."),
         mark_advanced(
             opt("--output-response", "output_response", type=File(), metavar="FILE",
-                kinds=f"{_FRF} {_SWEEP}", help="Transmissibility to the output of a direct test."),
-            opt("--gain-error", type=WithUnit("strain"), default=PART, metavar="PERCENT",
+                kinds=f"{_FRF} {_SWEEPS}", help="Transmissibility to the output of a direct test."),
+            opt("--gain-error", type=WithUnit("strain"), metavar="PERCENT",
                 kinds=_MEASURED, help="Standard error of the sensors' ratio (1%)."),
-            opt("--phase-error", type=WithUnit("angle"), default=DEGREE, metavar="ANGLE",
+            opt("--phase-error", type=WithUnit("angle"), metavar="ANGLE",
                 kinds=_MEASURED, help="Standard error of their phase (1deg)."),
             opt("--mass-error", type=WithUnit("mass"), metavar="MASS", kinds=_BASE,
                 help="Standard error of the blocking mass (1 % of it)."),
@@ -98,19 +101,24 @@ def command(
     **choices: Any,
 ) -> CommandResult:
     """Return the sheet of a measurement or of a fit."""
+    from dashpot.extensions.transfer_stiffness.transfer_methods import transfer_stiffness
+    from dashpot.reading.readers.frf import read_frf
+    from dashpot.workflow.bench_tests import prepared_files
+
     if lines and not (output or "").lower().endswith(".csv"):
         raise click.UsageError("--lines is for a table of the lines: add -o FILE.csv")
     detections = detect_file_kinds([path], options)
     kind = kinds_of(detections, options)[path]
     on_a_base = options.base_acceleration is not None
     kind = _BASE if on_a_base else kind
+    choices = {name: value for name, value in choices.items() if value is not None}
     refuse_others(command, click.get_current_context(), {path: kind})
     if kind == _FIT:
         tests = prepared_files(records, options=options) if records else ()
         sheet = transfer_stiffness(workflow.read_fit(path), record=tests, **choices)
     else:
         print_detected_kinds(detections)
-        measured = _read(path, kind, options, hammer, mass=choices["mass"])
+        measured = _read(path, kind, options, hammer, mass=choices.get("mass"))
         response = None if output_response is None else read_frf(output_response, options=options)
         sheet = transfer_stiffness(measured, output_response=response, **choices)
     if picture:
@@ -128,13 +136,16 @@ def _read(path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: floa
     click.UsageError
         If it is no such measurement.
     """
+    from dashpot.reading.readers.frf import read_frf
+    from dashpot.workflow.measured_frf import as_measured
+
     if options.base_acceleration is not None:
         test = find_handler("read several", "shaken base")([path], options=options)
         frf: FRF = find_handler("estimate frf", test)(test, choices=hammer, mass=mass, band=None)[0]
         return frf
     if kind in {_FRF, _BASE}:
         return as_measured(read_frf(path, options=options), hammer.motion)
-    if kind == _SWEEP:
+    if kind in _SWEEPS.split():
         sweep = load_object(KINDS[kind].reader)(path, options=options)
         response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
         return response

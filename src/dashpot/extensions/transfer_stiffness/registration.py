@@ -18,7 +18,7 @@ EXTENSION = Extension(
     commands=(
         Command(
             "stiffness", "Work", "Transfer stiffness of a mount, as ISO 10846 has it.",
-            "dashpot.extensions.transfer_stiffness.command", order=6,
+            "dashpot.extensions.transfer_stiffness.command", order=5,
         ),
     ),
 )  # fmt: skip

@@ -230,7 +230,7 @@ def _validate(request: _Request, seals: float) -> None:
 _MOST_GAIN, _MOST_PHASE = 0.5, 0.5
 
 
-class _Lines(NamedTuple):
+class _MeasuredLines(NamedTuple):
     """Lines of a measurement, with their errors.
 
     `random` is the relative sd of the real and of the imaginary part of each; `common`, shape
@@ -281,7 +281,7 @@ def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
     noise, stated = _relative_noise(stiffness, measured)
     ones = np.ones_like(measured)
     common = np.array([request.errors.gain * ones, 1j * request.errors.phase * ones])
-    standard = _Lines(stiffness.frequency, measured, noise, common)
+    standard = _MeasuredLines(stiffness.frequency, measured, noise, common)
     if T is None:
         corrected, taken = standard, None
     else:
@@ -289,7 +289,9 @@ def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
         taken = float((np.abs(inertia) / np.abs(measured)).max()) if request.flange_mass else None
         value = (measured - inertia) / (1 - T)
         slope = measured / (measured - inertia)
-        corrected = _Lines(stiffness.frequency, value, noise * np.abs(slope), common * slope)
+        corrected = _MeasuredLines(
+            stiffness.frequency, value, noise * np.abs(slope), common * slope
+        )
     asked = (checks.flange_inertia_negligible(taken),) if request.flange_mass or T is None else ()
     return _assemble(
         "direct",
@@ -323,8 +325,8 @@ def _measure_indirect(frf: FRF, request: _Request) -> TransferStiffness:
     # of a relative motion R = T - 1 the sensors' ratio is that of R
     sensed = ones if frf.quantity is Kind.TRANSMISSIBILITY else (T - 1) / T
     ratio = np.array([errors.gain * sensed, 1j * errors.phase * sensed])
-    standard = _Lines(lines.frequency, -inertia * T, noise, np.array([*ratio, part * ones]))
-    corrected = _Lines(
+    standard = _MeasuredLines(lines.frequency, -inertia * T, noise, np.array([*ratio, part * ones]))
+    corrected = _MeasuredLines(
         lines.frequency,
         inertia * T / (T - 1),
         noise * np.abs(slope),
@@ -358,7 +360,7 @@ def _assemble(
     method: Method,
     frf: FRF,
     request: _Request,
-    both: tuple[_Lines, _Lines],
+    both: tuple[_MeasuredLines, _MeasuredLines],
     *,
     transmissibility: ComplexArray | None,
     asked: tuple[Check, ...],
@@ -437,7 +439,7 @@ def _bands(frequency: FloatArray) -> tuple[ThirdOctave, ...]:
 
 
 def _limits(
-    both: tuple[_Lines, _Lines], spans: Sequence[tuple[int, int]], *, exact: bool
+    both: tuple[_MeasuredLines, _MeasuredLines], spans: Sequence[tuple[int, int]], *, exact: bool
 ) -> BandMeans:
     """Return means over spans of lines, the limits of the standard's formula out to the exact."""
     standard, corrected = (_means(lines, spans) for lines in both)
@@ -454,7 +456,7 @@ def _limits(
     )
 
 
-def _means(lines: _Lines, spans: Sequence[tuple[int, int]]) -> BandMeans:
+def _means(lines: _MeasuredLines, spans: Sequence[tuple[int, int]]) -> BandMeans:
     order = np.concatenate([np.arange(first, last) for first, last in spans])
     counts = np.array([last - first for first, last in spans])
     return compute_band_means(
@@ -544,7 +546,7 @@ def _predict(
     if fit.unit != "N/m":
         raise DataError(
             f"the fit is of a material, in {fit.unit}: a mount has a shape. Fit a test of the "
-            "mount, or export a part (dashpot export --shape)"
+            "mount, or predict a part (dashpot predict --shape)"
         )
     if request.temperature is not None:
         fit = fit.at_temperature(request.temperature)

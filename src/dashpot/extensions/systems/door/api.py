@@ -26,7 +26,9 @@ def predict_door(
     kelvin = convert_to_si(temperature, "temperature")
     if leak:
         if close is not None or band is not None:
-            raise DataError("leak=True is asked by itself: leave out close= and band=")
+            raise DataError(
+                "a leak speed is asked by itself: leave out the closing speed and the band"
+            )
         return find_leak_speeds(door, temperature=kelvin)
     if close is not None:
         return close_file(door, convert_to_si(close, "velocity"), temperature=kelvin)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.cli._command import CommandOption, group, opt
+from dashpot.cli._command import CommandOption, group, mark_advanced, opt
 from dashpot.cli._param_types import WithUnit
 
 _DOOR = "door"
@@ -22,6 +22,8 @@ def list_groups() -> list[list[CommandOption]]:
                 help="Closing speed: energy, least closing speed.",
             ),
             opt("--leak", kinds=_DOOR, help="Car speed that lifts the seal: new, cold, aged."),
-            opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
+            mark_advanced(
+                opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode.")
+            ),
         )
     ]

@@ -170,7 +170,7 @@ time = "0.1s"               # since the gap widened
 
 [[leak.state]]
 name = "aged"
-retained = "60%"            # of the force; or csr, aging_time, aging_temperature
+retained = "60%"            # of the force; or aging, aging_time, aging_temperature
 retained_sd = "5%"
 """
 

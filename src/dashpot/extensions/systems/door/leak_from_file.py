@@ -28,7 +28,7 @@ from dashpot.extensions.systems.door.leak_setup import (
     LeakState,
     compute_air_density,
 )
-from dashpot.registry import load_object, row_of
+from dashpot.registry import find_handler
 from dashpot.vibration.checks import compression_tested
 from dashpot.workflow.json_archive import read_fit, read_json_document
 
@@ -95,15 +95,13 @@ def _evaluate_retention(state: LeakState) -> Interval:
             state.retained, max(state.retained - half, 0.0), min(state.retained + half, 1.0)
         )
     document = read_json_document(aging.path)
-    row = row_of(document)
-    if row is None or row.name != "csr":
+    predict = find_handler("retained force", document)
+    if predict is None:
         raise DataError(
             f"{aging.path} holds no aging law; expected a fit of compression stress relaxation "
             "(dashpot fit ovens.csv -o csr.json)"
         )
-    predicted = load_object(row.predict)(
-        document, temperature=aging.temperature, until=f"{aging.time!r}s"
-    )
+    predicted = predict(document, temperature=aging.temperature, until=f"{aging.time!r}s")
     fact = predicted.answers[0]
     if np.isnan(fact.value):  # the ovens bound what is left from below alone
         return Interval(fact.low, fact.low, 1.0)

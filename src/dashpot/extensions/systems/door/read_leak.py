@@ -14,7 +14,7 @@ _KEYS = (
     "limit", "state",
 )  # fmt: skip
 _STATE = (
-    "name", "gap", "time", "temperature", "retained", "retained_sd", "csr", "aging_time",
+    "name", "gap", "time", "temperature", "retained", "retained_sd", "aging", "aging_time",
     "aging_temperature", "density",
 )  # fmt: skip
 _MOST = 50
@@ -63,15 +63,15 @@ def leak_of(where: str, entries: Any, path: Callable[[str | None], str]) -> Leak
 def _read_state(row: Section, number: int, path: Callable[[str | None], str]) -> LeakState:
     time, retained = row.quantity("time", "time"), row.quantity("retained", "strain")
     aging = None
-    if "csr" in row:
+    if "aging" in row:
         row.needs("aging_time", "aging_temperature")
         aging = AgingChoice(
-            path(row.word("csr")),
+            path(row.word("aging")),
             row.quantity("aging_time", "time") or 0.0,
             row.quantity("aging_temperature", "temperature") or 0.0,
         )
     elif "aging_time" in row or "aging_temperature" in row:
-        raise ReadError(f"{row.where}: csr is missing, the file of the aging law")
+        raise ReadError(f"{row.where}: aging is missing, the file of the aging law")
     return LeakState(
         row.word("name") or f"state {number}",
         row.quantity("gap", "length") or 0.0,
