@@ -65,7 +65,7 @@ give.""",
         mark_advanced(
             opt("--output-response", "output_response", type=File(), metavar="FILE",
                 kinds=f"{_FRF} {_SWEEPS}", help="Transmissibility to the output of a direct test."),
-            opt("--gain-error", type=WithUnit("strain"), metavar="PERCENT",
+            opt("--gain-error", type=WithUnit("strain"), metavar="SHARE",
                 kinds=_MEASURED, help="Standard error of the sensors' ratio (1%)."),
             opt("--phase-error", type=WithUnit("angle"), metavar="ANGLE",
                 kinds=_MEASURED, help="Standard error of their phase (1deg)."),
