@@ -1925,7 +1925,8 @@ MOUNTS = [
     Case("line_noise_stated", mounts.line_noise_stated, None, 0.01),
     Case(
         "sheet_in_valid_band",
-        lambda x: mounts.sheet_in_valid_band((1.0, 10 * x), (0.5, 10.0), has_record=False), 0.99, 1.01,
+        lambda x: mounts.sheet_in_valid_band((1.0, 10 * x), (0.5, 10.0), has_record=False),
+        0.99, 1.01,
     ),
 ]  # fmt: skip
 DRAWS = [

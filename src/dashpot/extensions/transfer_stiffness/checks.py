@@ -20,7 +20,7 @@ def output_blocked(difference: float | None, *, valid_from: float | None) -> Fin
         difference,
         where,
         Remedy("Narrow the band, or use a heavier mass.", "exact"),
-        instead=f"Input over output is only {difference:.3g} dB at its worst line, and 20 dB are "
+        failure=f"Input over output is only {difference:.3g} dB at its worst line, and 20 dB are "
         "needed",
     )
 
@@ -67,7 +67,7 @@ def third_octaves_resolved(fewest: int, *, centre: float) -> Finding:
     return Finding(
         f"Every third octave has {fewest} lines or more",
         fewest,
-        instead=f"The third octave at {centre:g} Hz has {fewest} lines, of which no mean is taken",
+        failure=f"The third octave at {centre:g} Hz has {fewest} lines, of which no mean is taken",
         remedy="Measure with a finer frequency resolution.",
     )
 
@@ -78,13 +78,13 @@ def level_determined(half_width: float, *, centre: float) -> Finding:
     if not math.isfinite(half_width):
         return Finding(
             "The level of the transfer stiffness is not limited",
-            faulted=True,
+            always_fails=True,
             remedy="Measure more averages.",
         )
     return Finding(
         f"The level is known to {half_width:.2g} dB or better",
         half_width,
-        instead=f"The level in the third octave at {centre:g} Hz is known to {half_width:.2g} dB "
+        failure=f"The level in the third octave at {centre:g} Hz is known to {half_width:.2g} dB "
         "only",
         remedy="Measure more averages, or state smaller errors of sensors and mass.",
     )
@@ -96,7 +96,7 @@ def mount_dissipates(highest: float, *, centre: float) -> Finding:
     return Finding(
         "The loss factor is above zero, or may be, in every third octave",
         highest,
-        instead=f"The loss factor in the third octave at {centre:g} Hz is below zero: at most "
+        failure=f"The loss factor in the third octave at {centre:g} Hz is below zero: at most "
         f"{highest:.2g}",
         remedy="Check polarity, order and delay of the two channels.",
     )
@@ -108,7 +108,7 @@ def mount_acts_as_spring(least: float, *, frequency: float) -> Finding:
     return Finding(
         "The storage stiffness is above zero at every line",
         least,
-        instead=f"The storage stiffness is below zero at {frequency:.4g} Hz: a mass, or a "
+        failure=f"The storage stiffness is below zero at {frequency:.4g} Hz: a mass, or a "
         "resonance of the mount, is in the path",
         remedy=Remedy("Narrow the band. Check the polarity of the channels.", "band"),
     )
@@ -128,9 +128,9 @@ def sheet_in_valid_band(
         beyond,
         "Its intervals hold standard errors alone there",
         Remedy("Narrow the band, or give the record behind the fit.", "record"),
-        instead=f"The fit covers {low:.2g} to {high:.2g} Hz, and the sheet reaches "
+        failure=f"The fit covers {low:.2g} to {high:.2g} Hz, and the sheet reaches "
         f"{beyond:.3g} times further",
-        excused=has_record,
+        always_passes=has_record,
     )
 
 
@@ -140,5 +140,5 @@ def line_noise_stated(estimated: float) -> Finding:
     return Finding(
         f"The FRF states no scatter. That of neighbouring lines is {100 * estimated:.2g} %",
         remedy="Export the coherence and the number of averages with it.",
-        faulted=True,
+        always_fails=True,
     )

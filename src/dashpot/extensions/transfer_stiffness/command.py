@@ -30,7 +30,7 @@ _FIT, _FRF, _BASE = "fit", "frf", "transmissibility"
 _SWEEPS = " ".join(
     name
     for name, kind in KINDS.items()
-    if not set(kind.nouns).isdisjoint(list_names("dynamic stiffness"))
+    if not set(kind.classes).isdisjoint(list_names("dynamic stiffness"))
 )
 """Kinds of sweeps of storage and loss."""
 _MEASURED = f"{_FRF} {_BASE} {_SWEEPS}"

@@ -251,6 +251,6 @@ def leak_speed_known(width: float, *, state: str) -> Finding:
     return Finding(
         f"The leak speed is known to {100 * width:.2g} % or better",
         width,
-        instead=f"The leak speed is known to {100 * width:.2g} % only in state '{state}'",
+        failure=f"The leak speed is known to {100 * width:.2g} % only in state '{state}'",
         remedy="Measure gap and lip, hold the test longer, or test the aged seal.",
     )
