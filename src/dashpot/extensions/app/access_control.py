@@ -80,7 +80,7 @@ class Guard:
         if headers.get("host") not in self._hosts:
             return "this page is served under 127.0.0.1 alone"
         origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc not in self._hosts:
+        if origin is not None and _host_of(origin) not in self._hosts:
             return "this request comes from another page"
         value = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
         if scope["path"] == "/" and value:
@@ -92,6 +92,14 @@ class Guard:
 
     def _is_valid_token(self, token: str) -> bool:
         return hmac.compare_digest(token.encode(), self.token.encode())
+
+
+def _host_of(origin: str) -> str:
+    """Return host and port of an origin; of what is no address nothing, which is no host here."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return ""
 
 
 def _add_security_headers(send: Send) -> Send:

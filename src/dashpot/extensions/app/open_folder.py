@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.extensions.app import recent, wire_format
 from dashpot.extensions.app.request_parsing import page_of
-from dashpot.extensions.app.upload_store import LIMIT, Store
+from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp
 from dashpot.reading.raw_file import open_raw
 from dashpot.registry import find_handler
 
@@ -54,15 +54,15 @@ def row(request: Mapping[str, Any], home: Path) -> bytes:
     if not entries:
         raise DataError(f"{place} has no test with that hash")
     one = entries[0]
-    raw = next(
+    path, stamp, raw = next(
         (
-            raw
+            (path, stamp, raw)
             for path in _places(place, one["file"])
-            if (raw := _read_verified_bytes(path, wanted))
+            if (stamp := get_file_stamp(path)) and (raw := _read_verified_bytes(path, wanted))
         ),
-        None,
+        (None, None, None),
     )
-    if raw is None:
+    if path is None or raw is None:
         raise ReadError(
             f"{one['file']} is not there any more, or is not what it was: start the app where the "
             "batch was run"
@@ -70,7 +70,7 @@ def row(request: Mapping[str, Any], home: Path) -> bytes:
     name = Path(one["file"]).name
     choices = {"arms": one["arms"] or "auto", "method": one["method"] or "full"}
     return wire_format.encode_message(
-        {"files": [{"id": _put(home, name, raw), "name": name}], "job": choices}
+        {"files": [{"id": _put(home, path, stamp, raw), "name": name}], "job": choices}
     )
 
 
@@ -84,10 +84,11 @@ def _parse_folder(request: Mapping[str, Any]) -> Path:
     return place
 
 
-def _put(home: Path, name: str, content: bytes) -> str:
+def _put(home: Path, path: Path, stamp: tuple[int, ...] | None, content: bytes) -> str:
     if len(content) > LIMIT:
-        raise DataError(f"{name} is larger than {LIMIT >> 20} MB, more than the page takes")
-    return Store(home).put(name, content)
+        raise DataError(f"{path.name} is larger than {LIMIT >> 20} MB, more than the page takes")
+    modified = path.stat().st_mtime
+    return Store(home).put(path.name, content, origin=path, stamp=stamp, modified=modified)
 
 
 # -- projects -------------------------------------------------------------------------------------
@@ -99,8 +100,9 @@ def _project(place: Path, home: Path) -> dict[str, Any]:
 
     def brought(path: str) -> dict[str, str]:
         file = find_file(path)
+        stamp = get_file_stamp(file)
         content = b"".join(open_raw(file).blocks())
-        return {"id": _put(home, file.name, content), "name": file.name}
+        return {"id": _put(home, file, stamp, content), "name": file.name}
 
     tests = [brought(path) for path in (job.relaxation, *job.other_tests)]
     hammers = [brought(path) for path in job.impact]

@@ -20,8 +20,10 @@ from typing import TYPE_CHECKING, Any
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.extensions.app import session
 from dashpot.extensions.app.access_control import Guard
+from dashpot.extensions.app.file_watch import FileWatch
 from dashpot.extensions.app.live_recording import Live
 from dashpot.extensions.app.page_form import fill_form
+from dashpot.extensions.app.request_parsing import get_list
 from dashpot.extensions.app.upload_store import Store, TooLargeError, remove_stale_stores
 from dashpot.extensions.app.words import format_for_page
 from dashpot.extensions.app.worker_pool import FaultError, StoppedError, WorkerProcess
@@ -45,6 +47,8 @@ LANES = {
 """Which lane answers which verb."""
 MOST = 1 << 20
 """Bytes of a question."""
+MOST_OF_STATE = 16 << 20
+"""Bytes of what a page keeps of itself: its files, its choices, and the way back through them."""
 ANSWERS = 32
 """Answers that are kept, so that a page that was loaded again need not wait."""
 _KINDS = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
@@ -70,11 +74,13 @@ class AppContext:
             name: WorkerProcess(self.store.folder) for name in dict.fromkeys(LANES.values())
         }
         self.live = Live(self.store)
+        self.watch = FileWatch(self.store)
+        self.fresh: set[str] = set()
         self.answers: OrderedDict[str, bytes] = OrderedDict()
         places = [Path(path) for path in files]
         self.state: dict[str, Any] = {
             "open": [
-                {"id": self.store.put(place.name, place.read_bytes()), "name": place.name}
+                {"id": self.store.put_file(place), "name": place.name}
                 for place in places
                 if not place.is_dir()
             ],
@@ -95,6 +101,14 @@ class AppContext:
             while len(self.answers) > ANSWERS:
                 self.answers.popitem(last=False)
         return content
+
+    def make_room(self) -> None:
+        """Remove the oldest files that no state of the page names, where the store is full.
+
+        What was uploaded since the page kept its state is named by none yet, and stays.
+        """
+        named = json.dumps(self.state)
+        self.store.make_room(lambda identity: identity in named or identity in self.fresh)
 
     def cancel(self) -> bool:
         """End what may take long: a study, what is made to be taken away, a reading."""
@@ -147,12 +161,17 @@ def json_of(body: bytes) -> dict[str, Any]:
         If it is not.
     """
     try:
-        data = json.loads(body)
+        data = json.loads(body, parse_constant=_refuse_constant)
     except (ValueError, RecursionError):
         raise DataError("the request is not JSON") from None
     if not isinstance(data, dict):
         raise DataError("the request is not a JSON object")
     return data
+
+
+def _refuse_constant(name: str) -> None:
+    """Refuse NaN and infinities, which Python would read and no answer could hold."""
+    raise ValueError(name)
 
 
 def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of routes
@@ -177,7 +196,12 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
 
     async def files(request: Request) -> Response:
         name = request.query_params.get("name", "file")
-        identity = await desk.store.keep(name, request.stream())
+        modified = request.query_params.get("modified", "")
+        await asyncio.to_thread(desk.make_room)
+        identity = await desk.store.keep(
+            name, request.stream(), modified=int(modified) / 1e3 if modified.isdecimal() else None
+        )
+        desk.fresh.add(identity)
         return JSONResponse({"id": identity, "name": name})
 
     async def example(_: Request) -> Response:
@@ -197,6 +221,10 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
             await desk.answer(verb, await _body(request)), media_type="application/octet-stream"
         )
 
+    async def watch(request: Request) -> Response:
+        names = get_list(json_of(await _body(request)), "files")
+        return JSONResponse(await asyncio.to_thread(desk.watch.look, names))
+
     async def cancel(_: Request) -> Response:
         return JSONResponse({"cancelled": desk.cancel()})
 
@@ -206,7 +234,8 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
 
     async def state(request: Request) -> Response:
         if request.method == "PUT":
-            desk.state = state_of(await _body(request))
+            desk.state = state_of(await _body(request, MOST_OF_STATE))
+            desk.fresh.clear()
             await asyncio.to_thread(session.keep, desk.state, desk.store)
         return JSONResponse(desk.state)
 
@@ -245,6 +274,7 @@ def application(desk: AppContext) -> Starlette:  # noqa: C901 -- a list of route
             Route("/plot/charts.js", charts),
             Route("/api/files", files, methods=["POST"]),
             Route("/api/example", example, methods=["POST"]),
+            Route("/api/watch", watch, methods=["POST"]),
             Route("/api/cancel", cancel, methods=["POST"]),
             Route("/api/working", working),
             Route("/api/state", state, methods=["GET", "PUT"]),
@@ -293,13 +323,13 @@ def _pixels(request: Request, name: str) -> float:
     return float(text) if text.isdecimal() else 0.0
 
 
-async def _body(request: Request) -> bytes:
-    body = b""
+async def _body(request: Request, most: int = MOST) -> bytes:
+    body = bytearray()
     async for block in request.stream():
         body += block
-        if len(body) > MOST:
-            raise TooLargeError("the request is larger than a page ever sends")
-    return body
+        if len(body) > most:
+            raise TooLargeError(f"the request is larger than {most >> 20} MB")
+    return bytes(body)
 
 
 # by their path: naming a package would import it
@@ -362,8 +392,10 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     print(address, flush=True)  # noqa: T201 -- the one line that a program may wait for
     if browser:
         webbrowser.open(address)
+    from dashpot.extensions.app.connection_limits import LimitedProtocol
+
     config = uvicorn.Config(
-        guarded, log_level="error", access_log=False, lifespan="on",
+        guarded, log_level="error", access_log=False, lifespan="on", http=LimitedProtocol,
         timeout_graceful_shutdown=GRACE,
     )  # fmt: skip
 

@@ -33,7 +33,11 @@ def keep(state: dict[str, Any], store: Store) -> None:
         for name in names:
             _copy(path_in(store.folder, name), home / name)
         when = datetime.now(UTC).isoformat(timespec="seconds")
-        write_atomic(place_of(_WORDS), json.dumps({"when": when, "state": state}).encode())
+        origins = {
+            name: [str(origin[0]), *origin[1]] for name in names if (origin := store.get_origin(name))
+        }
+        words = {"when": when, "state": state, "origins": origins}
+        write_atomic(place_of(_WORDS), json.dumps(words).encode())
         for path in home.iterdir():
             if path.name not in names:
                 shutil.rmtree(path, ignore_errors=True)
@@ -47,7 +51,7 @@ def _copy(file: Path, home: Path) -> None:
     try:
         os.link(file, home / file.name)
     except OSError:
-        shutil.copyfile(file, home / file.name)
+        shutil.copy2(file, home / file.name)
 
 
 def get_saved_session() -> dict[str, Any] | None:
@@ -67,7 +71,12 @@ def resume(store: Store) -> dict[str, Any]:
     state: dict[str, Any] = entries["state"]
     for entry in state.get("files", []):
         (file,) = (place_of(_FILES) / entry["id"]).iterdir()
-        entry["id"] = store.put(file.name, file.read_bytes())
+        path, *stamp = entries.get("origins", {}).get(entry["id"], [""])
+        # what changed on disk since is found so by the first look
+        entry["id"] = store.put(
+            file.name, file.read_bytes(), origin=Path(path) if path else None,
+            stamp=tuple(stamp), modified=file.stat().st_mtime,
+        )  # fmt: skip
     return state
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import os
 import re
 import shutil
 import tempfile
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
@@ -15,11 +17,15 @@ from dashpot.base.file_writing import open_exclusive_lock
 
 LIMIT = 200 << 20
 """Bytes of one file, at most."""
-MOST = 120
-"""Bytes of a name, at most: its end is kept, which says the format."""
+TOTAL = 2 << 30
+"""Bytes of all files of a server, at most."""
+MOST = 240
+"""Bytes of a name, at most: its start is kept, and its end, which says the format."""
 _NAMED, _LOCK = "dashpot-", ".lock"
 """How the folder of a server is named, and what in it says that the server lives."""
 _ID = re.compile(r"[0-9a-f]{16}")
+_ORIGINS = "origins"
+"""Folder that says from where on this machine a file was read; no identity is called so."""
 
 
 class TooLargeError(DataError):
@@ -41,15 +47,32 @@ class Store:
         if folder is None:
             self._held.enter_context(open_exclusive_lock(self.folder / _LOCK, str(self.folder)))
 
-    async def keep(self, name: str, blocks: AsyncIterator[bytes], *, limit: int = LIMIT) -> str:
+    async def keep(
+        self,
+        name: str,
+        blocks: AsyncIterator[bytes],
+        *,
+        limit: int = LIMIT,
+        total: int = TOTAL,
+        modified: float | None = None,
+    ) -> str:
         """Write a file as it comes, and return its identity.
+
+        Parameters
+        ----------
+        name : str
+        blocks : async iterator of bytes
+        limit, total : int
+            Bytes of this file, and of it and all others, at most.
+        modified : float, optional
+            When its contents were changed last, s since 1970.
 
         Raises
         ------
         TooLargeError
-            As soon as it is longer than `limit`; nothing of it is kept.
+            As soon as it is longer than `limit`, or all files than `total`; nothing of it is kept.
         """
-        named = plain_name(name)
+        named, others = plain_name(name), sum(size for _, size in self._sizes())
         digest, size = hashlib.sha256(named.encode() + b"\0"), 0
         with tempfile.NamedTemporaryFile(dir=self.folder, delete=False) as part:
             try:
@@ -60,6 +83,11 @@ class Store:
                             f"{named} is larger than {limit >> 20} MB; read it with 'dashpot fit', "
                             "which has no such limit"
                         )
+                    if others + size > total:
+                        raise TooLargeError(
+                            f"the open files are larger than {total >> 20} MB together: remove "
+                            f"some, and open {named} again"
+                        )
                     digest.update(block)
                     part.write(block)
             except BaseException:
@@ -69,21 +97,94 @@ class Store:
         home = self.folder / identity
         home.mkdir(exist_ok=True)
         Path(part.name).replace(home / named)
+        _date(home / named, modified)
         return identity
 
-    def put(self, name: str, content: bytes) -> str:
-        """Write a file that is at hand, and return its identity."""
+    def put(
+        self,
+        name: str,
+        content: bytes,
+        *,
+        origin: Path | None = None,
+        stamp: tuple[int, ...] | None = None,
+        modified: float | None = None,
+    ) -> str:
+        """Write a file that is at hand, and return its identity.
+
+        `origin` is where on this machine it was read, `stamp` what :func:`get_file_stamp` said of
+        it before; without one nothing is watched.
+        """
         named = plain_name(name)
         identity = hashlib.sha256(named.encode() + b"\0" + content).hexdigest()[:16]
         home = self.folder / identity
         home.mkdir(exist_ok=True)
         (home / named).write_bytes(content)
+        _date(home / named, modified)
+        if origin is not None and stamp is not None:
+            places = self.folder / _ORIGINS
+            places.mkdir(exist_ok=True)
+            words = json.dumps([str(origin.resolve()), stamp])
+            (places / identity).write_text(words, encoding="utf-8")
         return identity
+
+    def put_file(self, path: Path) -> str:
+        """Write a file of this machine, from then on watched there, and return its identity."""
+        # of one that is written meanwhile the stamp is older than the contents: it is read again
+        stamp = get_file_stamp(path)
+        content = path.read_bytes()
+        modified = path.stat().st_mtime
+        return self.put(path.name, content, origin=path, stamp=stamp, modified=modified)
+
+    def get_origin(self, identity: str) -> tuple[Path, tuple[int, ...]] | None:
+        """Return where a file was read and its stamp then; None of one that a page sent."""
+        try:
+            words = (self.folder / _ORIGINS / identity).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            return None
+        path, stamp = json.loads(words)
+        return Path(path), tuple(stamp)
+
+    def _sizes(self) -> list[tuple[Path, int]]:
+        """Return each file with its bytes, the oldest first."""
+        paths = [path for home in self.folder.iterdir() if _ID.fullmatch(home.name)
+                 for path in home.iterdir()]  # fmt: skip
+        paths.sort(key=lambda path: path.parent.stat().st_mtime)
+        return [(path, path.stat().st_size) for path in paths]
+
+    def make_room(self, is_wanted: Callable[[str], bool], *, total: int = TOTAL) -> None:
+        """Remove the oldest files that are not wanted until half of `total` is free."""
+        files = self._sizes()
+        used = sum(size for _, size in files)
+        for path, size in files:
+            if used <= total / 2:
+                return
+            if not is_wanted(path.parent.name):
+                shutil.rmtree(path.parent, ignore_errors=True)
+                used -= size
 
     def remove(self) -> None:
         """Leave nothing behind."""
         self._held.close()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def get_file_stamp(path: Path) -> tuple[int, ...] | None:
+    """Return what changes whenever a file does: size, times, number; None if there is none.
+
+    The time of the directory entry cannot be set back, as that of the contents can.
+    """
+    try:
+        about = path.stat()
+    except OSError:
+        return None
+    return about.st_size, about.st_mtime_ns, about.st_ctime_ns, about.st_ino
+
+
+def _date(path: Path, modified: float | None) -> None:
+    """Give a kept file the time of its contents, where that is known."""
+    if modified is not None:
+        with suppress(OSError, OverflowError):
+            os.utime(path, (modified, modified))
 
 
 def remove_stale_stores() -> None:
@@ -113,4 +214,8 @@ def plain_name(name: str) -> str:
     last = re.split(r"[/\\]", name)[-1]
     clean = "".join(c if c.isprintable() and c not in '<>:"|?*' else "_" for c in last).strip(". ")
     # a file system counts bytes
-    return clean.encode()[-MOST:].decode(errors="ignore") or "file"
+    whole = clean.encode()
+    if len(whole) <= MOST:
+        return clean or "file"
+    ends = whole[: MOST // 2], whole[-(MOST // 2 - 1) :]
+    return "_".join(end.decode(errors="ignore") for end in ends)

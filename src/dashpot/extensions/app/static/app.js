@@ -19,6 +19,7 @@ import * as lot from "./lot.js";
 import { bench, cancel, fit, live, moreChecks, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, views } from "./shown.js";
 import { refuse, shut, types } from "./verdict.js";
+import * as watch from "./watch.js";
 import { call } from "./wire.js";
 
 const DECKS = {
@@ -524,4 +525,5 @@ if (kept.files) {
 if (kept.open?.length) await files.opened(kept.open);
 for (const folder of kept.folders || []) await folders.openFolder(folder);
 await folders.list();
+watch.begin();
 document.body.dataset.ready = "true";

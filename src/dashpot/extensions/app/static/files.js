@@ -29,6 +29,47 @@ async function look(/** @type {OpenFile} */ one) {
   if (isTest(one) || isHammer(one) || (isBench(one) && one.page !== "part")) one.asked = "";
 }
 
+/** Read a file; what it is refused for stands at its name. */
+export async function read(/** @type {OpenFile} */ one) {
+  try {
+    await look(one);
+    return "";
+  } catch (error) {
+    const said = words(error);
+    const why = said.startsWith(`${one.name}: `) ? said.slice(one.name.length + 2) : said;
+    Object.assign(one, {
+      mark: "bad",
+      page: "",
+      asked: "",
+      line: said === cancelled ? "not read" : why,
+    });
+    return said;
+  }
+}
+
+/** What the user chose in the browser, by identity: the browser tells of each whether it changed. */
+/** @type {Map<string, File>} */
+export const picked = new Map();
+
+/** Read a file again: from now on it is another one, of the same name and choices. */
+export async function readAgain(
+  /** @type {OpenFile} */ one,
+  /** @type {{id: string, name: string}} */ found,
+) {
+  const was = one.id, at = new Date().toLocaleTimeString();
+  status(`${one.name} changed, it is read again`);
+  Object.assign(one, { id: found.id, mark: "", line: "", hash: "", watch: "" });
+  picked.delete(was);
+  if (state.current === was) state.current = found.id;
+  for (const side of /** @type {("a" | "b")[]} */ (["a", "b"])) {
+    state.ab[side] = state.ab[side].replace(was, found.id);
+  }
+  fileList();
+  await read(one);
+  one.again = at;
+  status(`${one.name} changed, read again at ${at}`);
+}
+
 /** Read files that the server has, and show the first that asks something. */
 export async function opened(
   /** @type {{id: string, name: string}[]} */ found,
@@ -48,15 +89,10 @@ export async function opened(
   }, PATIENCE);
   for (const one of added) {
     status(`reading ${one.name}`);
-    try {
-      await look(one);
-    } catch (error) {
-      const said = words(error);
-      Object.assign(one, { mark: "bad", line: said === cancelled ? "not read" : said });
-      if (said === cancelled) continue;
-      const about = said.startsWith(one.name) ? said : `${one.name}: ${said}`;
-      refuse(about, "file", { words: `Remove ${one.name}`, remove: one.id });
-    }
+    const said = await read(one);
+    if (!said || said === cancelled) continue;
+    const about = said.startsWith(one.name) ? said : `${one.name}: ${said}`;
+    refuse(about, "file", { words: `Remove ${one.name}`, remove: one.id });
   }
   clearTimeout(slow);
   if (offered) atWork(-1);
@@ -77,7 +113,14 @@ export async function take(/** @type {Iterable<File>} */ list) {
   for (const file of list) {
     status(`opening ${file.name}`);
     try {
-      found.push(await call("POST", `/api/files?name=${encodeURIComponent(file.name)}`, file));
+      const asked = new URLSearchParams({ name: file.name, modified: String(file.lastModified) });
+      const sent = await call("POST", `/api/files?${asked}`, file);
+      picked.set(sent.id, file);
+      const old = state.files.find((one) => one.name === file.name && one.watch === "stale");
+      if (old && old.id !== sent.id) {
+        await readAgain(old, sent);
+        settle();
+      } else found.push(sent);
     } catch (error) {
       refuse(words(error), "file");
     }

@@ -20,6 +20,10 @@ import { call } from "./wire.js";
  * @property {string} [mass] On the seals in an FRF, where several differ in it
  * @property {{name: string, label: string, unit: string, choices: string[], each: boolean}[]} [asks] Fields of its kind
  * @property {boolean} [alone] Whether it is judged by itself
+ * @property {string} [hash] Of its contents, SHA-256
+ * @property {string} [when] Time of its contents
+ * @property {string} [watch] What became of it on disk: "", "writing", "gone", "changed", "stale"
+ * @property {string} [again] When it was read again
  * @property {string} [level] Amplitude of the force, or of the base's acceleration, of an FRF
  */
 /**
@@ -232,10 +236,16 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
   const more = now.at(-1).length - was.at(-1).length;
   if (more > 0) words.push(`${more === 1 ? "a file" : `${more} files`} opened`);
   if (more < 0) words.push("a file removed");
+  const ids = [was, now].map((one) =>
+    one.at(-1).map((/** @type {any[]} */ file) => file[0]).join()
+  );
+  if (!more && ids[0] !== ids[1]) words.push("a file that changed");
   return words.join(", ") || "reading of a file";
 }
 
 let readOnly = false;
+
+export const readsOnly = () => readOnly;
 
 /** Keep nothing of a page that is open elsewhere. */
 export function onlyRead(/** @type {boolean} */ yes) {
@@ -248,11 +258,22 @@ export function remember() {
   const { past, ...own } = state, now = key();
   if (past.at(-1)?.key !== now) {
     const last = past.at(-1), words = last ? changed(last.key, now) : "opened";
-    past.push({ key: now, words, kept: JSON.stringify(own) });
+    // what a file asks is asked again where one goes back to it
+    const files = own.files.map((one) => one.asked ? { ...one, asked: "" } : one);
+    past.push({ key: now, words, kept: JSON.stringify({ ...own, files }) });
   }
   if (past.length > STEPS_BACK) past.shift();
   $("undo").hidden = past.length < 2;
-  call("PUT", "/api/state", JSON.stringify(state)).catch(() => {});
+  call("PUT", "/api/state", JSON.stringify(state)).then(
+    () => unkept(""),
+    (error) => unkept(error instanceof Error ? error.message : String(error)),
+  );
+}
+
+/** Say that a page that is loaded again would not find this session, and why. */
+function unkept(/** @type {string} */ said) {
+  $("unkept").textContent = said && `This session is not kept for a reload: ${said}.`;
+  $("unkept").hidden = !said;
 }
 
 /** What was chosen last, as a sentence; nothing of what was only opened. */

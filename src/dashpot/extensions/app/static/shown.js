@@ -25,6 +25,15 @@ import { render } from "./verdict.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
+/** Characters of a name in the list, and of its start where it is longer. */
+const LONGEST = 48, START = 20;
+/** What became of an open file on disk. @type {Record<string, string>} */
+export const WATCHED = {
+  writing: "being written",
+  changed: "changed",
+  gone: "no longer there",
+  stale: "changed on disk",
+};
 const SPECIMEN = { name: "", lot: "", length: "mm" };
 
 /** The table of a solid, and how many arms it has, each on its tab. */
@@ -96,7 +105,7 @@ export function fileList() {
   $("files").replaceChildren(...state.files.map((one) => {
     const level = isLevel(one) && one.level ? `, at ${levelWords(one)}` : "";
     const message = `${one.line || "reading"}${level}`;
-    const words = made("span", {}, made("b", {}, one.name), made("i", {}, message));
+    const words = made("span", {}, named(one.name), made("i", {}, message), ...stamped(one));
     const item = made(
       "li",
       {},
@@ -127,6 +136,25 @@ export function fileList() {
   }
   document.body.classList.toggle("empty", !state.files.length && !state.lot);
   render();
+}
+
+/** A name of which start and end are seen, however long it is. */
+function named(/** @type {string} */ name) {
+  if (name.length <= LONGEST) return made("b", {}, name);
+  const short = `${name.slice(0, START)}\u2026${name.slice(START + 1 - LONGEST)}`;
+  return made("b", { title: name }, short);
+}
+
+/** Of which contents the numbers are: their hash, their time, and what became of the file since. */
+function stamped(/** @type {OpenFile} */ one) {
+  if (!one.hash) return [];
+  const when = new Date(one.when || ""), today = when.toDateString() === new Date().toDateString();
+  const at = today ? when.toLocaleTimeString() : when.toLocaleDateString();
+  const text = one.again && !one.watch ? `changed, read again ${one.again}` : `of ${at}`;
+  const title = `SHA-256 ${one.hash}, contents of ${when.toLocaleString()}`;
+  const bits = [made("i", { class: "stamp", title }, `${one.hash.slice(0, 8)}, ${text}`)];
+  if (one.watch) bits.push(made("i", { class: "watch" }, WATCHED[one.watch] || ""));
+  return bits;
 }
 
 const unitWords = (/** @type {OpenFile | undefined} */ one) =>

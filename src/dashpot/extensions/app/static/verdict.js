@@ -133,6 +133,24 @@ function mends(/** @type {string} */ said) {
 const leftOut = () =>
   state.files.filter((one) => one.page === "part" ? !door() : one.asked || one.mark !== "good");
 
+/** Why an open file that is another one on disk now has no verdict, and what mends it. */
+function unwatched(/** @type {import("./job.js").OpenFile} */ one) {
+  /** @type {Record<string, [string, Cure?]>} */
+  const told = {
+    writing: [`${one.name} is being written. It is read again once it rests.`],
+    changed: [`${one.name} changed on disk. It is read again.`],
+    gone: [
+      `${one.name} is no longer where it was opened. These numbers are of what it held.`,
+      { words: `Remove ${one.name}`, remove: one.id },
+    ],
+    stale: [
+      `${one.name} changed on disk since it was opened, and a browser may not read it again by itself. Open it again.`,
+      { words: "Open it again", act: "open" },
+    ],
+  };
+  return told[one.watch || ""];
+}
+
 /** A file that is being read. */
 const reading = () => state.files.find((one) => !one.mark);
 
@@ -182,6 +200,8 @@ function instead() {
     const message = `${reading()?.name}: its columns, and what they hold. Esc ends it.`;
     return { ...open(message), word: "Reading" };
   }
+  const off = state.files.find((one) => one.watch);
+  if (off) return open(...unwatched(off));
   if (typing) return open("What is typed counts once you press Enter or leave the field.");
   if (known.of === asked && known.head?.colour === "bad") return null;
   if (known.of !== asked || !known.whole) {

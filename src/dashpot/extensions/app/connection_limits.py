@@ -1,0 +1,62 @@
+"""Time limits of a connection: a request that is not sent to its end holds no place."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+HEAD_SECONDS = 10.0
+"""From the first byte, or from the connection, to the end of a request's head."""
+BODY_SECONDS = 30.0
+"""Between two parts of a request's body."""
+
+
+class LimitedProtocol(H11Protocol):
+    """HTTP protocol that closes a connection whose request stops on its way.
+
+    The head of a request has `HEAD_SECONDS` in all, however slowly its bytes come; its body may
+    pause for `BODY_SECONDS`. While an answer is computed nothing is limited.
+    """
+
+    _timer: asyncio.TimerHandle | None = None
+    _in_head = False
+
+    def connection_made(self, transport: Any) -> None:
+        """Begin to wait for a request."""
+        super().connection_made(transport)
+        self._limit_wait()
+
+    def data_received(self, data: bytes) -> None:
+        """Take bytes of a request, and wait for the rest of it."""
+        super().data_received(data)
+        self._limit_wait()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """End every wait."""
+        self._cancel()
+        super().connection_lost(exc)
+
+    def _limit_wait(self) -> None:
+        in_head = self.cycle is None or self.cycle.response_complete
+        if in_head and self._in_head and self._timer is not None:
+            return  # one that drips wins no time
+        self._cancel()
+        self._in_head = in_head
+        if in_head:
+            self._timer = self.loop.call_later(HEAD_SECONDS, self._close)
+        elif self.cycle.more_body:
+            self._timer = self.loop.call_later(BODY_SECONDS, self._close)
+
+    def _close(self) -> None:
+        self._timer = None
+        # an answer may have begun since, or the connection may be gone
+        awaited = self.cycle is None or self.cycle.response_complete or self.cycle.more_body
+        if awaited and not self.transport.is_closing():
+            self.transport.close()
+
+    def _cancel(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None

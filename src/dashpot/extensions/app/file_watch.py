@@ -1,0 +1,84 @@
+"""Watch of open files: what each holds, of when it is, and whether it changed on disk since."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import ReadError
+from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp, path_in
+
+BLOCK = 1 << 20
+"""Bytes that are hashed at a time."""
+
+
+class FileWatch:
+    """State of open files against the files on disk that they were read from.
+
+    A change is told by size, times of contents and of the directory entry, and number of the file;
+    one that is still written is left alone until two looks agree. What is read again is a new file
+    of the store, so no result of the old contents can be taken for one of the new.
+
+    Parameters
+    ----------
+    store : Store
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._hashes: dict[str, str] = {}
+        self._seen: dict[str, tuple[int, ...]] = {}
+
+    def look(self, files: Sequence[Any]) -> dict[str, dict[str, Any]]:
+        """Return of each file its hash, its time, its state, and of a changed one its new identity.
+
+        The state is empty, ``"writing"``, ``"gone"`` or ``"changed"``.
+        """
+        return {
+            name: self._look_at(name)
+            for name in dict.fromkeys(files)
+            if isinstance(name, str) and self._is_here(name)
+        }
+
+    def _is_here(self, identity: str) -> bool:
+        try:
+            path_in(self._store.folder, identity)
+        except ReadError:
+            return False
+        return True
+
+    def _look_at(self, identity: str) -> dict[str, Any]:
+        kept = path_in(self._store.folder, identity)
+        when = datetime.fromtimestamp(kept.stat().st_mtime, UTC).isoformat(timespec="seconds")
+        row: dict[str, Any] = {"sha256": self._hash(identity, kept), "when": when, "state": ""}
+        origin = self._store.get_origin(identity)
+        if origin is None:
+            return row
+        path, stamp = origin
+        now = get_file_stamp(path)
+        if now is None:
+            return row | {"state": "gone"}
+        if now == stamp:
+            return row
+        settled = self._seen.get(identity) == now
+        self._seen[identity] = now
+        if not settled:
+            return row | {"state": "writing"}
+        if path.stat().st_size > LIMIT:
+            return row | {"state": "gone"}
+        name = self._store.put_file(path)
+        if name == identity:  # touched, and the same
+            return row
+        return row | {"state": "changed", "new": {"id": name, "name": path.name}}
+
+    def _hash(self, identity: str, path: Path) -> str:
+        if identity not in self._hashes:
+            digest = hashlib.sha256()
+            with path.open("rb") as file:
+                while block := file.read(BLOCK):
+                    digest.update(block)
+            self._hashes[identity] = digest.hexdigest()
+        return self._hashes[identity]
