@@ -15,7 +15,7 @@ from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.export import SUFFIXES, deck_for
 from dashpot.extensions.app import recent, result_cache, wire_format
-from dashpot.extensions.app.request_parsing import deck_choices, job_of, part
+from dashpot.extensions.app.request_parsing import deck_choices, job_of, part, word
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.write import write_frf
 from dashpot.registry import find_handler
@@ -36,8 +36,8 @@ def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
 def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return a file to take away: a head with its name and kind, then its bytes."""
     job = job_of(request.get("job"), folder)
-    what = request.get("what")
-    makers: dict[object, Callable[[], tuple[str, str, str]]] = {
+    what = word(request, "what")
+    makers: dict[str, Callable[[], tuple[str, str, str]]] = {
         "report": lambda: ("report.html", "text/html", report_html(_compute_report_study(job))),
         "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),

@@ -10,6 +10,7 @@ from dashpot.extensions.app import (
     bench_tests,
     compare_fits,
     downloads,
+    hammer_results,
     job_results,
     kind_results,
     open_folder,
@@ -26,6 +27,7 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "level": job_results.level, "take-level": job_results.download_level,
     "against": compare_fits.build_fit_comparison,
     "judged": kind_results.fit_kind, "take-judged": kind_results.download_kind,
+    "hammer": hammer_results.hammer, "take-hammer": hammer_results.download_hammer,
     "modes": job_results.modes, "take-modes": job_results.download_modes,
     "recent": open_folder.get_recent_folders, "folder": open_folder.folder, "row": open_folder.row,
 }  # fmt: skip

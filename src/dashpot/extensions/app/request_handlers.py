@@ -21,7 +21,13 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.app import record_cache, result_cache, view_models, wire_format
+from dashpot.extensions.app import (
+    hammer_results,
+    record_cache,
+    result_cache,
+    view_models,
+    wire_format,
+)
 from dashpot.extensions.app.command_lines import FIT, line, predict_command
 from dashpot.extensions.app.request_parsing import job_of, number, part, sizes_of, word
 from dashpot.extensions.app.upload_store import path_in
@@ -38,6 +44,7 @@ from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.stiffness_under_mass import family_checks, find_static_equilibrium
+from dashpot.workflow.study import Study
 
 HINT = (
     "Give the test mass and the number of seals: the hammer is then held against what the "
@@ -165,6 +172,8 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
         )
         on = MassOnSeals(job.mass, job.seals, job.compression)
         checks += family_checks(fit, find_static_equilibrium(fit, on).point, on)
+    else:
+        panels["frf"] = view_models.stiffness_panel(fit, sizes)
     return wire_format.encode_message(
         {
             "verdict": view_models.verdict(fit.verdict, view_models.make_fit_lights(fit)),
@@ -243,6 +252,17 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
+def _draw_hammer(study: Study, job: Job, sizes: view_models.Sizes) -> dict[str, Any]:
+    """Return the table of the hits, with which to keep, and their panels."""
+    impact, frf = study.impact, study.measured
+    if impact is None or frf is None or not frf.hits:
+        return {"hits": view_models.hit_table(impact, frf, None), "hit_panels": {}}
+    selection = hammer_results.propose(impact, frf, job.hammer)
+    panels = view_models.hit_panels(study, sizes)
+    panels |= hammer_results.draw_hits(impact, frf, job.hammer, sizes)
+    return {"hits": view_models.hit_table(impact, frf, selection), "hit_panels": panels}
+
+
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the whole story: bound, comparison, joint fit where asked, answers and verdict."""
     job = job_of(request.get("job"), folder)
@@ -274,8 +294,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "checks": view_models.check_list(sorted(checks, key=lambda check: not check.failed)),
         "more": view_models.tells_more(study, checks),
         "frf": view_models.study_panel(study, sizes, title, phase=phase),
-        "hits": view_models.hit_table(study),
-        "hit_panels": view_models.hit_panels(study, sizes),
+        **_draw_hammer(study, job, sizes),
         "hammer": view_models.hammer_line(study),
         "panels": view_models.test_panels(
             solid,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import Field, fields
+from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -69,7 +69,11 @@ def _value(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
         return tuple(_single(field, item, folder) for item in get_list(options, name))
     if isinstance(field.default, bool):
         return value is True
-    return field.default if value in (None, "") else _single(field, value, folder)
+    if value not in (None, ""):
+        return _single(field, value, folder)
+    if field.default is MISSING:
+        raise DataError(f"{name} is not given")
+    return field.default
 
 
 def _single(field: Field[Any], value: Any, folder: Path) -> Any:

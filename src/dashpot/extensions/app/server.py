@@ -40,7 +40,8 @@ LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "look": "settle",
     "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
-    "level": "slow", "take-level": "slow", "modes": "slow", "take-modes": "slow",
+    "level": "slow", "take-level": "slow",
+    "hammer": "slow", "take-hammer": "slow", "modes": "slow", "take-modes": "slow",
     "against": "slow", "judged": "slow", "take-judged": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
@@ -56,7 +57,7 @@ _READS = {"inspect", "folder", "row"}
 """Verbs that wait for a file."""
 GRACE = 1
 """Seconds that a connection is given when the server ends."""
-_KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against"}
+_KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against", "hammer"}
 
 
 class AppContext:

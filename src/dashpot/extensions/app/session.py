@@ -34,7 +34,9 @@ def keep(state: dict[str, Any], store: Store) -> None:
             _copy(path_in(store.folder, name), home / name)
         when = datetime.now(UTC).isoformat(timespec="seconds")
         origins = {
-            name: [str(origin[0]), *origin[1]] for name in names if (origin := store.get_origin(name))
+            name: [str(origin[0]), *origin[1]]
+            for name in names
+            if (origin := store.get_origin(name))
         }
         words = {"when": when, "state": state, "origins": origins}
         write_atomic(place_of(_WORDS), json.dumps(words).encode())

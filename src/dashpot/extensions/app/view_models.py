@@ -28,10 +28,13 @@ from dashpot.base.option_fields import FormField, Method, get_choice_values
 from dashpot.base.plain_text import sentences
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.units import Dimension, convert_to_unit, get_display_unit
+from dashpot.datamodel.bounds import StiffnessBounds
 from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
+from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.app import relaxation_panels
+from dashpot.extensions.app.hit_selection import HitSelection
 from dashpot.extensions.app.words import format_for_page
 from dashpot.plot import relaxation
 from dashpot.plot.frf_figure import (
@@ -97,6 +100,12 @@ SHORT = {
     "stable in frequency and damping": "stable in damping",
 }  # fmt: skip
 """What the key calls a mark where the title has said the rest."""
+OF_STIFFNESS = {
+    "relaxation fit": "valid band", "relaxation fit, extrapolated": "extrapolated",
+    "fit, extrapolated": "extrapolated", "fit": "valid band",
+    "95 % interval of the parameters": "95 % interval", "worst-case bounds": "worst-case bound",
+}  # fmt: skip
+"""What the key of a stiffness over frequency calls a mark."""
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
 UNSEEN = (400.0, 180.0)
@@ -259,13 +268,13 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
     )
 
 
-def _shorten_key(panel: Panel) -> Panel:
+def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT) -> Panel:
     """Return the panel with a key of one line: beside its title each mark needs a word."""
     marks: list[Mark] = []
     for mark in panel.marks:
         if not isinstance(mark, Tag) and mark.label:
             plain = "fit" if mark.label.startswith("fit, ") else mark.label
-            mark = replace(mark, label=SHORT.get(plain, plain))  # noqa: PLW2901
+            mark = replace(mark, label=words.get(plain, plain))  # noqa: PLW2901
         marks.append(mark)
     return replace(panel, marks=tuple(marks))
 
@@ -284,15 +293,35 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
     return render_panels("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
 
 
+def stiffness_panel(
+    fit: Fit,
+    sizes: Sizes,
+    *,
+    parameters: StiffnessBounds | None = None,
+    unseen: StiffnessBounds | None = None,
+) -> str:
+    """Return storage stiffness and loss factor of one seal, with their interval and their bound."""
+    drawn = plot.solid.stiffness(fit, parameters=parameters, unseen=unseen)
+    storage, _, factor = (panel for (panel,) in drawn.strips)
+    unit = storage.y.label.rpartition(", ")[2]
+    modulus = "E′" if fit.unit == "Pa" else "K′"
+    both = tuple(_shorten_key(panel, OF_STIFFNESS) for panel in (storage, factor))
+    title = f"{modulus} of one seal, {unit}; loss factor"
+    return render_panels("frf", both, sizes, title=title)
+
+
 def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
-    """Return the response of the mass, with all that is known of it; nothing without a mass.
+    """Return the response of the mass, with all that is known of it.
+
+    Without a mass it is the stiffness of one seal.
 
     Of a study of both tests the solid of both is held against the hammer, and that of the
     relaxation test alone stands dotted beside it. With the `phase` it is drawn below, and the
     coherence.
     """
     if study.prediction is None:
-        return ""
+        parameters = study.parameters if study.joint is None else None
+        return stiffness_panel(study.fit, sizes, parameters=parameters, unseen=study.unmeasured)
     curves, limits = _responses(study)
     if sizes.get("frf", UNSEEN)[0] < NARROW:
         curves = [replace(curve, peak=None) if curve.pen is REF else curve for curve in curves]
@@ -343,12 +372,18 @@ def base_panel(prediction: Prediction, joint: bool, sizes: Sizes, title: str) ->
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
-    """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
+    """The pulses of the hits of a study and what they show, as :func:`pulse_panels` has them."""
     if study.impact is None or study.measured is None:
         return {}
-    strips = plot.hits(study.impact, study.measured).strips
+    return pulse_panels(study.impact, study.measured, chart_of(study), sizes)
+
+
+def pulse_panels(
+    impact: ImpactTest, frf: FRF, chart: Picture | None, sizes: Sizes
+) -> dict[str, str]:
+    """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
+    strips = plot.hits(impact, frf).strips
     panels = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
-    chart = chart_of(study)
     if chart is not None:
         panels["poles"] = chart.panels[-1]
     return {
@@ -693,18 +728,24 @@ def weight(job: Job) -> str:
     return f"{on} on {seals(job.seals)}"
 
 
-def hit_table(study: Study) -> str:
-    """Return every hit with its pulse and its verdict; nothing where no hits were averaged."""
-    if study.measured is None or not study.measured.hits:
+def hit_table(impact: ImpactTest | None, frf: FRF | None, selection: HitSelection | None) -> str:
+    """Return every hit with its pulse and its verdict, and which to keep; nothing without hits."""
+    if frf is None or not frf.hits:
         return ""
-    return render_template("hits", hits=study.measured.hits, pulses=_pulses(study), size=PULSE)
+    off = {} if selection is None else selection.deviations
+    return render_template(
+        "hits", hits=frf.hits, pulses=_pulses(impact), size=PULSE,
+        off={name: f"{round_to_error(100 * value, digits=2)} %" for name, value in off.items()},
+        message="" if selection is None else selection.message,
+        keep=",".join(selection.keep) if selection is not None and selection.drop else "",
+    )  # fmt: skip
 
 
-def _pulses(study: Study) -> dict[str, str]:
+def _pulses(impact: ImpactTest | None) -> dict[str, str]:
     """Return the path of each hit's pulse by its name, all to one scale."""
-    if study.impact is None:
+    if impact is None:
         return {}
-    (width, height), blocks = PULSE, cut_hits([study.impact])
+    (width, height), blocks = PULSE, cut_hits([impact])
     longest = max(max(block.width(PART), 8 / block.rate) for block in blocks)
     top = max(float(block.force.max()) for block in blocks)
     entries = {}

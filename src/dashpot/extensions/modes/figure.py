@@ -158,3 +158,10 @@ def draw_masses(modes: MassSeriesModes) -> Picture:
 def draw_poles(frf: FRF, *, band: tuple[float, float] | None = None) -> Picture:
     """Return the stabilisation chart of an FRF with its modes."""
     return stabilisation(compute_stabilisation(FRFSet((frf,)), band=band), frf.modes(band=band))
+
+
+def list_poles(frf: FRF, *, band: tuple[float, float] | None = None) -> list[list[float]]:
+    """Return frequency, Hz, order and state of every pole of the stabilisation chart of an FRF."""
+    chart = compute_stabilisation(FRFSet((frf,)), band=band)
+    columns = (chart.frequency.tolist(), chart.order.tolist(), chart.state.tolist())
+    return [list(row) for row in zip(*columns, strict=True)]

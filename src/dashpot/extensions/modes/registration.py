@@ -36,6 +36,9 @@ EXTENSION = Extension(
         "pole figure": {
             "dashpot.datamodel.frf:FRF": "dashpot.extensions.modes.figure:draw_poles",
         },
+        "poles": {
+            "dashpot.datamodel.frf:FRF": "dashpot.extensions.modes.figure:list_poles",
+        },
         "plot": {
             "several_masses": "dashpot.extensions.modes.figure:several_masses",
             "stabilisation": "dashpot.extensions.modes.figure:stabilisation",

@@ -16,7 +16,18 @@ import {
   undo,
 } from "./job.js";
 import * as lot from "./lot.js";
-import { bench, cancel, fit, live, moreChecks, predict, settle, study } from "./questions.js";
+import { poleAt } from "./panels.js";
+import {
+  bench,
+  cancel,
+  fit,
+  live,
+  moreChecks,
+  poles,
+  predict,
+  settle,
+  study,
+} from "./questions.js";
 import { choices, describe, fields, fileList, views } from "./shown.js";
 import { refuse, shut, types } from "./verdict.js";
 import * as watch from "./watch.js";
@@ -38,6 +49,8 @@ const DECKS = {
 const NOTICED = 24;
 const PAUSE = 250;
 const STEP = 1.01;
+/** Of a pole that is clicked, to either side of which its mode is sought. */
+const ABOUT = 1.3;
 
 // -- buttons and keys -----------------------------------------------------------------------------
 
@@ -210,6 +223,12 @@ const buttons = {
     remember();
     study();
   },
+  keep: (names) => {
+    const kept = names.split(",");
+    const every = all("#hit-table [data-hit]").map((box) => box.dataset.hit || "");
+    const { accept } = state.job.hammer, reject = every.filter((one) => !kept.includes(one));
+    choose({ hammer: { accept: accept.filter((one) => kept.includes(one)), reject } });
+  },
   step: (said) => {
     const [name, by] = said.split(" ");
     step(name, +by);
@@ -323,9 +342,19 @@ function useHit(/** @type {string} */ name, /** @type {boolean} */ yes) {
     accept: [...others(accept), ...(yes ? [name] : [])],
     reject: [...others(reject), ...(yes ? [] : [name])],
   };
+  if (!test()) return settle();
   remember();
   study();
 }
+
+/** Seek modes about a pole of the chart that is clicked, a factor to either side. */
+$("hits-page").addEventListener("click", (event) => {
+  const at = poleAt(event, poles);
+  if (test() || !at) return;
+  const [low, high] = [at / ABOUT, at * ABOUT].map((hertz) => +hertz.toPrecision(3));
+  state.frfs = { ...state.frfs, band: `${low}:${high}Hz` };
+  settle();
+});
 
 /** @type {Record<string, (typed: string) => void>} */
 const typed = {

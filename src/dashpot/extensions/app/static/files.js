@@ -4,6 +4,7 @@ import {
   hammers,
   isBench,
   isHammer,
+  isHitsAlone,
   isModes,
   isTest,
   job,
@@ -97,7 +98,7 @@ export async function opened(
   clearTimeout(slow);
   if (offered) atWork(-1);
   const asks = added.find((one) => one.asked);
-  const first = added.find((one) => one.page === "test") ||
+  const first = added.find((one) => one.page === "test") || added.find(isHitsAlone) ||
     added.find((one) => isBench(one) && !(isModes(one) && test()));
   const next = (asks || first || shown() || added[0] || state.files[0])?.id || "";
   // what the user chose while they were read is kept: what is typed then is of that file

@@ -103,9 +103,12 @@ export const isLevel = (/** @type {OpenFile} */ one) =>
 /** An FRF whose modes are sought. */
 export const isModes = (/** @type {OpenFile} */ one) =>
   isResponse(one) && !one.level && ["points", "masses"].includes(state.frfs.of);
+/** Hits that no relaxation test goes with. */
+export const isHitsAlone = (/** @type {OpenFile} */ one) =>
+  isHits(one) && !state.files.some(isTest);
 /** What the page fits by itself. */
 export const isBench = (/** @type {OpenFile} */ one) =>
-  isTaken("bench")(one) || isLevel(one) || isModes(one) || isJudged(one);
+  isTaken("bench")(one) || isHitsAlone(one) || isLevel(one) || isModes(one) || isJudged(one);
 /** The unit in which the level of an FRF is said. */
 export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
   one?.page === "base" ? "m/s^2" : "N";

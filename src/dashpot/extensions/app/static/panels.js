@@ -146,6 +146,24 @@ export function curves(/** @type {Record<string, Float32Array>} */ arrays) {
   }
 }
 
+/** Of a pole, px, within which a click is on it. */
+const NEAR = 14;
+
+/** The pole of the stabilisation chart under a click; 0 if there is none. */
+export function poleAt(/** @type {MouseEvent} */ event, /** @type {number[]} */ poles) {
+  const figure = figures.poles, on = figure?.svg.getBoundingClientRect();
+  if (!figure || !on || !figure.svg.contains(/** @type {Node} */ (event.target))) return 0;
+  const [axes] = figure.panels, scale = on.width / figure.svg.viewBox.baseVal.width;
+  const [x, , w] = axes.box, [x0, , x1] = axes.view;
+  let nearest = 0, least = NEAR;
+  for (const hertz of poles) {
+    const part = (axes.x.unit(hertz) - x0) / (x1 - x0);
+    const far = Math.abs(on.left + scale * (x + w * part) - event.clientX);
+    if (far < least) [nearest, least] = [hertz, far];
+  }
+  return nearest;
+}
+
 /** From where the axis of the hold counts, on the clock of the record. */
 export let since = 0;
 

@@ -6,6 +6,8 @@ import {
   door,
   hammers,
   isBench,
+  isHits,
+  isHitsAlone,
   isJudged,
   isLevel,
   isModes,
@@ -330,21 +332,30 @@ export function bench() {
   const { id: file, options, temperature } = one, { arms, mass, seals } = state.job;
   // in one column it is none itself
   const width = $("main").clientWidth || document.body.clientWidth;
-  const sizes = { bench: [width - 16, 0] };
-  if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes } };
+  const room = { bench: [width - 16, 0] };
+  if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes: room } };
+  if (isHitsAlone(one)) {
+    const files = state.files.filter(isHits).map((each) => each.id), { band } = state.frfs;
+    const request = { files, options, hammer: state.job.hammer, band };
+    return { verb: "hammer", request: { ...request, sizes: sizes() } };
+  }
   if (isModes(one)) {
     const every = state.files.filter(isModes), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
     const by = of === "masses" ? { masses: every.map((each) => each.mass || ""), seals } : {};
-    return { verb: "modes", request: { files, ...by, options: one.options, band, sizes } };
+    return { verb: "modes", request: { files, ...by, options: one.options, band, sizes: room } };
   }
-  if (!isLevel(one)) return { verb: "bench", request: { file, options, temperature, arms, sizes } };
+  if (!isLevel(one)) {
+    return { verb: "bench", request: { file, options, temperature, arms, sizes: room } };
+  }
   const { at, law } = state.levels;
-  if (!isResponse(one)) return { verb: "level", request: { files: [file], options, law, sizes } };
+  if (!isResponse(one)) {
+    return { verb: "level", request: { files: [file], options, law, sizes: room } };
+  }
   const all = state.files.filter((each) => isResponse(each) && each.level);
   const files = all.map((each) => each.id), levels = all.map((each) => each.level);
   const wanted = at.split(/[\s;]+/).filter(Boolean).map((force) => `${force.replace(",", ".")}N`);
-  const request = { files, levels, options: all[0].options, mass, seals, at: wanted, sizes };
+  const request = { files, levels, options: all[0].options, mass, seals, at: wanted, sizes: room };
   return { verb: "level", request };
 }
 
@@ -374,9 +385,20 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
     $("beside").hidden = true;
     told(head);
     fit();
+    if (verb === "hammer") return hitsAlone(head);
     strips($("bench-page"), head.figures, verb, head.facts);
     return true;
   }, nothing);
+}
+
+/** Poles of the stabilisation chart that stands there, each its frequency, Hz. */
+export let poles = /** @type {number[]} */ ([]);
+
+function hitsAlone(/** @type {any} */ head) {
+  for (const [name, html] of Object.entries(head.hit_panels)) panel(name, html);
+  stand("hit-table", head.hits);
+  poles = head.poles.map((/** @type {number[]} */ pole) => pole[0]);
+  return true;
 }
 
 function studied(/** @type {any} */ head) {

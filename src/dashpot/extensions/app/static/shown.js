@@ -6,6 +6,7 @@ import {
   hammers,
   isBench,
   isHits,
+  isHitsAlone,
   isJudged,
   isLevel,
   isModes,
@@ -73,7 +74,7 @@ export function choices() {
     button.setAttribute("aria-pressed", String(state.phase));
     button.toggleAttribute("disabled", state.base);
   }
-  const tabs = !!test() && !isBenchShown() && state.current !== LOT,
+  const tabs = !!test() && !isBenchShown() && !isAside() && state.current !== LOT,
     two = tabs && hammers().length > 0;
   $("top").hidden = !tabs;
   $("tab-joint").hidden = !two;
@@ -97,6 +98,9 @@ export function choices() {
     ? (state.joint ? ": joint model" : ": relaxation alone")
     : "";
 }
+
+/** Whether what is shown is a question or a refusal: no numbers are of it. */
+const isAside = () => !!shown()?.asked || shown()?.mark === "bad";
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
 
@@ -165,8 +169,8 @@ const levelWords = (/** @type {OpenFile} */ one) => `${levelNumber(one)} ${unitW
 
 /** Which page is shown: a question, the hits, the panels, or what is missing. */
 export function views() {
-  const one = shown(), asks = one?.asked || "";
-  const hits = !!one && isHits(one) && !!test();
+  const one = shown(), asks = one ? one.asked || refusedPage(one) : "";
+  const hits = !!one && isHits(one), hitsOnly = hits && isHitsAlone(one);
   const fitted = !!one && isBench(one), lot = state.current === LOT;
   document.body.classList.toggle("in-lot", lot);
   $("lot-page").hidden = !lot;
@@ -181,12 +185,16 @@ export function views() {
     level,
     swept: level && !response,
     response,
-    modes,
+    modes: modes || hitsOnly,
     masses,
+    "hits-only": hitsOnly,
     judged,
   };
+  document.body.classList.toggle("aside", !!asks);
+  document.body.classList.toggle("massed", !!state.job.mass || hammers().length > 0);
   for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
-  $("bench-page").hidden = !fitted;
+  $("bench-page").hidden = !fitted || hitsOnly;
+  $("pole-hint").hidden = !hitsOnly || !!asks;
   asked(one);
   document.body.classList.toggle("alone", response && !fitted && !test());
   $("question").hidden = !asks;
@@ -196,11 +204,27 @@ export function views() {
   const alone = response && !level && !modes;
   $("frfs").hidden = lot || !!asks || !one || !isResponse(one);
   $("alone").hidden = !!test() || judged || one?.page === "base";
-  $("missing").hidden = lot || !!asks || fitted || response || !!test() || !hammers().length;
+  $("missing").hidden = lot || !!asks || (fitted && !hitsOnly) || response || !!test() ||
+    !hammers().length;
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());
   $("grid").hidden = lot || !!asks || hits || fitted || alone || against || !test();
   $("verdict").hidden = lot || !!asks || alone || !(test() || fitted);
   render();
+}
+
+/** What stands in place of the figures where a file was refused: nothing of another one. */
+function refusedPage(/** @type {OpenFile} */ one) {
+  if (one.mark !== "bad") return "";
+  const away = made("button", { class: "main", "data-remove": one.id }, `Remove ${one.name}`);
+  const home = made(
+    "div",
+    {},
+    made("h1", {}, `${one.name} was not read`),
+    made("p", { class: "question" }, one.line || ""),
+    made("p", {}, "The other files are as they were: nothing of them depends on this one."),
+    made("p", { class: "buttons" }, away),
+  );
+  return home.innerHTML;
 }
 
 /** The fields of a kind that stands alone, for each file where each is asked. */

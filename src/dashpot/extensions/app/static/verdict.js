@@ -116,7 +116,8 @@ const alone = () => {
 
 /** Whether what is shown may be taken away: not while it is about to change. */
 export const settled = () =>
-  !!test() && !alone() && !working && !typing && !refused.fit && !away && !state.against;
+  !!test() && !alone() && !working && !typing && !refused.fit && !away && !state.against &&
+  !state.files.some((one) => one.watch) && !shown()?.asked && shown()?.mark !== "bad";
 
 /** The control that mends a refused fit: what was refused, or else what was changed last. */
 function mends(/** @type {string} */ said) {
@@ -129,9 +130,16 @@ function mends(/** @type {string} */ said) {
   return { words: "Take back the last change", act: "undo" };
 }
 
-/** Files that the verdict is not of: asked about, refused, or not read yet. */
+/**
+ * Files that could be part of what is judged and are not: asked about, or not read yet. What was
+ * refused is part of nothing; what asks goes with no file that is judged by itself.
+ */
 const leftOut = () =>
-  state.files.filter((one) => one.page === "part" ? !door() : one.asked || one.mark !== "good");
+  state.files.filter((one) => {
+    if (one.mark === "bad") return false;
+    if (one.page === "part") return !door();
+    return !one.mark || (!alone() && (!!one.asked || one.mark !== "good"));
+  });
 
 /** Why an open file that is another one on disk now has no verdict, and what mends it. */
 function unwatched(/** @type {import("./job.js").OpenFile} */ one) {
@@ -195,7 +203,8 @@ function instead() {
     return said("Do not use: no hit is left", { ...fit, said: message });
   }
   if (fit) return said("Do not use", fit);
-  if (file) return said("Not read", file);
+  // of what is judged nothing depends on a file that was refused: it says so above
+  if (file && !asked) return said("Not read", file);
   if (!asked && reading()) {
     const message = `${reading()?.name}: its columns, and what they hold. Esc ends it.`;
     return { ...open(message), word: "Reading" };
@@ -275,8 +284,18 @@ let shows = "";
 export function render() {
   const home = $("verdict"), bar = $("refusal"), refusal = refused.fit || refused.file;
   // where no verdict has a place there is no panel that a line would push
-  bar.textContent = refusal?.said || "";
-  bar.hidden = !refusal || !(home.hidden || document.body.classList.contains("empty"));
+  const apart = !!refused.file && !!asked && !refused.fit;
+  const told = refusal && (home.hidden || document.body.classList.contains("empty") || apart)
+    ? refusal.said
+    : "";
+  bar.textContent = told;
+  if (told && apart && refusal?.cure.remove) {
+    const { words, remove } = refusal.cure;
+    bar.append(made("button", { class: "link", "data-remove": remove }, words));
+  } else if (told && apart) {
+    bar.append(made("button", { class: "link", "data-act": "dismiss" }, "Close"));
+  }
+  bar.hidden = !told || document.body.classList.contains("aside");
   const other = asked || refusal || away || reading() ? instead() : null;
   const head = asked && !other ? known.head : null;
   for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());

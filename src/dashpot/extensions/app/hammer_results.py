@@ -1,0 +1,176 @@
+"""Results of the hits of a hammer test: each alone, their average, its modes."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.base import dataclass
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.progress import send_progress
+from dashpot.base.units import si_range
+from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.vibration_tests import ImpactTest
+from dashpot.extensions.app import view_models, wire_format
+from dashpot.extensions.app.bench_tests import KEPT
+from dashpot.extensions.app.command_lines import words_of
+from dashpot.extensions.app.hit_selection import HitSelection, estimate_each_hit, propose_hits
+from dashpot.extensions.app.request_parsing import get_list, part, sizes_of, word
+from dashpot.extensions.app.upload_store import path_in
+from dashpot.plot.frf_figure import coherence_panels
+from dashpot.plot.picture import MEASURED, Line, Mark, Panel, Pen, Scale
+from dashpot.plot.plotted_data import compute_padded_log_limits
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.impact import read_impact
+from dashpot.registry import find_handler
+from dashpot.report.page_frame import VERDICT_COLOURS
+from dashpot.report.result_page import kind_page, text_of
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.measured_frf import ImpactResult, modes_of_hits
+
+SINGLE, OFF = Pen("fit", 1.0), Pen("bad", 1.0, (5, 3))
+"""Of the FRF of one hit: accepted, and rejected."""
+SPAN = 5.0
+"""Times the peak to either side that the FRFs of hits show."""
+
+
+@dataclass(frozen=True)
+class HammerRequest:
+    """Request of the page on hits without a relaxation test."""
+
+    files: tuple[str, ...]
+    hammer: HammerChoices
+    options: ReadOptions
+    band: tuple[float, float] | None = None
+
+
+def _parse_request(request: Mapping[str, Any], folder: Path) -> HammerRequest:
+    files = tuple(str(path_in(folder, item)) for item in get_list(request, "files"))
+    if not files:
+        raise DataError("no hammer file is open: open one first")
+    band = word(request, "band")
+    return HammerRequest(
+        files,
+        part(HammerChoices, request.get("hammer", {}), "hammer"),
+        part(ReadOptions, request.get("options", {}), "options"),
+        si_range(band, "frequency") if band else None,
+    )
+
+
+@lru_cache(KEPT)
+def _read_hits(files: tuple[str, ...], options: ReadOptions) -> Any:
+    return read_impact(list(files), options=options)
+
+
+@lru_cache(KEPT)
+def _find_modes(request: HammerRequest) -> tuple[ImpactResult, str]:
+    send_progress(f"averaging {', '.join(Path(path).name for path in request.files)}")
+    test = _read_hits(request.files, request.options)
+    return modes_of_hits(test, hammer=request.hammer, band=request.band)
+
+
+_singles: dict[tuple[int, HammerChoices], tuple[ImpactTest, dict[str, FRF]]] = {}
+"""Of hits, by which they are and how they were averaged, the FRF of each."""
+
+
+def get_single_hits(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
+    """Return the FRF of every hit alone; which hits are averaged changes none of them."""
+    key = id(impact), replace(choices, accept=(), reject=())
+    if key not in _singles:
+        while len(_singles) >= KEPT:
+            del _singles[next(iter(_singles))]
+        _singles[key] = impact, estimate_each_hit(impact, frf, choices)
+    return _singles[key][1]
+
+
+def draw_hits(
+    impact: ImpactTest, frf: FRF, choices: HammerChoices, sizes: view_models.Sizes
+) -> dict[str, str]:
+    """Return the panel of the FRF of each hit and of their average, above its coherence."""
+    single = get_single_hits(impact, frf, choices)
+    accepted = {hit.name for hit in frf.hits if hit.accepted}
+    peak = frf.frequency[int(np.argmax(np.abs(frf.value)))]
+    view = max(peak / SPAN, float(frf.frequency[1])), min(peak * SPAN, float(frf.frequency[-1]))
+    marks: list[Mark] = []
+    for name, one in sorted(single.items(), key=lambda pair: pair[0] not in accepted):
+        pen = SINGLE if name in accepted else OFF
+        label = "each hit" if name in accepted else f"hit {name}, rejected"
+        marks.append(Line(*_seen(one, view), pen, label))
+    marks.append(Line(*_seen(frf, view), MEASURED, "average"))
+    tops = [mark.y for mark in marks if isinstance(mark, Line)]
+    axis = Scale("frequency, Hz", view, log=True)
+    above = Panel(axis, Scale("accelerance, 1/kg", compute_padded_log_limits(*tops), log=True),
+                  tuple(marks))  # fmt: skip
+    panels = (above, *coherence_panels(frf, axis))
+    title = "FRF of each hit, 1/kg; coherence"
+    return {"hit-frf": view_models.render_panels("hit-frf", panels, sizes, title=title)}
+
+
+def _seen(frf: FRF, view: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    inside = (frf.frequency >= view[0]) & (frf.frequency <= view[1])
+    return frf.frequency[inside], np.abs(frf.value[inside])
+
+
+def propose(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> HitSelection:
+    """Return which hits to keep, of those that are accepted now."""
+    return propose_hits(frf, get_single_hits(impact, frf, choices))
+
+
+def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
+    """Return the modes of hits that no relaxation test goes with, and what the hits show."""
+    asked = _parse_request(request, folder)
+    result, reason = _find_modes(asked)
+    page, sizes = kind_page(result), sizes_of(request)
+    test = _read_hits(asked.files, asked.options)
+    is_hits = isinstance(test, ImpactTest) and bool(result.frf.hits)
+    head: dict[str, Any] = {
+        "verdict": view_models.verdict(result.verdict, page.lights),
+        "colour": VERDICT_COLOURS[result.verdict.use],
+        "answers": view_models.groups(page.groups, page.told, reason or page.note),
+        "solid": "",
+        "arms": "",
+        "checks": view_models.check_list(result.checks),
+        "simulated": any(source.simulated for source in page.sources),
+        "command": _line(asked),
+        "hits": "",
+        "hit_panels": {},
+        "poles": [],
+    }
+    if is_hits:
+        head["hits"] = view_models.hit_table(
+            test, result.frf, propose(test, result.frf, asked.hammer)
+        )
+        draw = find_handler("pole figure", result.frf)
+        list_poles = find_handler("poles", result.frf)
+        head["poles"] = [] if list_poles is None else list_poles(result.frf)
+        head["hit_panels"] = {
+            **draw_hits(test, result.frf, asked.hammer, sizes),
+            **view_models.pulse_panels(
+                test, result.frf, None if draw is None else draw(result.frf), sizes
+            ),
+        }
+    return wire_format.encode_message(head)
+
+
+def download_hammer(request: Mapping[str, Any], folder: Path) -> bytes:
+    """Return the modes as their JSON, as ``dashpot fit --json`` prints it."""
+    result, _ = _find_modes(_parse_request(request, folder))
+    return wire_format.encode_message(
+        {"name": "modes.json", "kind": "application/json", "text": text_of(result)}
+    )
+
+
+def _line(request: HammerRequest) -> str:
+    """Return the command that gives the same."""
+    names: Sequence[str] = [Path(path).name for path in request.files]
+    words = [*words_of(request.hammer), *words_of(request.options)]
+    if request.band is not None:
+        words += ["--band", f"{request.band[0]!r}:{request.band[1]!r}Hz"]
+    return shlex.join(["dashpot", "fit", *names, *words])
