@@ -27,6 +27,7 @@ from dashpot.cli._param_types import Folder, Output
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.registry import KINDS, find_handler, load_object
 from dashpot.workflow.job import Job
+from dashpot.workflow.recommendation import recommendation
 
 if TYPE_CHECKING:
     from dashpot import Study
@@ -41,11 +42,16 @@ _VIBRATION = set(options.VIBRATION.split())
 class Reported(Serialisable):
     """Study, with the file of its report and the hash of its project's history."""
 
-    _keys = (Key("study", flatten=True), "report", Key("history", optional=True))
+    _keys = (Key("study", flatten=True), "numbers", "report", Key("history", optional=True))
 
     study: Study
     report: str
     history: str | None
+
+    @property
+    def numbers(self) -> list[dict[str, Any]]:
+        """The numbers that the page and the app show, each with its interval or bound."""
+        return [answer.row for answer in recommendation(self.study, requested=True).answers]
 
 
 @verb(

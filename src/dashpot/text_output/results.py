@@ -21,6 +21,7 @@ from dashpot.datamodel.fit import (
 )
 from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text, facts, table
+from dashpot.workflow.recommendation import recommendation
 
 if TYPE_CHECKING:
     from dashpot import Comparison
@@ -346,6 +347,11 @@ def study(study: Study) -> Text:
     if study.static_equilibrium is not None and str(study.static_equilibrium):
         lines.append(str(study.static_equilibrium))
     solid = fit(study.fit if study.joint is None else study.joint)
+    rows = [["numbers of the page", "value", "from", "to", "unit"]]
+    for answer in recommendation(study, requested=True).answers:
+        at = "" if answer.at is None else f" ({answer.at:.4g})"
+        rows.append([f"{answer.quantity}{at}", *answer.fact.ends, answer.fact.word])
+    details += ["", *table(rows)]
     if study.joint is not None:
         text = fit(study.fit)
         details += ["", "relaxation test alone", *text.lines, *text.details]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -69,6 +69,14 @@ class Answer:
         return ReportedValue(self.quantity, self.value, self.low, self.high, unit, read=read)
 
     @property
+    def row(self) -> dict[str, Any]:
+        """As a document has it, in SI."""
+        unit = _UNITS[self.quantity][0]
+        ends = {"low": self.low, "high": self.high}
+        row = {"quantity": self.quantity, "at": self.at, "value": self.value, **ends, "unit": unit}
+        return row | {"is_bound": self.bound}
+
+    @property
     def measured_fact(self) -> ReportedValue | None:
         """The same by the hammer."""
         if self.measured is None:
@@ -103,6 +111,11 @@ class Recommendation:
     point: OperatingPoint | None
     under_mass: tuple[Answer, ...]
     one_seal: tuple[Answer, ...]
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """All of them."""
+        return (*self.under_mass, *self.one_seal)
 
 
 def recommendation(study: Study, *, requested: bool = False) -> Recommendation:

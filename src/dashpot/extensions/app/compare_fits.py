@@ -70,7 +70,7 @@ class ComparedFit(NamedTuple):
     @property
     def answers(self) -> tuple[Answer, ...]:
         """Its numbers."""
-        return (*self.recommendation.under_mass, *self.recommendation.one_seal)
+        return self.recommendation.answers
 
 
 def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
