@@ -27,7 +27,6 @@ from dashpot.cli._param_types import Folder, Output
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.registry import KINDS, find_handler, load_object
 from dashpot.workflow.job import Job
-from dashpot.workflow.recommendation import recommendation
 
 if TYPE_CHECKING:
     from dashpot import Study
@@ -51,6 +50,8 @@ class Reported(Serialisable):
     @property
     def numbers(self) -> list[dict[str, Any]]:
         """The numbers that the page and the app show, each with its interval or bound."""
+        from dashpot.workflow.recommendation import recommendation  # a page of help does without
+
         return [answer.row for answer in recommendation(self.study, requested=True).answers]
 
 

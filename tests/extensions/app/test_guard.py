@@ -150,7 +150,7 @@ def test_upload_over_the_limit_is_refused_during_transfer(desk, monkeypatch):
         ("..", "file"),
         ("", "file"),
         ("<b>.csv", "_b_.csv"),
-        ("漢" * 200 + ".csv", "漢" * 38 + ".csv"),
+        ("漢" * 200 + ".csv", "漢" * 40 + "_" + "漢" * 38 + ".csv"),
         ("\ud800.csv", "_.csv"),
     ],
 )

@@ -673,6 +673,7 @@ def tree(page, part="body"):
     """Return what a screen reader reads, less what another result would change: numbers,
     judgements."""
     told = page.at.locator(part).aria_snapshot()
+    told = re.sub(r" [0-9a-f]{8}, (of|changed)[^\"\n]*", "", told)  # of the contents
     told = re.sub(r"[−-]?\d[\d.,]*", "#", told)
     told = re.sub(
         r"(strong|paragraph): \"?(Use|Do not use|From|The damping at|The predicted damping)\b.*",

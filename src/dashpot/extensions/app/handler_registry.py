@@ -14,6 +14,7 @@ from dashpot.extensions.app import (
     job_results,
     kind_results,
     open_folder,
+    overlay_fits,
     request_handlers,
 )
 
@@ -25,7 +26,7 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "project": downloads.project,
     "bench": bench_tests.bench, "take-bench": bench_tests.download_bench,
     "level": job_results.level, "take-level": job_results.download_level,
-    "against": compare_fits.build_fit_comparison,
+    "against": compare_fits.build_fit_comparison, "overlay": overlay_fits.overlay,
     "judged": kind_results.fit_kind, "take-judged": kind_results.download_kind,
     "hammer": hammer_results.hammer, "take-hammer": hammer_results.download_hammer,
     "modes": job_results.modes, "take-modes": job_results.download_modes,

@@ -42,7 +42,7 @@ LANES = {
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
     "level": "slow", "take-level": "slow",
     "hammer": "slow", "take-hammer": "slow", "modes": "slow", "take-modes": "slow",
-    "against": "slow", "judged": "slow", "take-judged": "slow",
+    "against": "slow", "overlay": "slow", "judged": "slow", "take-judged": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Which lane answers which verb."""
@@ -57,7 +57,7 @@ _READS = {"inspect", "folder", "row"}
 """Verbs that wait for a file."""
 GRACE = 1
 """Seconds that a connection is given when the server ends."""
-_KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against", "hammer"}
+_KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against", "hammer", "overlay"}
 
 
 class AppContext:

@@ -307,7 +307,7 @@ def stiffness_panel(
     modulus = "E′" if fit.unit == "Pa" else "K′"
     both = tuple(_shorten_key(panel, OF_STIFFNESS) for panel in (storage, factor))
     title = f"{modulus} of one seal, {unit}; loss factor"
-    return render_panels("frf", both, sizes, title=title)
+    return render_panels("frf", both, sizes, title=title) + render_template("give_mass")
 
 
 def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:

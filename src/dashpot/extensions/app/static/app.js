@@ -69,8 +69,9 @@ function copy() {
 
 /** Show the solid of one tab: verdict, tables, figures, and what is taken away. */
 function which(/** @type {string} */ name) {
-  const joint = name === "joint", against = name === "ab", was = state.against;
-  if (against ? was : !was && joint === state.joint) return;
+  const joint = name === "joint", was = state.against;
+  const against = name === "ab" || name === "all" ? name : "";
+  if (against === was && (against || joint === state.joint)) return;
   state.against = against;
   if (!against) state.joint = joint;
   if (against || was) return settle();
@@ -269,7 +270,7 @@ const letters = {
   e: () => !state.files.length && files.example(),
   j: () => !$("top").hidden && !$("tab-joint").hidden && which("joint"),
   b: () => !$("top").hidden && which("ab"),
-  " ": () => state.against && swap(),
+  " ": () => state.against === "ab" && swap(),
   p: () => test() && !state.base && buttons.phase(""),
   r: () => test() && acts.report(),
   t: () => test() && acts.menu(),
@@ -301,7 +302,7 @@ document.addEventListener("keydown", (event) => {
   if (/^[0-6]$/.test(event.key) && test()) arms(event.key === "0" ? "auto" : event.key);
   else {
     const act = letters[event.key.toLowerCase()];
-    if (!act || (event.key === " " && (!state.against || at.closest("button")))) return;
+    if (!act || (event.key === " " && (state.against !== "ab" || at.closest("button")))) return;
     event.preventDefault();
     act();
   }

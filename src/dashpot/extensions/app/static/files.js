@@ -140,6 +140,7 @@ export async function example() {
 
 export function show(/** @type {string} */ id) {
   const before = test();
+  if (state.against === "all") state.against = "";
   state.current = id;
   fileList();
   views();

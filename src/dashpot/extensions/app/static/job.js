@@ -42,7 +42,7 @@ import { call } from "./wire.js";
 /** @typedef {{key: string, words: string, kept: string}} Step A choice, and the state after it */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
 /** @typedef {{of: "points" | "masses" | "levels" | "rod", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: boolean, ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, past: Step[], job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: "" | "ab" | "all", ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, past: Step[], job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
@@ -58,7 +58,7 @@ const fresh = () => ({
   current: "",
   joint: false,
   base: false,
-  against: false,
+  against: "",
   ab: { a: "", b: "" },
   phase: false,
   lot: "",
@@ -73,6 +73,7 @@ export let state = fresh();
 
 export function become(/** @type {Partial<State>} */ kept) {
   state = { ...fresh(), ...kept };
+  if (!["ab", "all"].includes(state.against)) state.against = "";
 }
 
 /** @returns {(one: OpenFile) => boolean} */

@@ -12,6 +12,7 @@ import {
   isLevel,
   isModes,
   isResponse,
+  isTest,
   job,
   jobOf,
   kindOf,
@@ -40,7 +41,7 @@ const seconds = (/** @type {number} */ since, digits = 1) =>
 function question() {
   const of = bench();
   if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null }]);
-  if (test() && state.against) return JSON.stringify(["against", ab()]);
+  if (test() && state.against) return JSON.stringify([state.against, against()]);
   return test() ? questionOf(state.joint) : "";
 }
 
@@ -286,8 +287,36 @@ function ab() {
   return { a, b };
 }
 
+/** What is laid over each other or held against each other: two models, or all tests. */
+const against = () => state.against === "all" ? overlaid() : ab();
+
+/** Every test by itself, with the choices of the page. */
+function overlaid() {
+  return state.files.filter(isTest).map((one) => jobOf(`fit ${one.id}`)).map((one) => ({
+    ...one,
+    impact: [],
+    reading_impact: {},
+    time_limits: {},
+  }));
+}
+
+/** All tests over each other. */
+function overlay() {
+  const now = question();
+  asks(now, "All tests are fitted, each by itself.");
+  slowly("overlay", { jobs: overlaid(), sizes: sizes() }, (head) => {
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+    stand("seals-table", head.table);
+    $("simulated").hidden = !head.simulated;
+    $("command").textContent = head.command;
+    knows(now, head, true);
+    return true;
+  });
+}
+
 /** Two fits against each other. */
 function compare() {
+  if (state.against === "all") return overlay();
   const { a, b } = ab(), now = question();
   asks(now, "Both fits are held against each other.");
   for (const [side, chosen] of [["a", a], ["b", b]]) {

@@ -78,8 +78,11 @@ export function choices() {
     two = tabs && hammers().length > 0;
   $("top").hidden = !tabs;
   $("tab-joint").hidden = !two;
+  const many = state.files.filter(isTest).length;
+  $("tab-all").hidden = many < 2;
+  $("test-count").textContent = String(many);
   for (const button of all("[data-which]")) {
-    const own = button.dataset.which === (state.against ? "ab" : state.joint ? "joint" : "fit");
+    const own = button.dataset.which === (state.against || (state.joint ? "joint" : "fit"));
     button.setAttribute("aria-selected", String(own));
     button.tabIndex = own ? 0 : -1;
   }
@@ -93,7 +96,7 @@ export function choices() {
     )
     .join(" \u00b7 ");
   $("taken").textContent = tabs && state.against
-    ? ": choose A or B"
+    ? ": choose a model"
     : two
     ? (state.joint ? ": joint model" : ": relaxation alone")
     : "";
@@ -177,9 +180,12 @@ export function views() {
   const response = !!one && isResponse(one) && !isRod(one), level = !!one && isLevel(one);
   const modes = !!one && isModes(one), masses = modes && state.frfs.of === "masses";
   const judged = !!one && isJudged(one);
-  const against = state.against && !!test() && !fitted && !asks && !lot;
+  const many = state.files.filter(isTest).length;
+  if (state.against === "all" && many < 2) state.against = "";
+  const against = !!state.against && !!test() && !fitted && !asks && !lot;
   document.body.classList.toggle("against", against);
-  $("ab-page").hidden = !against;
+  $("ab-page").hidden = !against || state.against !== "ab";
+  $("seals-page").hidden = !against || state.against !== "all";
   const classes = {
     bench: fitted,
     level,

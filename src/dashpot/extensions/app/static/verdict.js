@@ -291,7 +291,8 @@ export function render() {
   bar.textContent = told;
   if (told && apart && refusal?.cure.remove) {
     const { words, remove } = refusal.cure;
-    bar.append(made("button", { class: "link", "data-remove": remove }, words));
+    const has = { class: "link", "data-remove": remove, "aria-label": words };
+    bar.append(made("button", has, "Remove it"));
   } else if (told && apart) {
     bar.append(made("button", { class: "link", "data-act": "dismiss" }, "Close"));
   }
@@ -306,7 +307,7 @@ export function render() {
   document.body.classList.toggle("refused", !!refused.fit);
   $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
-    if (tab.dataset.which === "ab") continue;
+    if (!["fit", "joint"].includes(tab.dataset.which || "")) continue;
     const joint = tab.dataset.which === "joint";
     const now = state.against ? colours.get(questionOf(joint)) : other?.colour || head?.colour;
     const colour = joint === state.joint ? now : colours.get(questionOf(joint));

@@ -1,0 +1,159 @@
+"""Many relaxation tests over each other: force per depth after the ramp, and a table of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.number_format import duration, format_count, percent, round_to_error
+from dashpot.base.progress import send_progress
+from dashpot.base.units import convert_to_unit
+from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.relaxation import RampHold
+from dashpot.extensions.app import result_cache, view_models, wire_format
+from dashpot.extensions.app.command_lines import line
+from dashpot.extensions.app.request_parsing import get_list, job_of, sizes_of
+from dashpot.plot.picture import Line, Mark, Panel, Pen, Scale
+from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
+from dashpot.plot.relaxation import SINCE_RAMP
+from dashpot.plot.style import sequential
+from dashpot.report.page_frame import VERDICT_COLOURS
+from dashpot.workflow.job import Job
+
+MOST = 60
+"""Tests that are laid over each other, at most."""
+NAMED = 6
+"""Tests that have names in the key; of more the table tells."""
+
+
+class OverlaidTest(NamedTuple):
+    """Test with its fit; an error in place of them where there is none."""
+
+    name: str
+    file: str
+    job: Job
+    fit: Fit | None
+    prepared: RampHold | None
+    error: str = ""
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness at the end of its hold, N/mm; nan without a fit."""
+        if self.fit is None or self.prepared is None:
+            return float("nan")
+        return convert_to_unit(float(self.fit.solid.relaxation(self.prepared.hold_time)), "N/mm")
+
+
+class OverlaidRow(NamedTuple):
+    """Row of the table of tests."""
+
+    name: str
+    file: str
+    depth: str
+    end: str
+    value: str
+    low: str
+    high: str
+    difference: str
+    mark: str
+    verdict: str
+
+
+def overlay(request: Mapping[str, Any], folder: Path) -> bytes:
+    """Return the figure and the table of all tests that are open, each fitted alone."""
+    jobs = get_list(request, "jobs")
+    if not 0 < len(jobs) <= MOST:
+        raise DataError(f"{format_count(len(jobs), 'test')}; expected 1 to {MOST}")
+    tests = [_fit_one(options, folder) for options in jobs]
+    fitted = [test for test in tests if test.fit is not None]
+    median = float(np.median([test.stiffness for test in fitted])) if fitted else float("nan")
+    sizes = sizes_of(request)
+    return wire_format.encode_message(
+        {
+            "verdict": view_models.render_template("overlaid", message=_says(tests, median)),
+            "colour": "open",
+            "panels": {"seals-hold": _hold_panel(fitted, sizes)} if fitted else {},
+            "table": view_models.render_template(
+                "overlaid_table", rows=[_row(test, median) for test in tests]
+            ),
+            "simulated": any(
+                source.simulated for test in fitted if test.fit for source in test.fit.source
+            ),
+            "command": "\n".join(line("fit", test.job) for test in tests),
+        }
+    )
+
+
+def _fit_one(options: Any, folder: Path) -> OverlaidTest:
+    job = result_cache.select_fit_choices(job_of(options, folder))
+    path = Path(job.relaxation)
+    send_progress(f"fitting {path.name}")
+    try:
+        fit = result_cache.fit_job(job, True, None)
+        prepared = result_cache.select_shown_test(job, fit)[1]
+    except DashpotError as error:
+        return OverlaidTest(path.name, path.parent.name, job, None, None, str(error))
+    return OverlaidTest(path.name, path.parent.name, job, fit, prepared)
+
+
+def _says(tests: Sequence[OverlaidTest], median: float) -> str:
+    fitted = [test for test in tests if test.fit is not None]
+    if not fitted:
+        return "None of the tests could be fitted: the table says why."
+    values = [test.stiffness for test in fitted]
+    far = max(fitted, key=lambda test: abs(test.stiffness - median))
+    away = percent(far.stiffness / median - 1)
+    text = (
+        f"Stiffness at the end of the hold: {round_to_error(min(values), digits=4)} to "
+        f"{round_to_error(max(values), digits=4)} N/mm, median {round_to_error(median, digits=4)} "
+        f"N/mm. Farthest from it: {far.name}, {away}."
+    )
+    missing = len(tests) - len(fitted)
+    return f"{text} {format_count(missing, 'test')} not fitted." if missing else text
+
+
+def _hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) -> str:
+    """Return force over depth of every test against time since the end of its ramp."""
+    order = sorted(tests, key=lambda test: test.stiffness)
+    colours = dict(zip((test.file for test in order), sequential(len(order)), strict=True))
+    marks: list[Mark] = []
+    for test in tests:
+        if test.prepared is None:
+            continue
+        held = test.prepared.time > test.prepared.ramp_end
+        since = test.prepared.time[held] - test.prepared.ramp_end
+        stiffness = convert_to_unit(test.prepared.force[held] / test.prepared.depth, "N/mm")
+        x, y = downsample_to_means(since, stiffness, log=True)
+        marks.append(Line(x, y, Pen(colours[test.file], 1.8), test.name))
+    curves = [mark for mark in marks if isinstance(mark, Line)]
+    span = min(mark.x[0] for mark in curves), max(mark.x[-1] for mark in curves)
+    panel = Panel(
+        Scale(SINCE_RAMP, (float(span[0]), float(span[1])), log=True),
+        Scale("force over depth, N/mm", compute_padded_limits(*(mark.y for mark in curves))),
+        tuple(marks),
+    )
+    note = (
+        ""
+        if len(tests) <= NAMED
+        else f"{len(tests)} tests, coloured from the softest to the stiffest"
+    )
+    title = "Force over depth, N/mm"
+    return view_models.render_panels("seals-hold", panel, sizes, title=title, note=note)
+
+
+def _row(test: OverlaidTest, median: float) -> OverlaidRow:
+    if test.fit is None or test.prepared is None:
+        return OverlaidRow(test.name, test.file, "", "", "", "", "", "", "bad", test.error)
+    known = {fact.name: fact for fact in list_known_values(test.fit)}
+    fact = known.get("k_end", known.get("k_inf"))
+    value, low, high = ("", "", "") if fact is None else fact.ends
+    return OverlaidRow(
+        test.name, test.file, round_to_error(convert_to_unit(test.prepared.depth, "mm"), digits=3),
+        duration(test.prepared.hold_time), value, low, high,
+        percent(test.stiffness / median - 1), VERDICT_COLOURS[test.fit.verdict.use],
+        test.fit.verdict.use,
+    )  # fmt: skip
