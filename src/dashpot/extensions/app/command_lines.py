@@ -90,6 +90,8 @@ def line(command: str, job: Any) -> str:
         files += [value] if isinstance(value, str) else value
     if isinstance(named, Job):
         named = replace(named, reading=_merge_read_options(named), reading_impact=ReadOptions())
+        # of a hammer test alone can it be said that it is not fitted, too
+        named = named if named.impact else replace(named, joint=Job(named.relaxation).joint)
     return shlex.join(["dashpot", command, *files, *words_of(named)])
 
 

@@ -39,8 +39,8 @@ class FileWatch:
         """
         return {
             name: self._look_at(name)
-            for name in dict.fromkeys(files)
-            if isinstance(name, str) and self._is_here(name)
+            for name in dict.fromkeys(item for item in files if isinstance(item, str))
+            if self._is_here(name)
         }
 
     def _is_here(self, identity: str) -> bool:
