@@ -1,9 +1,9 @@
 """The app in a browser: how long a user waits, from the pointer to the drawn curve.
 
-Run: python benchmarks/app.py [--moves 60] [--usual]
+Run: python benchmarks/app.py [--moves 60] [--loads 20] [--usual] [--busy]
 
 A record of 42 500 rows and five hits from the virtual rig and hammer, then one of 3 million rows,
-unless `--usual` leaves it out.
+unless `--usual` leaves it out. `--busy` keeps one core at work meanwhile.
 Times are wall clock in the page (`performance.now`), for a browser and a server share the machine;
 "drawn" is the second frame after the answer. Beside them stands what others on the machine change
 less: processor time of server and workers a step, and the tasks that held the page for more than
@@ -64,6 +64,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--moves", type=int, default=60, help="of the pointer, and of the mass")
     parser.add_argument("--usual", action="store_true", help="only the record of usual size")
+    parser.add_argument("--loads", type=int, default=20, help="of one file, for the memory")
+    parser.add_argument("--busy", action="store_true", help="with one core at work")
     options = parser.parse_args()
     program = shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None:
@@ -76,12 +78,26 @@ def main() -> None:
             rig = Rig(rate=10_000.0)
             made = simulate_relaxation(BROAD, hold_time=297.0, rig=rig, seed=1).test
             long.write_text(write_relaxation(made))
-        with sync_playwright() as play:
+        with one_core_at_work(options.busy), sync_playwright() as play:
             browser = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
             window = {"width": 1366, "height": 768}
-            drive(browser.new_page(viewport=window), seal, hammer, options.moves)
+            drive(browser.new_page(viewport=window), seal, hammer, options.moves, options.busy)
+            loads(browser.new_page(viewport=window), seal, options.loads)
             if not options.usual:
                 large(browser.new_page(viewport=window), long)
+
+
+@contextmanager
+def one_core_at_work(busy: bool) -> Iterator[None]:
+    """Keep a core at work until the end of the block, if asked to."""
+    if not busy:
+        yield
+        return
+    with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as other:
+        try:
+            yield
+        finally:
+            other.kill()
 
 
 def start(*files: Path) -> tuple[subprocess.Popen[str], str, float]:
@@ -94,7 +110,7 @@ def start(*files: Path) -> tuple[subprocess.Popen[str], str, float]:
     return server, address, time.perf_counter() - since
 
 
-def drive(page: Page, seal: Path, hammer: Path, moves: int) -> None:
+def drive(page: Page, seal: Path, hammer: Path, moves: int, busy: bool) -> None:
     """Everything that a user waits for, on a record of usual size."""
     server, address, ready = start()
     say("prompt to address", 1e3 * ready, "ms")
@@ -117,10 +133,11 @@ def drive(page: Page, seal: Path, hammer: Path, moves: int) -> None:
     page.locator("#mass").press("Enter")
     settled(page, "114.8g")
     page.evaluate(LISTEN)
-    with effort(page, server.pid, "drag", moves):
-        drag(page, moves)
-    page.get_by_role("slider", name="hold end").press("Home")
-    settled(page, "--mass")
+    for name, by in (("ramp end", 1), ("contact", -1), ("hold end", -1)):
+        with effort(page, server.pid, f"drag {name}", moves):
+            drag(page, name, by, moves, 150 if busy else 100)
+        page.get_by_role("slider", name=name).press("Home")
+        settled(page, "--mass")
     with effort(page, server.pid, "mass", moves):
         slide(page, moves)
     done(page)
@@ -137,20 +154,45 @@ def drive(page: Page, seal: Path, hammer: Path, moves: int) -> None:
     leave(server)
 
 
-def drag(page: Page, moves: int) -> None:
-    """Drag the end of the hold."""
-    box = page.get_by_role("slider", name="hold end").bounding_box()
+def drag(page: Page, name: str, by: int, moves: int, limit: float) -> None:
+    """Drag a handle, half a pixel after the other."""
+    page.evaluate("window.times = []; window.bytes = []")
+    box = page.get_by_role("slider", name=name).bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + 30
     page.mouse.move(x, y)
     page.mouse.down()
     for i in range(moves):
-        page.mouse.move(x - 1 - i, y)
+        page.mouse.move(x + by * (1 + i / 2), y)
         page.wait_for_timeout(150)
     page.mouse.up()
     say(f"redraws of {moves} moves", len(page.evaluate("window.times")), "", round(moves / 1.2))
-    quantiles(page, "drag to redraw", 100)
+    quantiles(page, f"drag {name} to redraw", limit)
     sizes(page, "live")
+
+
+def loads(page: Page, seal: Path, count: int) -> None:
+    """Open a file and remove it, again and again: what stays in memory of it."""
+    server, address, _ = start()
+    page.goto(address)
+    page.locator("body[data-ready=true]").wait_for()
+    held = []
+    for i in range(count + 1):
+        # each is another file: nothing of it is known yet
+        text = f"# load {i}\n{seal.read_text()}".encode()
+        page.locator("#pick").set_input_files(
+            {"name": f"seal_{i}.csv", "mimeType": "text/csv", "buffer": text}
+        )
+        done(page)
+        page.get_by_role("button", name=f"remove seal_{i}.csv", exact=True).click()
+        page.locator("#files .file").first.wait_for(state="detached")
+        if i in {0, count}:
+            heap = page.evaluate("performance.memory.usedJSHeapSize") / 1e6
+            held.append((memory(server.pid), heap))
+    for when, (of_server, heap) in zip(("1 load", f"{count + 1} loads"), held, strict=True):
+        say(f"after {when}: server and workers", of_server, "MB", 400)
+        say(f"after {when}: heap of the page", heap, "MB")
+    leave(server)
 
 
 def slide(page: Page, moves: int) -> None:

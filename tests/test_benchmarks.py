@@ -31,7 +31,7 @@ needs_chromium = pytest.mark.skipif(
 RUNS = [
     ("answers", r"run --only seal_8mm\.csv", r"^ +[\d.]+ s  0  dashpot fit seal_8mm\.csv"),
     ("anybody", "--records 1", r"^full, one arm more: \w"),
-    pytest.param("app", "--usual --moves 10", r"^exit +[\d.]+ ms", marks=needs_chromium),
+    pytest.param("app", "--usual --moves 10 --loads 2", r"^exit +[\d.]+ ms", marks=needs_chromium),
     ("batch", "1 1 20 --kinds quick", r"^  10000000 .*core h"),
     ("cold_start", "--rounds 1", r"^dashpot --help / \(import click\): [\d.]+ in CPU time"),
     ("coverage", "--seeds 2 --noise white", r"^white( +[01]\.\d{3}){5}"),

@@ -13,6 +13,7 @@ three remain. Overloads and double hits are rejected before, for reasons of thei
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -75,12 +76,15 @@ def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> d
     """
     names = [hit.name for hit in frf.hits]
     single: dict[str, FRF] = {}
+    unturned = choices.polarity or (1,) * len(impact.acceleration)
     for name in names[:MOST]:
         others = tuple(other for other in names if other != name)
-        try:
-            single[name] = average(impact, choices=replace(choices, accept=(name,), reject=others))
-        except DashpotError:
-            continue
+        alone = replace(choices, accept=(name,), reject=others)
+        # one hit may be too soft to tell how its accelerometers are turned
+        for asked in (alone, replace(alone, polarity=unturned)):
+            with suppress(DashpotError):
+                single[name] = average(impact, choices=asked)
+                break
     return single
 
 
