@@ -159,7 +159,7 @@ def drag(page: Page, name: str, by: int, moves: int, limit: float) -> None:
     page.evaluate("window.times = []; window.bytes = []")
     box = page.get_by_role("slider", name=name).bounding_box()
     assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + 30
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] - 20
     page.mouse.move(x, y)
     page.mouse.down()
     for i in range(moves):

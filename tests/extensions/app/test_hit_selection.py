@@ -20,8 +20,8 @@ def accelerance(hertz, ratio, top=80.0):
     return lines, -(omega**2) / (0.1 * (natural**2 - omega**2 + 2j * ratio * natural * omega))
 
 
-def frf(hertz=12.0, ratio=0.03, top=80.0, scatter=0.0, hits=(), seed=0):
-    lines, value = accelerance(hertz, ratio, top)
+def frf(hertz=12.0, *, top=80.0, scatter=0.0, hits=(), seed=0):
+    lines, value = accelerance(hertz, 0.03, top)
     draw = np.random.default_rng(seed).normal(size=(2, len(lines)))
     noisy = value * (1 + scatter * (draw[0] + 1j * draw[1]))
     return FRF(lines, noisy, Kind.ACCELERANCE, hits=tuple(hits), units="SI")
