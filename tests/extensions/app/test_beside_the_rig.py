@@ -10,6 +10,9 @@ from kit.app import Page, chromium, serving
 from kit.browser import needs_browser
 
 from dashpot import workflow
+from dashpot.reading.write import write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import BROAD
 
 pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
 pytestmark = [needs_browser, pytest.mark.once]
@@ -252,3 +255,19 @@ def test_at_twice_the_size_three_fifths_of_the_height_are_left(page, files):
     }).reduce((sum, one) => sum + one.getBoundingClientRect().height, 0)
       + document.getElementById("grid").querySelector("figure").getBoundingClientRect().top""")
     assert taken <= 0.4 * 384
+
+
+@pytest.mark.parametrize("name", ["contact", "ramp end"])
+def test_a_limit_follows_where_the_found_hold_ends_beyond_the_last_sample(page, files, name):
+    (files / "seal_1.csv").write_text(write_relaxation(simulate_relaxation(BROAD, seed=1).test))
+    pick(page, files / "seal_1.csv")
+    page.done()
+    handle = page.at.get_by_role("slider", name=name)
+    handle.focus()
+    page.at.evaluate(RECORDER)
+    page.at.keyboard.press("PageUp")
+    page.done()
+    assert not [
+        one for one in page.at.evaluate("window.frames_seen") if "Do not use" in one["word"]
+    ]
+    assert "--cuts" in page.at.locator("#command").inner_text()

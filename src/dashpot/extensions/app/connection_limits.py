@@ -39,20 +39,26 @@ class LimitedProtocol(H11Protocol):
         super().connection_lost(exc)
 
     def _limit_wait(self) -> None:
-        in_head = self.cycle is None or self.cycle.response_complete
+        cycle = self._get_cycle()
+        in_head = cycle is None or cycle.response_complete
         if in_head and self._in_head and self._timer is not None:
             return  # one that drips wins no time
         self._cancel()
         self._in_head = in_head
         if in_head:
             self._timer = self.loop.call_later(HEAD_SECONDS, self._close)
-        elif self.cycle.more_body:
+        elif cycle.more_body:
             self._timer = self.loop.call_later(BODY_SECONDS, self._close)
+
+    def _get_cycle(self) -> Any:
+        """Return the request that is answered, or was last; None before the first."""
+        return self.cycle
 
     def _close(self) -> None:
         self._timer = None
         # an answer may have begun since, or the connection may be gone
-        awaited = self.cycle is None or self.cycle.response_complete or self.cycle.more_body
+        cycle = self._get_cycle()
+        awaited = cycle is None or cycle.response_complete or cycle.more_body
         if awaited and not self.transport.is_closing():
             self.transport.close()
 
