@@ -258,7 +258,7 @@ def test_at_twice_the_size_three_fifths_of_the_height_are_left(page, files):
 
 
 @pytest.mark.parametrize("name", ["contact", "ramp end"])
-def test_a_limit_follows_where_the_found_hold_ends_beyond_the_last_sample(page, files, name):
+def test_a_limit_follows_where_few_samples_end_before_the_found_hold(page, files, name):
     (files / "seal_1.csv").write_text(write_relaxation(simulate_relaxation(BROAD, seed=1).test))
     pick(page, files / "seal_1.csv")
     page.done()

@@ -218,9 +218,9 @@ def _format_compression(fit: Fit, job: Job, prepared: RampHold) -> dict[str, str
 
 
 def _list_time_limits(prepared: RampHold) -> dict[str, float]:
-    """Return the limits as they may be asked for again: a found end can lie a sample beyond."""
-    end = min(prepared.hold_end, float(prepared.time[-1]))
-    return {"onset": prepared.onset, "ramp_end": prepared.ramp_end, "hold_end": end}
+    return {
+        "onset": prepared.onset, "ramp_end": prepared.ramp_end, "hold_end": prepared.hold_end
+    }  # fmt: skip
 
 
 def _kind(request: Mapping[str, Any]) -> Kind:

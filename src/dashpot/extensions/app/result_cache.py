@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import lru_cache
@@ -52,14 +53,28 @@ def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
     every = tests(job)
     if most is not None and all(len(test.time) <= most for test in every):
         return prepare_job_tests(job, None)
+    few = [downsample_test(test, most) for test in every]
     return prepared_tests(
-        [downsample_test(test, most) for test in every],
+        few,
         checked=most != HELD,
         filter=job.filter,
         machine=job.machine,
-        time_limits=job.time_limits,
+        time_limits=_shorten_hold(job.time_limits, every, few),
         cycle=job.reading.cycle,
     )
+
+
+def _shorten_hold(
+    limits: TimeLimits, whole: Sequence[RelaxationTest], few: Sequence[RelaxationTest]
+) -> TimeLimits:
+    """Return the limits with a hold that ends by the last sample of those that are left.
+
+    One that ends beyond the whole record stays what it is, and is refused.
+    """
+    end, last = (min(float(test.time[-1]) for test in tests) for tests in (whole, few))
+    if limits.hold_end is None or not last < limits.hold_end <= end:
+        return limits
+    return replace(limits, hold_end=last)
 
 
 def downsample_test(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
