@@ -270,4 +270,4 @@ def test_a_limit_follows_where_few_samples_end_before_the_found_hold(page, files
     assert not [
         one for one in page.at.evaluate("window.frames_seen") if "Do not use" in one["word"]
     ]
-    assert "--cuts" in page.at.locator("#command").inner_text()
+    assert "--time-limits" in page.at.locator("#command").inner_text()

@@ -19,10 +19,10 @@ from dashpot.base.units import si_range
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.app import view_models, wire_format
-from dashpot.extensions.app.bench_tests import KEPT
 from dashpot.extensions.app.command_lines import words_of
 from dashpot.extensions.app.hit_selection import HitSelection, estimate_each_hit, propose_hits
 from dashpot.extensions.app.request_parsing import get_list, part, sizes_of, word
+from dashpot.extensions.app.result_cache import KEPT
 from dashpot.extensions.app.upload_store import path_in
 from dashpot.plot.frf_figure import coherence_panels
 from dashpot.plot.picture import MEASURED, Line, Mark, Panel, Pen, Scale
