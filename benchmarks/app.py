@@ -176,7 +176,8 @@ def loads(page: Page, seal: Path, count: int) -> None:
     server, address, _ = start()
     page.goto(address)
     page.locator("body[data-ready=true]").wait_for()
-    held = []
+    held, at = [], sorted({0, count // 2, count})
+    browser = page.context.new_cdp_session(page)
     for i in range(count + 1):
         # each is another file: nothing of it is known yet
         text = f"# load {i}\n{seal.read_text()}".encode()
@@ -186,12 +187,13 @@ def loads(page: Page, seal: Path, count: int) -> None:
         done(page)
         page.get_by_role("button", name=f"remove seal_{i}.csv", exact=True).click()
         page.locator("#files .file").first.wait_for(state="detached")
-        if i in {0, count}:
+        if i in at:
+            browser.send("HeapProfiler.collectGarbage")
             heap = page.evaluate("performance.memory.usedJSHeapSize") / 1e6
             held.append((memory(server.pid), heap))
-    for when, (of_server, heap) in zip(("1 load", f"{count + 1} loads"), held, strict=True):
-        say(f"after {when}: server and workers", of_server, "MB", 400)
-        say(f"after {when}: heap of the page", heap, "MB")
+    for i, (of_server, heap) in zip(at, held, strict=True):
+        say(f"load {i + 1}: server and workers", of_server, "MB", 400)
+        say(f"load {i + 1}: heap of the page", heap, "MB")
     leave(server)
 
 

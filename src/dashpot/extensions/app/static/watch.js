@@ -53,6 +53,9 @@ async function look() {
     changed = true;
     await readAgain(one, at.new);
   }
+  for (const id of picked.keys()) {
+    if (!state.files.some((one) => one.id === id)) picked.delete(id);
+  }
   if (drawn || changed) fileList();
   if (changed) settle();
   render();
