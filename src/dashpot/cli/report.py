@@ -48,11 +48,11 @@ class Reported(Serialisable):
     history: str | None
 
     @property
-    def numbers(self) -> list[dict[str, Any]]:
-        """The numbers that the page and the app show, each with its interval or bound."""
+    def numbers(self) -> list[Any]:
+        """Numbers that page and app show."""
         from dashpot.workflow.recommendation import recommendation  # a page of help does without
 
-        return [answer.row for answer in recommendation(self.study, requested=True).answers]
+        return [answer.fact for answer in recommendation(self.study, requested=True).answers]
 
 
 @verb(

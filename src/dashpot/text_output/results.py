@@ -21,7 +21,6 @@ from dashpot.datamodel.fit import (
 )
 from dashpot.registry import find_handler
 from dashpot.text_output.layout import Text, facts, table
-from dashpot.workflow.recommendation import recommendation
 
 if TYPE_CHECKING:
     from dashpot import Comparison
@@ -335,6 +334,8 @@ def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[
 
 def study(study: Study) -> Text:
     """Return the seal under the mass and its solid; the fits behind it for who asks."""
+    from dashpot.workflow.recommendation import recommendation  # a fit does without
+
     lines, details = [], []
     if study.mass is not None and study.comparison is not None:
         inferred = " (found from the FRF)" if study.mass_inferred else ""
@@ -349,8 +350,7 @@ def study(study: Study) -> Text:
     solid = fit(study.fit if study.joint is None else study.joint)
     rows = [["numbers of the page", "value", "from", "to", "unit"]]
     for answer in recommendation(study, requested=True).answers:
-        at = "" if answer.at is None else f" ({answer.at:.4g})"
-        rows.append([f"{answer.quantity}{at}", *answer.fact.ends, answer.fact.word])
+        rows.append([answer.quantity, *answer.fact.ends, answer.fact.word])
     details += ["", *table(rows)]
     if study.joint is not None:
         text = fit(study.fit)

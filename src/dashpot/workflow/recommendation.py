@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -67,14 +67,6 @@ class Answer:
         """Reported value, as a table shows it."""
         unit, read = _UNITS[self.quantity]
         return ReportedValue(self.quantity, self.value, self.low, self.high, unit, read=read)
-
-    @property
-    def row(self) -> dict[str, Any]:
-        """As a document has it, in SI."""
-        unit = _UNITS[self.quantity][0]
-        ends = {"low": self.low, "high": self.high}
-        row = {"quantity": self.quantity, "at": self.at, "value": self.value, **ends, "unit": unit}
-        return row | {"is_bound": self.bound}
 
     @property
     def measured_fact(self) -> ReportedValue | None:

@@ -134,9 +134,7 @@ def test_a_file_overwritten_while_it_is_computed_ends_as_the_command_says(browse
         ]
         run = [*line, "--json", "-o", "page.html"]
         done = subprocess.run(run, cwd=files, capture_output=True, text=True, check=True)
-        (end,) = [
-            one for one in json.loads(done.stdout)["numbers"] if one["quantity"] == "end of hold"
-        ]
+        (end,) = [one for one in json.loads(done.stdout)["numbers"] if one["name"] == "end of hold"]
         assert end_of_hold(page) == pytest.approx(end["value"] / 1000, rel=1e-3)
         page.close()
 
