@@ -350,7 +350,7 @@ def study(study: Study) -> Text:
     solid = fit(study.fit if study.joint is None else study.joint)
     rows = [["numbers of the page", "value", "from", "to", "unit"]]
     for answer in recommendation(study, requested=True).answers:
-        rows.append([answer.quantity, *answer.fact.ends, answer.fact.word])
+        rows.append([answer.quantity, *answer.fact.cell_texts, answer.fact.word])
     details += ["", *table(rows)]
     if study.joint is not None:
         text = fit(study.fit)

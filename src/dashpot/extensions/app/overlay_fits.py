@@ -150,7 +150,7 @@ def _row(test: OverlaidTest, median: float) -> OverlaidRow:
         return OverlaidRow(test.name, test.file, "", "", "", "", "", "", "bad", test.error)
     known = {fact.name: fact for fact in list_known_values(test.fit)}
     fact = known.get("k_end", known.get("k_inf"))
-    value, low, high = ("", "", "") if fact is None else fact.ends
+    value, low, high = ("", "", "") if fact is None else fact.cell_texts
     return OverlaidRow(
         test.name, test.file, round_to_error(convert_to_unit(test.prepared.depth, "mm"), digits=3),
         duration(test.prepared.hold_time), value, low, high,

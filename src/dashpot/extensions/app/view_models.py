@@ -103,7 +103,7 @@ SHORT = {
 OF_STIFFNESS = {
     "relaxation fit": "valid band", "relaxation fit, extrapolated": "extrapolated",
     "fit, extrapolated": "extrapolated", "fit": "valid band",
-    "95 % interval of the parameters": "95 % interval", "worst-case bounds": "worst-case bound",
+    "95 % interval of the parameters": "95 % interval", "95 % bounds over all spectra": "bound",
 }  # fmt: skip
 """What the key of a stiffness over frequency calls a mark."""
 Sizes = Mapping[str, tuple[float, float]]
