@@ -34,7 +34,7 @@ def named(*accepted, rejected=()):
     return [*(make(name, True) for name in accepted), *(make(name, False) for name in rejected)]
 
 
-def test_a_hit_that_struck_another_mode_is_left_out():
+def test_hit_of_another_mode_is_rejected():
     single = {name: frf(scatter=0.01, seed=int(name)) for name in "12345"}
     single["3"] = frf(hertz=12.6, scatter=0.01)
     found = propose_hits(frf(hits=named(*"12345")), single)
@@ -48,13 +48,13 @@ def test_a_hit_that_struck_another_mode_is_left_out():
     assert found.deviations["3"] == pytest.approx(off, rel=0.05)
 
 
-def test_hits_that_scatter_alike_are_all_kept():
+def test_hits_with_equal_scatter_are_all_accepted():
     for seed in range(20):
         single = {name: frf(scatter=0.05, seed=10 * seed + int(name)) for name in "123456"}
         assert propose_hits(frf(hits=named(*"123456")), single).drop == ()
 
 
-def test_three_remain_however_far_they_are_apart():
+def test_at_least_three_hits_remain():
     for third in (12.0, 14.0, 20.0):
         single = {name: frf(hertz=12.0) for name in "12"}
         single |= {"3": frf(hertz=third), "4": frf(hertz=25.0)}
@@ -67,7 +67,7 @@ def test_what_was_rejected_for_its_pulse_is_not_proposed():
     assert found.keep == ("1", "2", "3", "5")
 
 
-def test_of_two_hits_nothing_can_be_said():
+def test_two_hits_are_not_compared():
     found = propose_hits(frf(hits=named(*"12")), {name: frf() for name in "12"})
     assert not found.deviations
     assert "at least three" in found.message
@@ -79,7 +79,7 @@ def test_a_softer_blow_that_reaches_less_far_is_compared_where_it_does():
     assert propose_hits(frf(hits=named(*"1234")), single).drop == ()
 
 
-def test_simulated_hits_are_kept_and_each_has_its_frf():
+def test_simulated_hits_are_accepted_and_each_has_an_frf():
     test, choices = simulate_impact(BROAD, mass=0.1148, seed=3).test, HammerChoices()
     whole = average(test, choices=choices)
     single = estimate_each_hit(test, whole, choices)

@@ -90,7 +90,7 @@ def test_a_file_that_was_touched_is_the_same(store, file):
     assert watch.look([name])[name]["state"] == ""
 
 
-def test_a_file_that_is_gone_is_said_to_be(store, file):
+def test_deleted_file_is_reported(store, file):
     name = store.put_file(file)
     file.unlink()
     assert FileWatch(store).look([name])[name]["state"] == "gone"
@@ -114,7 +114,7 @@ def test_all_files_together_have_a_limit(store):
     asyncio.run(store.keep("c.csv", blocks(b"z" * 20), total=100))
 
 
-def test_room_is_made_of_what_nobody_names(store):
+def test_unreferenced_files_are_deleted_for_space(store):
     old, wanted = store.put("a.csv", b"x" * 60), store.put("b.csv", b"y" * 60)
     store.make_room(lambda name: name == wanted, total=200)
     assert path_in(store.folder, wanted).exists()
@@ -149,7 +149,7 @@ def test_a_state_with_what_is_no_number_is_refused(page, number):
     assert page.get("/api/state").status_code == 200
 
 
-def test_the_state_of_many_files_is_kept(page):
+def test_state_of_many_files_is_stored(page):
     files = [{"id": f"{i:016x}", "line": "x" * 8000} for i in range(200)]
     body = json.dumps({"files": files}).encode()
     assert len(body) > MOST

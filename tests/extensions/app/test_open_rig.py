@@ -164,7 +164,7 @@ def test_a_file_that_is_gone_has_no_verdict(browser, files):
         page.close()
 
 
-def test_a_refused_file_has_a_page_of_its_own_and_holds_up_nothing(page, files):
+def test_refused_file_has_its_own_page_and_blocks_no_other(page, files):
     pick(page, files / "seal_8mm.csv", files / "noise.csv")
     page.done()
     page.at.locator("#verdict.good").wait_for()
@@ -183,14 +183,14 @@ def test_without_a_mass_the_stiffness_stands_there_with_its_bound(page, files):
     pick(page, files / "seal_8mm.csv")
     page.done()
     panel = page.at.locator('[data-panel="frf"]')
-    panel.get_by_text("worst-case bound").wait_for()
+    panel.get_by_text("bound").wait_for()
     assert "loss factor" in panel.locator("figcaption").inner_text()
     page.at.locator("#mass").fill("114.8")
     page.at.keyboard.press("Enter")
     panel.filter(has_text="Accelerance").wait_for()
 
 
-def test_a_hammer_test_alone_has_its_page_and_its_modes_by_a_click(page, files):
+def test_page_of_a_hammer_test_finds_modes_by_a_click(page, files):
     pick(page, files / "hammer.csv")
     page.done()
     for name in ("hit-frf", "pulses", "force", "answers", "poles"):
@@ -242,7 +242,7 @@ def test_a_long_name_keeps_its_start_and_its_end(page, files, texts):
     assert shown.endswith("specimen_17.csv")
 
 
-def test_at_twice_the_size_three_fifths_of_the_height_are_left(page, files):
+def test_zoom_of_200_percent_leaves_60_percent_of_the_height(page, files):
     pick(page, *(files / name for name in workflow.FIRST))
     page.done()
     page.at.set_viewport_size({"width": 683, "height": 384})
@@ -256,7 +256,7 @@ def test_at_twice_the_size_three_fifths_of_the_height_are_left(page, files):
 
 
 @pytest.mark.parametrize("name", ["contact", "ramp end"])
-def test_a_limit_follows_where_few_samples_end_before_the_found_hold(page, files, name):
+def test_time_limit_is_dragged_on_a_thinned_record(page, files, name):
     (files / "seal_1.csv").write_text(write_relaxation(simulate_relaxation(BROAD, seed=1).test))
     pick(page, files / "seal_1.csv")
     page.done()
