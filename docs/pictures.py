@@ -43,6 +43,7 @@ fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --compression
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
+fit ovens.csv --machine oven=1K --use-at 70degC --plot life.svg
 predict csr.json --temperature 70degC --end 50% --end 1000h --plot aged.svg
 fit cld_1.csv --length 100mm --compression 6mm --relaxation fit.json -o law.json
 predict law.json --drop 0.3m/s --mass 200g --plot drop_prediction.svg

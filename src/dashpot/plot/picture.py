@@ -155,7 +155,8 @@ class Scale:
     """Scale of an axis: a quantity with its unit, and the range shown.
 
     An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` one is
-    of what is counted, and has none between two of it.
+    of what is counted, and has none between two of it. `tick_names` stand at `ticks` in place of
+    their numbers.
     """
 
     label: str
@@ -164,6 +165,7 @@ class Scale:
     ticks: tuple[float, ...] = ()
     unnumbered: bool = False
     whole: bool = False
+    tick_names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -108,6 +108,8 @@ def compute_minor_ticks(scale: Scale) -> tuple[float, ...]:
 
 def format_ticks(scale: Scale, values: Sequence[float]) -> list[str]:
     """Tick values as text: as many decimals as the axis needs, the same for all if it is even."""
+    if scale.tick_names:
+        return list(scale.tick_names)
     if scale.log:
         plain = all(PLAIN[0] <= v <= PLAIN[1] for v in values)
         return [f"{v:.6g}" if plain else _power(v) for v in values]

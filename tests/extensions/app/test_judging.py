@@ -19,7 +19,7 @@ PIECES = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
 ASKED = {
     "cld": (PIECES, {"compression": "6", "between": "4 to 8", "length": "100 mm"}),
     "stress-strain": (("tension.csv", "biaxial.csv"), {"test 1": "biaxial"}),
-    "csr": (("ovens.csv",), {}),
+    "csr": (("ovens.csv",), {"use_at": "85", "oven": "1"}),
     "drop": (("slam.csv",), {"mass": "100"}),
     "rod": (("rod.csv",), {"mass": "31.4", "density": "1000", "disc": "20, 20"}),
     "indentation": (("hit.csv",), {"mass": "5", "radius": "5", "drop_height": "51"}),

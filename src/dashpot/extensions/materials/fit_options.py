@@ -8,7 +8,7 @@ import click
 
 from dashpot.cli._command import CommandOption, build_options, group, opt
 from dashpot.cli._options import VIBRATION
-from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range
+from dashpot.cli._param_types import DENSITY, ChoiceWithSuggestion, File, Range, WithUnit
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.options import MODES, DropOptions, Measures, RodChoices
 
@@ -32,7 +32,7 @@ class LowHigh(click.ParamType[Any]):
         return low, high
 
 
-_CLD, _STRAIN, _BALL, _DROP = "cld", "stress-strain", "indentation", "drop"
+_CLD, _STRAIN, _BALL, _DROP, _AGING = "cld", "stress-strain", "indentation", "drop", "csr"
 
 
 def list_groups() -> list[list[CommandOption]]:
@@ -102,6 +102,16 @@ def list_groups() -> list[list[CommandOption]]:
         group(
             "Indenter",
             build_options(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
+        ),
+        group(
+            "Aging",
+            opt(
+                "--use-at",
+                type=WithUnit("temperature"),
+                metavar="TEMPERATURE",
+                kinds=_AGING,
+                help="Temperature of use, e.g. 40degC: the life there.",
+            ),
         ),
         group("Drop test", build_options(DropOptions, kinds=_DROP)),
         group(

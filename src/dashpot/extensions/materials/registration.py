@@ -68,7 +68,11 @@ EXTENSION = Extension(
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
                     "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:draw_aged_force",
                 },
-                pages={"dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page"},
+                pages={
+                    "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page",
+                    "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.page:lay_out_aged",
+                },
+                panel="dashpot.extensions.materials.csr.app_form",
                 checks="dashpot.extensions.materials.csr.checks",
                 lot_row="dashpot.extensions.materials.csr.lot_row:build_lot_row",
                 columns=(
@@ -76,7 +80,7 @@ EXTENSION = Extension(
                     "csr_activation_J_per_mol",
                 ),
                 examples="dashpot.extensions.materials.csr.examples:EXAMPLES",
-                fits="dashpot.extensions.materials.csr.fit:fit_aging", fit_options=("temperatures", "machine"),
+                fits="dashpot.extensions.materials.csr.lifetime_prediction:fit_life", fit_options=("temperatures", "machine", "use_at"),
                 predict="dashpot.extensions.materials.csr.lifetime_prediction:predict_aged", predict_options="dashpot.extensions.materials.csr.options:AgingPredictionOptions",
                 next_command="predict FILE --temperature 70degC --end 50%", order=15,
         ),
@@ -121,11 +125,13 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.text:rod",
         },
         "figure": {
+            "dashpot.extensions.materials.csr.lifetime_prediction:FittedLife": "dashpot.extensions.materials.csr.figure:draw_life",
             "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.figure:draw_specimens",
             "dashpot.extensions.materials.rod.fit_files:Rod": "dashpot.extensions.materials.rod.figure:draw_rod",
         },
         "plot": {
             "cld": "dashpot.extensions.materials.cld.figure:cld",
+            "life": "dashpot.extensions.materials.csr.figure:draw_life_chart",
             "hyperelastic": "dashpot.extensions.materials.hyperelastic.figure:hyperelastic",
             "indentation": "dashpot.extensions.materials.indentation.figure:indentation",
             "rod": "dashpot.extensions.materials.rod.figure:rod",

@@ -193,6 +193,19 @@ def robust_to_lower_activation_energy(
     )
 
 
+@criterion("ovens", ">=", 1.0, "our choice: ISO 11346 wants the end-point reached in each oven")
+def end_point_reached(reached: int | None, part: float) -> Finding:
+    """The force fell to the end-point in an oven."""
+    if reached is None:
+        return Finding("No end-point is asked, so it is not judged")
+    return Finding(
+        f"The force fell to {100 * part:g} % in {format_count(reached, 'oven')}",
+        float(reached),
+        "The course of the law down to there was not seen",
+        "Read the hottest oven for longer, or ask for a smaller loss.",
+    )
+
+
 @criterion("part of the force", "<=", 0.1, "our choice: newly formed chains carry no force")
 def stiffness_follows_force(lost: float) -> Finding:
     """Chemical aging is small, so that the stiffness falls as the force does."""

@@ -1,14 +1,43 @@
-"""Figure of an aging law: F/F0 over time in every oven."""
+"""Figures of an aging law: F/F0 over time in every oven, and the life over 1/T."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base import replace
+from dashpot.base.arrays import FloatArray
+from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.extensions.materials.csr.law import FIRST
-from dashpot.extensions.materials.csr.lifetime_prediction import Aged
-from dashpot.plot.picture import FIT, PREDICTED, Area, Dots, Line, Panel, Picture, Scale
+from dashpot.extensions.materials.csr.datamodel import Aging, Oven
+from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
+from dashpot.extensions.materials.csr.life_table import (
+    YEAR,
+    find_coldest_honest,
+    format_life,
+    format_temperature,
+    get_life_unit,
+    has_arrhenius_line,
+)
+from dashpot.extensions.materials.csr.lifetime_prediction import (
+    LOWER,
+    Aged,
+    apply_lower_energy,
+    predict_aging,
+)
+from dashpot.plot.picture import (
+    FIT,
+    PREDICTED,
+    SIMPLER,
+    Area,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Picture,
+    Scale,
+    Span,
+    Tag,
+)
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 
@@ -67,3 +96,151 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     origin = format_stamp(prediction.aging.sources) if prediction.aging.sources else ""
     panel = Panel(across, up, marks, title=title, height=240)
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)
+
+
+def draw_life(aged: Aged, *, stamp: str = "") -> Picture:
+    """Return the life over 1/T above the predicted force over time at the temperature of use.
+
+    Parameters
+    ----------
+    aged : Aged
+        Where it was asked for a time alone, or of one oven, only the second is drawn.
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    force, part = draw_aged_force(aged, stamp=stamp), aged.first_part
+    if part is None or not has_arrhenius_line(aged.aging):
+        return force
+    chart = draw_life_chart(aged.aging, part, aged.temperature)
+    return put_chart_first(chart, force)
+
+
+def put_chart_first(chart: Picture, ovens: Picture) -> Picture:
+    """Return the chart of the life above panels of the force."""
+    return replace(
+        ovens,
+        caption=f"{chart.caption} {ovens.caption}",
+        strips=(*chart.strips, *ovens.strips),
+        rows=(1, len(ovens.strips)),
+    )
+
+
+_TEMPERATURE_TICKS = np.arange(-40.0, 301.0, 20.0)
+"""degC."""
+_HOURS = ((1.0, "1 h"), (10.0, "10 h"), (100.0, "100 h"), (1000.0, "1000 h"), *(
+    (convert_to_unit(YEAR, "h") * years, f"{years} year" + "s" * (years > 1))
+    for years in (1, 10, 100, 1000, 10000)
+))  # fmt: skip
+"""Ticks of a life, each with its name."""
+_MARGIN = 10.0
+"""K, to either side of what the chart is of."""
+
+
+def draw_life_chart(
+    aging: Aging, part: float, temperature: float | None = None, *, stamp: str = ""
+) -> Picture:
+    """Return the life over 1/T: aging law with its 95 % interval, ovens, and temperature of use.
+
+    Parameters
+    ----------
+    aging : Aging
+        Of several ovens that show an activation energy.
+    part : float
+        F/F0 at the end of the life.
+    temperature : float, optional
+        Of use, K, whose life is marked.
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
+    ends = (coldest - 40.0, hottest, *(() if temperature is None else (temperature,)))
+    kelvin = np.linspace(max(ends) + _MARGIN, min(ends) - _MARGIN, 61)
+    life, low, high = _compute_life_band(law, kelvin, part)
+    reciprocal = 1000 / kelvin
+    marks: list[Mark] = []
+    honest = find_coldest_honest(aging, part)
+    if kelvin[-1] < honest < kelvin[0]:
+        words = "extrapolated too far"
+        marks.append(Span(1000 / honest, float(reciprocal[-1]), "ref", words, hatched=True))
+    if np.isfinite(low).all():
+        marks.append(Area(reciprocal, low, high, "fit", "95 % interval"))
+    cold = kelvin <= coldest
+    marks += [
+        Line(reciprocal[cold], life[cold], PREDICTED, "below the coldest oven"),
+        Line(reciprocal[~cold], life[~cold], FIT, "law"),
+    ]
+    flat = apply_lower_energy(aging, float(kelvin[-1]))
+    seen = [life, *(side for side in (low, high) if np.isfinite(side).all())]
+    if flat is not None:
+        below = np.array([coldest, *kelvin[cold]])
+        lower = np.array([flat.life(value, part) for value in below.tolist()]) / _HOUR
+        words = f"if Ea is {format_quantity(LOWER, 'kJ/mol', 'g')} there"
+        marks.append(Line(1000 / below, lower, SIMPLER[1], words))
+        seen.append(lower)
+    if law.exponent == 1:
+        shown = [oven for oven in aging.ovens if oven.rate > 0]
+        own = np.array([_compute_oven_life(law, oven, part) for oven in shown]) / _HOUR
+        spread = np.array([law.quantile / oven.significance for oven in shown]) * own
+        where = np.array([1000 / oven.temperature for oven in shown])
+        marks.append(Dots(where, own, "measured", "each oven by itself", error=spread))
+        seen.append(own)
+    if temperature is not None and np.isfinite(law.life(temperature, part)):
+        marks += _mark_use(aging, part, temperature)
+    low_end, high_end = min(map(np.min, seen)) / 2, max(map(np.max, seen)) * 2
+    names = [tick for tick in _HOURS if low_end < tick[0] < high_end]
+    celsius = convert_to_unit(kelvin[[-1, 0]], "°C").tolist()
+    ticks = [value for value in _TEMPERATURE_TICKS.tolist() if celsius[0] <= value <= celsius[1]]
+    zero = float(kelvin[0]) - celsius[1]
+    across = Scale(
+        "temperature, °C (even in 1/T)", (float(reciprocal[0]), float(reciprocal[-1])),
+        ticks=tuple(1000 / (value + zero) for value in ticks),
+        tick_names=tuple(f"{value:g}" for value in ticks),
+    )  # fmt: skip
+    up = Scale(
+        f"time until F/F0 is {100 * part:g} %", (float(low_end), float(high_end)), log=True,
+        ticks=tuple(value for value, _ in names), tick_names=tuple(name for _, name in names),
+    )  # fmt: skip
+    caption = (
+        f"Time until {100 * part:g} % of the force is left over the temperature, in 1/T: aging law "
+        "with its 95 % interval, and each oven by itself."
+    )
+    origin = format_stamp(aging.sources) if aging.sources else ""
+    panel = Panel(across, up, tuple(marks), height=260)
+    return Picture("life", caption, ((panel,),), 1, stamp or origin)
+
+
+_HOUR = YEAR / convert_to_unit(YEAR, "h")
+
+
+def _compute_life_band(
+    law: AgingLaw, kelvin: FloatArray, part: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the life at temperatures and both ends of its 95 % interval, h."""
+    life = np.array([min(law.life(value, part), NEVER) for value in kelvin.tolist()]) / _HOUR
+    errors = np.array([
+        law.error_of(lambda it, at=value: np.log(min(it.life(at, part), NEVER)))  # type: ignore[misc]
+        for value in kelvin.tolist()
+    ])  # fmt: skip
+    half = law.quantile * errors
+    return life, life * np.exp(-half), life * np.exp(half)
+
+
+def _compute_oven_life(law: AgingLaw, oven: Oven, part: float) -> float:
+    """Return the life in an oven by the rate of its own readings, s."""
+    own = replace(law, chemical=-float(np.log(oven.rate)), activation=0.0)
+    return min(own.life(oven.temperature, part), NEVER)
+
+
+def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
+    """Return the life at the temperature of use, with its interval and its words."""
+    fact = predict_aging(aging, temperature=temperature, until=f"{100 * part:.12g}%").answers[0]
+    at = 1000 / temperature
+    words = f"{format_temperature(temperature)}: {format_life(fact.value, fact.error)}"
+    marks: list[Mark] = []
+    if fact.has_interval:
+        size, _ = get_life_unit(fact.value)
+        low, high = (round_to_error(end / size, digits=2) for end in (fact.low, fact.high))
+        words += f" ({low} to {high})"
+        ends = np.array([fact.low, fact.high]) / _HOUR
+        marks.append(Line(np.array([at, at]), ends, FIT))
+    return [*marks, Tag(at, fact.value / _HOUR, words, "ink", "hollow", bold=True)]

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import Quantity
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.extensions.materials.csr.fit import fit_aging
+from dashpot.extensions.materials.csr.lifetime_prediction import Aged, FittedLife, fit_life
 from dashpot.extensions.materials.csr.read import read_csr
 from dashpot.reading.read_options import ReadOptions
 
@@ -19,8 +20,9 @@ def csr_files(
     *,
     temperatures: Sequence[float] = (),
     machine: Machine | None = None,
+    use_at: Quantity | None = None,
     options: ReadOptions | None = None,
-) -> Aging:
+) -> Aging | Aged:
     """Fit the aging law to files.
 
     Parameters
@@ -30,6 +32,8 @@ def csr_files(
         Of the ovens, K, where the files do not say theirs: one of all, or one of each.
     machine : Machine, optional
         How well the ovens are known, and how the load cell drifts.
+    use_at : float or str, optional
+        Temperature of use, K or ``"40degC"``: the result is the life there.
     options : ReadOptions, optional
         What the user said of the files.
 
@@ -44,6 +48,7 @@ def csr_files(
             read_csr(path, options=options, specimen=specimen)
             for path, specimen in zip(files, specimens, strict=True)
         ]
-        return fit_aging(tests, machine=machine)
+        result = fit_life(tests, machine=machine, use_at=use_at)
     except DataError as error:
         raise ReadError(str(error)) from None
+    return FittedLife(**vars(result)) if isinstance(result, Aged) else result

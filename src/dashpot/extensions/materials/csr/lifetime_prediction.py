@@ -16,14 +16,17 @@ from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity, parse_quantity
 from dashpot.datamodel.fit import Fit, scale_stiffness
+from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.checks import (
+    end_point_reached,
     robust_to_lower_activation_energy,
     stiffness_follows_force,
     temperature_near_ovens,
     time_near_readings,
 )
-from dashpot.extensions.materials.csr.datamodel import Aging, format_fact_clause
+from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, format_fact_clause
+from dashpot.extensions.materials.csr.fit import fit_aging
 from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
 
@@ -63,6 +66,12 @@ class Aged(HasVerdict, Serialisable):
         return tuple(fact for facts in every for fact in facts)
 
     @property
+    def first_part(self) -> float | None:
+        """The first part of F0 that was asked; None where only times were."""
+        parts = (part for part, _ in map(_end, self.until) if not math.isnan(part))
+        return next(parts, None)
+
+    @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """The answers."""
         return self.answers
@@ -77,6 +86,16 @@ class Aged(HasVerdict, Serialisable):
         """Verdict, with the first lifetime or retained force."""
         message = f"at {celsius(self.temperature)} {format_fact_clause(self.answers[0])}"
         return verdict(self.checks, headline=message)
+
+
+@dataclass(frozen=True, repr=False)
+class FittedLife(Aged):
+    """Life at the temperature of use, fitted from files: its file keeps the aging law."""
+
+    @property
+    def _saved_result(self) -> Aging:
+        """The aging law, for other commands."""
+        return self.aging
 
 
 def predict_aging(
@@ -126,8 +145,34 @@ def predict_aging(
             max((change for change in changes if change is not None), default=None), LOWER, coldest
         ),
         time_near_readings(math.log10(furthest / aging.longest), aging.longest),
+        end_point_reached(*count_ovens_at_end_point(aging, questions)),
     )
     return Aged(aging, temperature, questions, furthest, (*checks, *aging.checks))
+
+
+def fit_life(
+    records: Sequence[CSRTest],
+    *,
+    machine: Machine | None = None,
+    use_at: Quantity | None = None,
+) -> Aging | Aged:
+    """Fit the aging law, and with a temperature of use predict the life there, to half of F0.
+
+    Parameters
+    ----------
+    records : sequence of CSRTest
+    machine : Machine, optional
+        As in :func:`dashpot.extensions.materials.csr.fit.fit_aging`.
+    use_at : float or str, optional
+        K, or ``"40degC"``.
+
+    Raises
+    ------
+    DataError, FitError
+        As there, and if the ovens say nothing of the temperature.
+    """
+    aging = fit_aging(records, machine=machine)
+    return aging if use_at is None else predict_aging(aging, temperature=use_at)
 
 
 def predict_aged(
@@ -240,7 +285,7 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
             "life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words
         )
     ]
-    flat = _if_it_falls(aging, temperature)
+    flat = apply_lower_energy(aging, temperature)
     if flat is not None:
         below = (
             f"the same, if Ea were {format_quantity(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
@@ -250,7 +295,17 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
     return facts
 
 
-def _if_it_falls(aging: Aging, temperature: float) -> AgingLaw | None:
+def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[int | None, float]:
+    """Return in how many ovens the mean force fell to the least part asked, and the part."""
+    parts = [part for part, _ in map(_end, questions) if not math.isnan(part)]
+    if not parts or aging.law.bound_alone:
+        return None, math.nan
+    part = min(parts)
+    least = [float(np.mean(oven.retained[oven.time == oven.time.max()])) for oven in aging.ovens]
+    return sum(value <= part for value in least), part
+
+
+def apply_lower_energy(aging: Aging, temperature: float) -> AgingLaw | None:
     """Return the law with a lower activation energy below the coldest oven; None without one."""
     law, coldest = aging.law, aging.ovens[0].temperature
     if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
@@ -262,7 +317,7 @@ def _compute_answer_shift(
     aging: Aging, temperature: float, part: float, time: float
 ) -> float | None:
     """Return the change of a prediction by the lower activation energy, in standard errors."""
-    law, flat = aging.law, _if_it_falls(aging, temperature)
+    law, flat = aging.law, apply_lower_energy(aging, temperature)
     if flat is None:
         return None
 

@@ -1,33 +1,154 @@
-"""Page of an aging law."""
+"""Pages of an aging law, and of the life at a temperature of use."""
 
 from __future__ import annotations
 
+from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.extensions.materials.csr.figure import (
+    draw_life,
+    draw_life_chart,
+    put_chart_first,
+)
+from dashpot.extensions.materials.csr.life_table import (
+    Life,
+    format_life,
+    format_temperature,
+    get_life_unit,
+    has_arrhenius_line,
+    list_lives,
+)
+from dashpot.extensions.materials.csr.lifetime_prediction import LOWER, Aged
 from dashpot.extensions.materials.law_ranking import make_law_ranking
-from dashpot.report.result_page import KindPage, Topic, group, lights
+from dashpot.report.first_screen import Row
+from dashpot.report.result_page import (
+    CollapsibleSection,
+    Group,
+    KindPage,
+    Topic,
+    group,
+    lights,
+)
+from dashpot.report.tables import TextTable
+
+USUAL_PART = 0.5
+"""F/F0 at the end of a life where nobody says another."""
+_ROWS = 20.0
+"""Distance of the temperatures in the first table, K: those of every second row."""
+_OVENS = Topic(
+    "Ovens", {"ovens_enough", "one_activation_energy_explains_ovens"}, "on one line"
+)  # fmt: skip
+_CHEMISTRY = Topic(
+    "Chemistry",
+    {"chemical_aging_resolved", "aging_exceeds_cell_drift", "load_cell_zero_stable"},
+    "seen",
+)
+_REACH = Topic(
+    "Extrapolation",
+    {
+        "temperature_near_ovens", "robust_to_lower_activation_energy", "time_near_readings",
+        "end_point_reached",
+    },
+    "within reach of the ovens",
+)  # fmt: skip
 
 
 def page(aging: Aging) -> KindPage:
     """Return the page of an aging law."""
     warm = [oven.temperature for oven in aging.ovens]
-    ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
+    lives = list_lives(aging, USUAL_PART) if has_arrhenius_line(aging) else ()
+    picture = aging.plot()
+    if lives:
+        picture = put_chart_first(draw_life_chart(aging, USUAL_PART), picture)
     return KindPage(
         about="compression stress relaxation",
-        strip=(("Ovens", f"{len(warm)}, {ends} °C"),
-               ("Longest", format_quantity(aging.longest, "h", ".4g")),
-               ("Scatter", f"{100 * aging.scatter:.2g} % of F0")),
+        strip=_format_strip(aging),
         lights=lights(
             aging.checks, Topic("Readings"),
-            Topic("Ovens", {"ovens_enough", "one_activation_energy_explains_ovens"},
-                f"{len(warm)} on one line"),
-            Topic("Chemistry", {"chemical_aging_resolved", "aging_exceeds_cell_drift",
-                "load_cell_zero_stable"}, "seen"),
+            _OVENS._replace(message=f"{len(warm)} on one line"), _CHEMISTRY,
         ),
-        answers="What is left of the force",
-        picture=aging.plot(),
+        answers="How long it seals" if lives else "What is left of the force",
+        picture=picture,
         told="The aging law",
-        groups=(group("", aging.facts),),
+        groups=(group("", aging.facts), *_make_life_groups(lives[::2], USUAL_PART)),
         sources=aging.sources,
-        folds=(make_law_ranking(aging.orders),),
+        folds=(*_make_life_sections(aging, lives, USUAL_PART), make_law_ranking(aging.orders)),
     )  # fmt: skip
+
+
+def lay_out_aged(aged: Aged) -> KindPage:
+    """Return the page of the life at a temperature of use, or of the force after a time."""
+    aging, part = aged.aging, aged.first_part
+    drawn = part is not None and has_arrhenius_line(aging)
+    lives = list_lives(aging, part) if drawn and part is not None else ()
+    return KindPage(
+        about="compression stress relaxation",
+        strip=(("Temperature of use", format_temperature(aged.temperature)), *_format_strip(aging)),
+        lights=lights(aged.checks, Topic("Readings"), _OVENS, _CHEMISTRY, _REACH),
+        answers="How long it seals" if drawn else "What is left of the force",
+        picture=draw_life(aged),
+        told=f"At {format_temperature(aged.temperature)}",
+        groups=(group("", aged.facts), group("The aging law", aging.facts)),
+        sources=aging.sources,
+        folds=_make_life_sections(aging, lives, part or USUAL_PART),
+        name="aged" if aged._saved_result is aged else "csr",
+    )
+
+
+def _format_strip(aging: Aging) -> tuple[tuple[str, str], ...]:
+    """Return the facts about the test: ovens, time and scatter."""
+    warm = [oven.temperature for oven in aging.ovens]
+    ends = " to ".join(f"{convert_to_unit(value, '°C'):.4g}" for value in (warm[0], warm[-1]))
+    return (
+        ("Ovens", f"{len(warm)}, {ends} °C"),
+        ("Longest", format_quantity(aging.longest, "h", ".4g")),
+        ("Scatter", f"{100 * aging.scatter:.2g} % of F0"),
+    )
+
+
+def _make_life_groups(lives: tuple[Life, ...], part: float) -> tuple[Group, ...]:
+    """Return the lives as rows of the table of numbers."""
+    rows = []
+    for life in lives:
+        fact = life.life
+        size, unit = get_life_unit(fact.value)
+        low, value, high = (
+            round_to_error(number / size, fact.value / size / 10)
+            for number in (fact.low, fact.value, fact.high)
+        )
+        name = format_temperature(life.temperature)
+        rows.append(Row(name, value, *((low, high) if fact.has_interval else ("", "")), unit, "",
+                        bound=False))  # fmt: skip
+    return (Group(f"Time until F/F0 is {100 * part:g} %", tuple(rows)),) if rows else ()
+
+
+def _make_life_sections(
+    aging: Aging, lives: tuple[Life, ...], part: float
+) -> tuple[CollapsibleSection, ...]:
+    """Return the lives at several temperatures, each with its verdict."""
+    if not lives:
+        return ()
+    coldest = format_temperature(aging.ovens[0].temperature)
+    energy = format_quantity(LOWER, "kJ/mol", "g")
+    head = ("temperature", "life", "from", "to", f"if Ea is {energy} below {coldest}", "verdict")
+    rows = tuple(
+        (
+            format_temperature(one.temperature),
+            *(
+                format_life(number, one.life.value / 10) if number is not None else ""
+                for number in (
+                    one.life.value,
+                    *((one.life.low, one.life.high) if one.life.has_interval else (None, None)),
+                    one.lower_energy_life,
+                )
+            ),
+            one.use,
+        )
+        for one in lives
+    )
+    line = (
+        f"time until F/F0 is {100 * part:g} %; many rubbers age with a lower activation energy in "
+        "the cold, which no hotter oven shows"
+    )
+    marks = tuple("" if one.use == "use" else "doubt" for one in lives)
+    return (CollapsibleSection("Life at other temperatures", line, TextTable(head, rows, marks)),)

@@ -1,0 +1,103 @@
+"""Lives at several temperatures, each with its interval and verdict, and the limit of honesty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from dashpot.base.checks import Use
+from dashpot.base.number_format import round_to_error
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.units import convert_to_unit, parse_quantity
+from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
+
+YEAR = parse_quantity("8766h", "time")
+_STEP, _BELOW, _ABOVE = 10.0, 60.0, 10.0
+"""Of the table, and how far it goes below and above the coldest oven, K."""
+_RESOLUTION = 0.5
+"""K."""
+
+
+class Life(NamedTuple):
+    """Life at one temperature.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    life : ReportedValue
+        s.
+    lower_energy_life : float or None
+        With the lower activation energy below the coldest oven, s.
+    use : str
+        Grade of the verdict on it.
+    """
+
+    temperature: float
+    life: ReportedValue
+    lower_energy_life: float | None
+    use: Use
+
+
+def has_arrhenius_line(aging: Aging) -> bool:
+    """Return whether several ovens show how a life depends on the temperature."""
+    return len(aging.ovens) > 1 and not aging.law.bound_alone and aging.law.activation > 0
+
+
+def list_lives(aging: Aging, part: float, temperatures: Sequence[float] = ()) -> tuple[Life, ...]:
+    """Return lives to a part of F0 at temperatures, K, each judged by the checks of its prediction.
+
+    Without temperatures, each 10 K about the coldest oven, from 60 K below it; those whose life is
+    beyond what is computed are left out.
+    """
+    zero = parse_quantity("0degC", "temperature")
+    coldest = aging.ovens[0].temperature - zero
+    first = math.ceil(round((coldest - _BELOW) / _STEP, 6))
+    last = math.floor(round((coldest + _ABOVE) / _STEP, 6))
+    chosen = temperatures or tuple(zero + _STEP * i for i in range(first, last + 1))
+    lives = []
+    for kelvin in chosen:
+        predicted = predict_aging(aging, temperature=kelvin, until=f"{100 * part:.12g}%")
+        life, *falls = predicted.answers
+        if not life.is_lower_bound:
+            lower = falls[0].value if falls else None
+            lives.append(Life(kelvin, life, lower, predicted.verdict.use))
+    return tuple(lives)
+
+
+def find_coldest_honest(aging: Aging, part: float) -> float:
+    """Return the lowest temperature, K, at which the checks of a prediction find nothing to mark.
+
+    To half a kelvin, by halving from the hottest oven down; infinite if there is none.
+    """
+    hottest, coldest = aging.ovens[-1].temperature, aging.ovens[0].temperature
+
+    def is_honest(kelvin: float) -> bool:
+        found = predict_aging(aging, temperature=kelvin, until=f"{100 * part:.12g}%")
+        return found.verdict.use == "use" and not found.answers[0].is_lower_bound
+
+    if not is_honest(hottest):
+        return math.inf
+    honest, marked = hottest, coldest - 1.5 * _BELOW
+    while honest - marked > _RESOLUTION:
+        middle = (honest + marked) / 2
+        honest, marked = (middle, marked) if is_honest(middle) else (honest, middle)
+    return honest
+
+
+def get_life_unit(life: float) -> tuple[float, str]:
+    """Return the unit in which a life, s, is read, in s, and its name: hours, or years."""
+    return (YEAR, "years") if life >= YEAR else (parse_quantity("1h", "time"), "h")
+
+
+def format_life(life: float, error: float | None = None) -> str:
+    """Return a life, s, in hours or years."""
+    size, name = get_life_unit(life)
+    return f"{round_to_error(life / size, error / size if error else None)} {name}"
+
+
+def format_temperature(temperature: float) -> str:
+    """Return a temperature, K, as charts and tables name it."""
+    return f"{convert_to_unit(temperature, '°C'):.4g} °C"

@@ -1,0 +1,163 @@
+"""The life at a temperature of use: chart over 1/T, lives of a page, and how far they reach."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+from kit.fits import failed
+from kit.foreign.aging import HOURS, Rubber, lot
+from kit.shell import ran, run_json
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.datamodel.machine import Machine
+from dashpot.extensions.materials.csr.datamodel import CSRTest
+from dashpot.extensions.materials.csr.examples import EXAMPLES
+from dashpot.extensions.materials.csr.figure import draw_life, draw_life_chart
+from dashpot.extensions.materials.csr.fit import fit_aging
+from dashpot.extensions.materials.csr.life_table import find_coldest_honest, list_lives
+from dashpot.extensions.materials.csr.lifetime_prediction import fit_life, predict_aging
+from dashpot.plot.picture import Area, Dots, Line, Span, Tag
+
+TRUE = Rubber()
+
+
+def recorded(rubber=TRUE, seed=0, **how):
+    one = lot(rubber, seed, **how)
+    return CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")
+
+
+@cache
+def exact():
+    return fit_aging([recorded(off=0.0, noise=1e-9)], machine=Machine(oven=1.0, drift=0.0))
+
+
+@cache
+def usual():
+    return fit_aging([recorded()], machine=Machine(oven=1.0, drift=0.0))
+
+
+def marks_of(picture, kind, label):
+    (panel,) = picture.panels[:1]
+    return next(one for one in panel.marks if isinstance(one, kind) and one.label == label)
+
+
+def test_the_line_of_the_chart_is_the_life_of_the_rubber():
+    for label in ("law", "below the coldest oven"):
+        line = marks_of(draw_life_chart(exact(), 0.5), Line, label)
+        true = [TRUE.life(1000 / x - 273.15) for x in line.x]
+        assert line.y == pytest.approx(true, rel=2e-4)
+
+
+def test_every_oven_lies_where_its_own_readings_say():
+    dots = marks_of(draw_life_chart(exact(), 0.8), Dots, "each oven by itself")
+    assert 1000 / dots.x - 273.15 == pytest.approx([100, 125, 150])
+    assert dots.y == pytest.approx([TRUE.life(c, 0.8) for c in (100, 125, 150)], rel=1e-3)
+
+
+def test_the_line_of_a_lower_energy_bends_at_the_coldest_oven():
+    line = marks_of(draw_life_chart(exact(), 0.5), Line, "if Ea is 65 kJ/mol there")
+    tau = TRUE.time(100.0)
+    flat = Rubber(hours=tau * np.exp(65e3 / 8.314462618 * (1 / 398.15 - 1 / 373.15)), energy=65e3)
+    assert line.y == pytest.approx([flat.life(1000 / x - 273.15) for x in line.x], rel=2e-4)
+
+
+def test_the_marked_life_and_its_interval_are_those_of_the_prediction():
+    chart = draw_life_chart(usual(), 0.5, 343.15)
+    fact = predict_aging(usual(), temperature="70degC").answers[0]
+    tag = next(one for one in chart.panels[0].marks if isinstance(one, Tag))
+    assert (1000 / tag.x, 3600 * tag.y) == pytest.approx((343.15, fact.value))
+    assert re.fullmatch(r"70 °C: [\d.]+ years \([\d.]+ to [\d.]+\)", tag.text)
+    band = marks_of(chart, Area, "95 % interval")
+    for side, end in ((band.low, fact.low), (band.high, fact.high)):
+        at = np.exp(np.interp(1000 / 343.15, band.x, np.log(side)))
+        assert 3600 * at == pytest.approx(end, rel=0.01)
+
+
+def test_the_chart_hatches_what_a_prediction_would_mark():
+    aging = exact()
+    honest = find_coldest_honest(aging, 0.5)
+    assert predict_aging(aging, temperature=honest).verdict.use == "use"
+    assert predict_aging(aging, temperature=honest - 0.5).verdict.use != "use"
+    span = marks_of(draw_life_chart(aging, 0.5), Span, "extrapolated too far")
+    assert 1000 / span.low == pytest.approx(honest)
+    for life in list_lives(aging, 0.5):
+        assert (life.use == "use") is (life.temperature >= honest)
+        assert life.life.value / 3600 == pytest.approx(
+            TRUE.life(life.temperature - 273.15), rel=3e-4
+        )
+
+
+def test_the_table_goes_about_the_coldest_oven():
+    lives = list_lives(usual(), 0.5)
+    assert [round(one.temperature - 273.15) for one in lives] == list(range(40, 120, 10))
+    assert [one.lower_energy_life is None for one in lives] == [False] * 6 + [True] * 2
+
+
+@pytest.mark.parametrize(("hours", "fails"), [(HOURS, False), (HOURS[HOURS <= 168], True)])
+def test_a_force_that_never_fell_so_far_is_marked(hours, fails):
+    """At 150 degC 65 % are left after 168 h, and 12 % after 1000 h."""
+    aging = fit_aging([recorded(hours=hours)], machine=Machine(oven=1.0, drift=0.0))
+    found = predict_aging(aging, temperature="90degC")
+    assert ("end_point_reached" in failed(found)) is fails
+    assert "end_point_reached" not in failed(
+        predict_aging(aging, temperature="90degC", until=["70%", "1000h"])
+    )
+
+
+def test_a_temperature_of_use_gives_the_life_there():
+    record = recorded()
+    aged = dp.fit(record, use_at="85degC", machine=Machine(oven=1.0))
+    again = dp.predict(dp.fit(record, machine=Machine(oven=1.0)), temperature="85degC")
+    assert aged == again
+    life = aged.facts[0]
+    assert life.low / 3600 < TRUE.life(85.0) < life.high / 3600
+    with pytest.raises(DataError, match="one oven, at 125 degC, shows nothing of 40 degC"):
+        fit_life([recorded(ovens=(125.0,))], use_at="40degC")
+
+
+def test_a_time_or_one_oven_has_no_chart():
+    later = predict_aging(usual(), temperature="70degC", until="1000h")
+    assert draw_life(later).name == "aged"
+    assert len(draw_life(later).panels) == 1
+    assert len(draw_life(predict_aging(usual(), temperature="70degC")).panels) == 2
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("life")
+    (place / "ovens.csv").write_text(EXAMPLES["ovens.csv"].write())
+    return place
+
+
+def test_fit_with_a_temperature_of_use_keeps_the_law_and_shows_the_life(folder):
+    asked = "fit", folder / "ovens.csv", "--use-at", "85degC"
+    found = run_json(*asked, "-o", folder / "csr.json")
+    assert found["schema"] == "dashpot/aged@2"
+    kept = run_json("predict", folder / "csr.json", "--temperature", "85degC")
+    assert kept["values"] == found["values"]
+    assert ran(*asked, "-o", folder / "life.html", "--plot", folder / "life.svg").exit_code == 0
+    page = (folder / "life.html").read_text()
+    for words in ("How long it seals", "At 85 °C", "Extrapolation", "Life at other temperatures"):
+        assert words in page
+    assert "if Ea is 65 kJ/mol there" in (folder / "life.svg").read_text()
+
+
+def test_the_page_of_the_law_shows_lives(folder):
+    ran("fit", folder / "ovens.csv", "-o", folder / "fit.html")
+    page = (folder / "fit.html").read_text()
+    assert "How long it seals" in page
+    assert "Time until F/F0 is 50 %" in page
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [("85", "85degC"), ("85mm", "temperature"), ("20degC --arms 2", "--arms is for")],
+)
+def test_what_is_no_temperature_of_use_is_refused(folder, words, message):
+    done = ran("fit", folder / "ovens.csv", "--use-at", *words.split())
+    assert done.exit_code == 2
+    assert message in done.stderr
