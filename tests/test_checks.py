@@ -1334,6 +1334,7 @@ CSR = [
     ),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
     Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
+    Case("life_sd_within_target", lambda x: csr.life_sd_within_target(0.2 * x, 0.2), 0.99, 1.01),
     Case("end_point_reached", whole(lambda x: csr.end_point_reached(x, 0.5)), 1, 0),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
@@ -2136,6 +2137,7 @@ LIMITS = {
         "load_cell_zero_stable": 3,
         "temperature_near_ovens": 30, "robust_to_lower_activation_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1, "end_point_reached": 1,
+        "life_sd_within_target": 1,
     },
     "extensions/dynamic_stiffness": {
         "frequencies_in_valid_band": 1, "loss_factor_determined_at": 0.3,

@@ -66,6 +66,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/mass_on_seals.py:operating_point": ("predict",),
     "extensions/blank_tests/": ("fit",),
     "extensions/materials/csr/": ("fit",),
+    "extensions/materials/csr/aging_plan.py": ("plan",),
+    "extensions/materials/csr/plan_command.py": ("plan",),
     "extensions/materials/csr/lifetime_prediction.py": ("predict",),
     "extensions/materials/drop/": ("fit",),
     "extensions/materials/drop/approach.py": ("fit", "predict"),

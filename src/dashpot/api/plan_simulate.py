@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from inspect import signature
 from typing import TYPE_CHECKING, Any, Literal
 
-from dashpot.api import refuse_unknown_option, refuse_wrong_options
+from dashpot.api import call_with_options, refuse_unknown_option, refuse_wrong_options
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit, get_temperature_law
 from dashpot.datamodel.machine import Machine
+from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 if TYPE_CHECKING:
-    from dashpot.planning.plan import Plan
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
 @refuse_wrong_options
 def plan(
     *,
-    frequency: Quantity,
+    frequency: Quantity | None = None,
     depth: Quantity = "8mm",
     ramp: Quantity = "1s",
     hold: Quantity = "40s",
@@ -37,7 +38,8 @@ def plan(
     seals: float = 1.0,
     hits: int = 5,
     max_std: float = 0.1,
-) -> Plan:
+    **others: Any,
+) -> Any:
     """Say how well a planned test will measure stiffness and loss factor at a frequency.
 
     Parameters
@@ -56,11 +58,19 @@ def plan(
         Of a hammer test besides.
     max_std : float
         Relative standard deviation of the loss factor that would do.
+    **others
+        Those of another test, instead of a frequency: of an aging test ``use_at="70degC"`` and the
+        options of ``dashpot.extensions.materials.csr.aging_plan.plan_aging``.
+
+    Returns
+    -------
+    Plan
+        Of a ramp and hold; of another test its own.
 
     Raises
     ------
     DataError
-        If a number makes no sense.
+        If a number makes no sense, or no frequency is given.
 
     Examples
     --------
@@ -74,6 +84,14 @@ def plan(
     from dashpot.planning.plan_options import HammerPlan
     from dashpot.planning.planned_ramp_hold import Bench
 
+    for name in others:
+        plan_other = find_handler("plan with option", name)
+        if plan_other is not None and frequency is None:
+            given = others if machine is None else {**others, "machine": machine}
+            return call_with_options(plan_other, options=given, subject="this plan")
+    refuse_unknown_option(others, set(signature(plan).parameters) - {"others"}, "dp.plan")
+    if frequency is None:
+        raise DataError('dp.plan needs the frequency that matters: frequency="12.71Hz"')
     solid, law, _ = _get_seal_model(seal)
     bench = Bench(
         depth=convert_to_si(depth, "length"),

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from inspect import signature
+from typing import TYPE_CHECKING, Any
+
+import click
 
 import dashpot as dp
 from dashpot import workflow
@@ -18,6 +21,7 @@ from dashpot.cli._param_types import Direction, Output, WithUnit
 from dashpot.cli._simulation_options import seal_named
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.plan_options import HammerPlan, PlannedRamp
+from dashpot.registry import find_handler, list_names
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -38,10 +42,11 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 
   dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s
   dashpot plan --frequency 12.71Hz --ramp 1s --cold 0degC
-  dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s --setpoints ramp.csv""",
+  dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s --setpoints ramp.csv
+  dashpot plan --use-at 70degC --longest 1000h --hottest 150degC""",
     group(
         _PLANNED,
-        opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
+        opt("--frequency", type=WithUnit("frequency"), metavar="FREQUENCY",
             help="The frequency that matters, e.g. 12.71Hz."),
         build_options(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
         opt(
@@ -87,9 +92,27 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
                 help="Direction of the plate (0,0,-1)."),
         ),
     ),
+    *find_handler("option groups", "plan")(),
     options.result(plot=False, opens=False),
 )  # fmt: skip
-def command(
+def command(**said: Any) -> CommandResult:
+    """Plan a ramp and hold, or the test of which an option is typed."""
+    context = click.get_current_context()
+    by = next((name for name in list_names("plan test") if said[name] is not None), "frequency")
+    plan: Any = find_handler("plan test", by) or _plan_ramp_hold
+    names = list(signature(plan).parameters)
+    for option in command.options:
+        other = option.group != options.RESULT and option.names.isdisjoint(names)
+        if other and option.get_typed_words(context):
+            flag = f"--{by.replace('_', '-')}"
+            raise click.UsageError(f"{option.flag} does not go with {flag}. Leave out one of them.")
+    if said[by] is None:
+        raise click.UsageError("Missing option '--frequency'.")
+    outcome: CommandResult = plan(**{name: said[name] for name in names})
+    return outcome
+
+
+def _plan_ramp_hold(
     *,
     frequency: float,
     bench: PlannedRamp,

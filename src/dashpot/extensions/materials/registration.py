@@ -65,6 +65,7 @@ EXTENSION = Extension(
                 app_section="judged",
                 classes={
                     "dashpot.extensions.materials.csr.datamodel:CSRTest": "",
+                    "dashpot.extensions.materials.csr.aging_plan:AgingPlan": "",
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
                     "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:draw_aged_force",
                 },
@@ -72,7 +73,7 @@ EXTENSION = Extension(
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page",
                     "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.page:lay_out_aged",
                 },
-                panel="dashpot.extensions.materials.csr.app_form",
+                app_form="dashpot.extensions.materials.csr.app_form",
                 checks="dashpot.extensions.materials.csr.checks",
                 lot_row="dashpot.extensions.materials.csr.lot_row:build_lot_row",
                 columns=(
@@ -102,7 +103,12 @@ EXTENSION = Extension(
         "retained force": {
             "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:predict_aging",
         },
-        "option groups": {"fit": "dashpot.extensions.materials.fit_options:list_groups"},
+        "option groups": {
+            "fit": "dashpot.extensions.materials.fit_options:list_groups",
+            "plan": "dashpot.extensions.materials.csr.plan_command:list_groups",
+        },
+        "plan with option": {"use_at": "dashpot.extensions.materials.csr.aging_plan:plan_aging"},
+        "plan test": {"use_at": "dashpot.extensions.materials.csr.plan_command:plan_test"},
         "options": {
             "predict": "dashpot.extensions.materials.drop.command_options:list_of_prediction",
         },
@@ -119,6 +125,7 @@ EXTENSION = Extension(
             "drop": "dashpot.extensions.materials.table_rules:has_drop",
         },
         "text": {
+            "dashpot.extensions.materials.csr.aging_plan:AgingPlan": "dashpot.extensions.materials.csr.plan_command:format_plan",
             "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",
             "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.text:indentation",

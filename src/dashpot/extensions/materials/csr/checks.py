@@ -206,6 +206,17 @@ def end_point_reached(reached: int | None, part: float) -> Finding:
     )
 
 
+@criterion("standard deviation / wanted", "<=", 1.0, "as wanted")
+def life_sd_within_target(life_sd: float, wanted: float) -> Finding:
+    """The planned test knows the life as well as wanted."""
+    return Finding(
+        f"The life will be known to {100 * life_sd:.3g} %, and {100 * wanted:.3g} % are wanted",
+        life_sd / wanted,
+        "More specimens alone do not reach it: the ovens and their hours limit it",
+        Remedy("Test longer, in more ovens, or in ovens known better.", "machine", "oven=0.5K"),
+    )
+
+
 @criterion("part of the force", "<=", 0.1, "our choice: newly formed chains carry no force")
 def stiffness_follows_force(lost: float) -> Finding:
     """Chemical aging is small, so that the stiffness falls as the force does."""

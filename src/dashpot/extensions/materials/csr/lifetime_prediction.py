@@ -313,6 +313,34 @@ def apply_lower_energy(aging: Aging, temperature: float) -> AgingLaw | None:
     return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
 
 
+def find_energy_change(
+    law: AgingLaw, coldest: float, temperature: float, part: float, life_sd: float
+) -> float | None:
+    """Return the change of a ln life by the lower activation energy, in standard deviations.
+
+    None at the coldest oven and above, where it is not judged, and without a lower energy.
+    """
+    if temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
+        return None
+    flat = replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
+    lives = (min(one.life(temperature, part), NEVER) for one in (law, flat))
+    return -float(np.diff(np.log(list(lives)))[0]) / life_sd
+
+
+def parse_part(part: float | str) -> float:
+    """Return the part of F0 at the end of a life, 0.5 or ``"50%"``.
+
+    Raises
+    ------
+    DataError
+        If it is not between 1 and 99 %.
+    """
+    value, _ = _end(part if isinstance(part, str) else f"{100 * part:.12g}%")
+    if math.isnan(value):
+        raise DataError(f"--end {part}: a plan is for a part of the force, such as 50%")
+    return value
+
+
 def _compute_answer_shift(
     aging: Aging, temperature: float, part: float, time: float
 ) -> float | None:

@@ -1,0 +1,161 @@
+r"""Fisher information of a planned compression stress relaxation test, before it is run.
+
+A reading of specimen i in oven k is :math:`s_i\,f(t; p, \tau_k, \beta) + d\,t + \varepsilon` with
+F0 :math:`s_i` free, the drift d of the load cell and white noise of the scatter of a reading. With
+the columns :math:`G_k` of p, ln tau, ln beta and d,
+
+.. math:: A_k = G_k^T \Bigl(I - \frac{f f^T}{f^T f}\Bigr) G_k / \sigma^2, \qquad
+          I = \sum_k n_k D_k^T A_k D_k + P,
+
+for n_k specimens, where D_k leads from the law and the temperature error of the oven to those
+four, and P holds the priors of temperature errors and drift: the normal equations of
+:func:`dashpot.extensions.materials.csr.fit.fit_aging`, with the data not yet measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base import dataclass, replace
+from dashpot.base.arrays import FloatArray
+from dashpot.base.units import parse_quantity
+from dashpot.extensions.materials.csr.law import NEVER, AgingLaw, retained_fraction
+from dashpot.solids.shift_laws import GAS
+
+_HOURS = (
+    0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000, 1500, 2000, 3000, 4000, 5000, 7000,
+    10000, 15000, 20000,
+)  # fmt: skip
+"""Usual times of a reading."""
+_ENERGY = 1e4
+"""J/mol in a unit of the activation energy."""
+_STEP = 1e-5
+_OF_OVEN = 4
+"""Physical loss, ln tau, ln exponent and drift."""
+
+
+@dataclass(frozen=True)
+class AgingTest:
+    """Properties of a planned test, whatever its ovens and numbers of specimens.
+
+    Attributes
+    ----------
+    law : AgingLaw
+        The one that is supposed.
+    scatter : float
+        Standard deviation of a reading, in parts of F0.
+    oven_sd : float
+        Of the temperature of an oven, K.
+    drift : float
+        Standard deviation of the drift of the load cell, in parts of F0 in 1000 h.
+    longest : float
+        Time of the last reading, s.
+    """
+
+    law: AgingLaw
+    scatter: float
+    oven_sd: float
+    drift: float
+    longest: float
+
+    @property
+    def times(self) -> FloatArray:
+        """Usual times of readings up to the longest, s."""
+        hour = parse_quantity("1h", "time")
+        usual = [hour * value for value in _HOURS if hour * value < 0.999 * self.longest]
+        return np.array([*usual, self.longest])
+
+    def compute_specimen_information(self, temperature: float) -> FloatArray:
+        """Return the information of a specimen on loss, ln tau, ln exponent and drift, (4, 4)."""
+        law, time = self.law, self.times
+        rate, thousand_hours = 1 / law.tau(temperature), parse_quantity("1000h", "time")
+
+        def shape(loss: float, log_tau: float, log_exponent: float) -> FloatArray:
+            return retained_fraction(
+                time, law.physical + loss, rate * np.exp(-log_tau),
+                law.exponent * np.exp(log_exponent),
+            )  # fmt: skip
+
+        columns = [
+            (shape(*(_STEP * side)) - shape(*(-_STEP * side))) / (2 * _STEP) for side in np.eye(3)
+        ]
+        G = np.column_stack((*columns, self.drift * time / thousand_hours))
+        f = shape(0.0, 0.0, 0.0)
+        G -= np.outer(f, f @ G) / (f @ f)
+        return np.asarray(G.T @ G / self.scatter**2)
+
+    def compute_life_gradient(self, temperature: float, part: float) -> FloatArray:
+        """Return the derivatives of the ln life by loss, ln tau, Ea in 10 kJ/mol, ln exponent."""
+        law = self.law
+
+        def log_life(**other: float) -> float:
+            return float(np.log(min(replace(law, **other).life(temperature, part), NEVER)))
+
+        steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}
+        gradient = [
+            (log_life(**{name: getattr(law, name) + step})
+             - log_life(**{name: getattr(law, name) - step})) / (2 * step)
+            for name, step in steps.items()
+        ]  # fmt: skip
+        gradient[2] *= _ENERGY
+        up, down = (log_life(exponent=law.exponent * np.exp(sign * 1e-4)) for sign in (1, -1))
+        return np.array([*gradient, (up - down) / 2e-4])
+
+
+class PlannedOvens:
+    """Information of ovens on the law, to which specimens are added.
+
+    Attributes
+    ----------
+    temperatures : tuple of float
+        K.
+    """
+
+    def __init__(self, test: AgingTest, temperatures: Sequence[float]) -> None:
+        self.temperatures = tuple(temperatures)
+        self._test, count = test, len(self.temperatures)
+        law, size = test.law, 5 + count
+        # loss, ln tau at the reference, Ea, ln exponent, drift, then each oven's temperature
+        prior = np.zeros(size)
+        prior[4] = 1.0 if test.drift else np.inf
+        prior[5:] = 1.0 if test.oven_sd else np.inf
+        held = ~np.isfinite(prior)
+        held[3] |= law.exponent == 1
+        self._free = np.flatnonzero(~held)
+        self._prior = np.diag(prior[self._free])
+        self._parts = []
+        for k, kelvin in enumerate(self.temperatures):
+            D = np.zeros((_OF_OVEN, size))
+            D[0, 0] = D[1, 1] = D[2, 3] = D[3, 4] = 1.0
+            D[1, 2] = _ENERGY * (1 / kelvin - 1 / law.reference) / GAS
+            D[1, 5 + k] = -law.activation * test.oven_sd / (GAS * kelvin**2)
+            D = D[:, self._free]
+            self._parts.append(D.T @ test.compute_specimen_information(kelvin) @ D)
+
+    def compute_life_sd(self, specimens: Sequence[int], gradient: FloatArray) -> float:
+        """Return the standard deviation of the ln life for so many specimens in each oven."""
+        whole = np.zeros(5 + len(self.temperatures))
+        whole[:4] = gradient
+        g = whole[self._free]
+        information = self._prior + sum(
+            n * part for n, part in zip(specimens, self._parts, strict=True)
+        )
+        return float(np.sqrt(g @ np.linalg.solve(information, g)))
+
+    def compute_oven_significance(self, specimens: Sequence[int]) -> tuple[float, ...]:
+        """Return the chemical rate of each oven by itself in its expected standard errors."""
+        test, count = self._test, len(self.temperatures)
+        stretched = test.law.exponent != 1
+        size = 2 + int(stretched) + count
+        information = np.zeros((size, size))
+        information[-1, -1] = 1.0  # the prior of the drift, last
+        for k, (kelvin, n) in enumerate(zip(self.temperatures, specimens, strict=True)):
+            D = np.zeros((_OF_OVEN, size))
+            D[0, 0] = D[1, 1 + k] = D[3, size - 1] = 1.0
+            if stretched:
+                D[2, 1 + count] = 1.0
+            information += n * D.T @ test.compute_specimen_information(kelvin) @ D
+        errors = np.sqrt(np.diag(np.linalg.inv(information)))[1 : 1 + count]
+        return tuple((1 / errors).tolist())

@@ -1,0 +1,410 @@
+"""Plan of a compression stress relaxation test: ovens, hours and specimens for a life."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base import dataclass, replace
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import format_count
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.units import (
+    Quantity,
+    celsius,
+    convert_to_si,
+    format_quantity,
+    parse_quantity,
+)
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import tested_at
+from dashpot.extensions.materials.csr import checks
+from dashpot.extensions.materials.csr.aging_information import AgingTest, PlannedOvens
+from dashpot.extensions.materials.csr.datamodel import Aging
+from dashpot.extensions.materials.csr.fit import USUAL_DRIFT, USUAL_OVEN, WORST_OVEN
+from dashpot.extensions.materials.csr.law import AgingLaw
+from dashpot.extensions.materials.csr.life_table import format_life, get_life_unit
+from dashpot.extensions.materials.csr.lifetime_prediction import (
+    LOWER,
+    find_energy_change,
+    parse_part,
+)
+
+USUAL_LAW = AgingLaw(
+    0.03, math.log(parse_quantity("2500h", "time")), 90e3, 1.0,
+    parse_quantity("125degC", "temperature"), np.zeros((4, 4)), NORMAL,
+)  # fmt: skip
+"""Supposed where no fit is given: 3 % a decade, 2500 h at 125 degC, 90 kJ/mol."""
+USUAL_SCATTER = 0.01
+"""Of a reading, in parts of F0, where none is given."""
+_FEWEST, _MOST = 2, 60
+"""Specimens in an oven, and in all ovens, of a plan."""
+_GRID, _APART = 5.0, 10.0
+"""Temperatures of ovens that are compared, and least distance of two, K."""
+_WORTH = 2.0
+"""Times as many specimens as ovens may need that a lower activation energy does not move."""
+_REACH = 30.0
+"""Of an oven above the temperature of use, K, as the check of a prediction has it."""
+
+
+class PlannedOven(NamedTuple):
+    """Oven of a plan.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    specimens : int
+    retained : float
+        Expected F/F0 at the end.
+    significance : float
+        Of the chemical rate by this oven alone, in standard errors.
+    """
+
+    temperature: float
+    specimens: int
+    retained: float
+    significance: float
+
+
+@dataclass(frozen=True)
+class Alternative(Serialisable):
+    """Expected standard deviation of the ln life for another test.
+
+    Attributes
+    ----------
+    change : str
+        In what it differs.
+    specimens : int
+        In all its ovens.
+    life_sd : float
+    """
+
+    _keys = (EVERY_FIELD,)
+
+    change: str
+    specimens: int
+    life_sd: float
+
+
+@dataclass(frozen=True, repr=False)
+class AgingPlan(HasVerdict, Serialisable):
+    """Planned compression stress relaxation test, and how well it will know a life.
+
+    Attributes
+    ----------
+    use_at : float
+        Temperature of use, K.
+    part : float
+        F/F0 at the end of the life.
+    life : float
+        By the law that is supposed, s.
+    life_sd : float
+        Expected standard deviation of the ln life.
+    target_sd : float
+    oven_temperatures : tuple of float
+        K.
+    specimens : tuple of int
+        In each oven.
+    retained, significance : tuple of float
+        Expected F/F0 at the end in each oven; its chemical rate, in standard errors.
+    longest : float
+        Time of the last reading, s.
+    times : tuple of float
+        Of all readings, s.
+    scatter, oven_sd, drift : float
+        Standard deviations: of a reading, in parts of F0; of an oven, K; of the load cell, in parts
+        of F0 in 1000 h.
+    alternatives : tuple of Alternative
+    checks : tuple of Check
+    """
+
+    schema = "dashpot/aging-plan@1"
+    _keys = ("verdict", Key("values", "facts"), EVERY_FIELD)
+
+    use_at: float
+    part: float
+    life: float
+    life_sd: float
+    target_sd: float
+    oven_temperatures: tuple[float, ...]
+    specimens: tuple[int, ...]
+    retained: tuple[float, ...]
+    significance: tuple[float, ...]
+    longest: float
+    times: tuple[float, ...]
+    scatter: float
+    oven_sd: float
+    drift: float
+    alternatives: tuple[Alternative, ...]
+    checks: tuple[Check, ...] = ()
+
+    @property
+    def ovens(self) -> tuple[PlannedOven, ...]:
+        """Every oven, the coldest first."""
+        return tuple(
+            map(
+                PlannedOven,
+                self.oven_temperatures,
+                self.specimens,
+                self.retained,
+                self.significance,
+            )
+        )
+
+    @property
+    def facts(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the plan
+        """The supposed life, with the interval that the test will give on average."""
+        life = ReportedValue.from_error(
+            "life", self.life, self.life_sd, NORMAL, of_log=True, unit="s", read="h",
+            words=f"time until F/F0 is {format_quantity(self.part, '%', 'g')} at "
+            f"{celsius(self.use_at)}",
+        )  # fmt: skip
+        return (life,)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Verdict, with the ovens and the expected interval of the life."""
+        every = [f"{n} at {celsius(kelvin)}" for kelvin, n, *_ in self.ovens]
+        _, unit = get_life_unit(self.life)
+        low, high = (
+            format_life(self.life * math.exp(sign * NORMAL * self.life_sd), self.life / 10)
+            for sign in (-1, 1)
+        )
+        low = low.removesuffix(f" {unit}") if high.endswith(f" {unit}") else low
+        specimens = format_count(sum(self.specimens), "specimen")
+        headline = (
+            f"{specimens} ({', '.join(every)}) for {format_quantity(self.longest, 'h', '.4g')} will "
+            f"give the life at {celsius(self.use_at)} within a factor of "
+            f"{math.exp(NORMAL * self.life_sd):.3g}, about {low} to {high}"
+        )
+        return verdict(self.checks, headline=headline)
+
+
+def plan_aging(
+    *,
+    use_at: Quantity,
+    aging: Aging | None = None,
+    longest: Quantity = "1000h",
+    hottest: Quantity | None = None,
+    ovens: int = 3,
+    part: float | str = "50%",
+    scatter: float | str | None = None,
+    machine: Machine | None = None,
+    within: float = 1.5,
+) -> AgingPlan:
+    """Choose ovens and specimens that give a life at a temperature as well as wanted, with fewest.
+
+    Temperatures are compared each 5 K, and specimens are added where each lowers the variance of
+    the ln life most (the c-optimal allocation, one at a time), at least two in an oven.
+
+    Parameters
+    ----------
+    use_at : float or str
+        Temperature of use, K or ``"70degC"``.
+    aging : Aging, optional
+        A fit whose law and scatter are supposed; by default 3 % a decade, 2500 h at 125 degC,
+        90 kJ/mol and a scatter of 1 % of F0.
+    longest, hottest : float or str
+        Last reading, s, and hottest oven, K; by default that of the fit, or 150 degC.
+    ovens : int
+        How many.
+    part : float or str
+        F/F0 at the end of the life.
+    scatter : float or str, optional
+        Standard deviation of a reading in parts of F0, 0.01 or ``"1%"``.
+    machine : Machine, optional
+        How well the temperature of an oven is known, and no drift or one in N/s of a force that is
+        supposed to be 40 N; by default 1 K, and 3 % of F0 in 1000 h.
+    within : float
+        Factor from the life to either end of its 95 % interval that would do.
+
+    Raises
+    ------
+    DataError
+        If a number makes no sense, or the law that is supposed says nothing of the life.
+    """
+    kelvin = _read_temperature("use_at", use_at)
+    law = USUAL_LAW if aging is None else aging.law
+    warmest = None if aging is None else aging.ovens[-1].temperature
+    hot = _read_temperature("hottest", "150degC" if hottest is None and warmest is None
+                            else warmest if hottest is None else hottest)  # fmt: skip
+    end = parse_part(part)
+    if law.bound_alone or law.activation <= 0:
+        raise DataError(
+            "this aging law has no activation energy, so no life at another temperature follows. "
+            "Give a fit of several ovens that showed aging, or none"
+        )
+    seconds = convert_to_si(longest, "time")
+    if not parse_quantity("24h", "time") <= seconds <= parse_quantity("100000h", "time"):
+        raise DataError(f"--longest {longest}: expected 24 h to 100,000 h, such as 1000h")
+    if not 3 <= ovens <= 5:
+        raise DataError(
+            f"--ovens {ovens}: expected 3 to 5; a line over 1/T needs three (ISO 11346)"
+        )
+    if not 1.01 <= within <= 50:
+        raise DataError(f"--life-within {within:g}: expected a factor of 1.01 to 50, such as 1.5")
+    target = math.log(within) / NORMAL
+    if hot < kelvin + (ovens - 1) * _APART:
+        raise DataError(
+            f"the hottest oven, {celsius(hot)}, is less than {(ovens - 1) * _APART:g} K above the "
+            f"temperature of use, {celsius(kelvin)}. Name a hotter oven: --hottest 150degC"
+        )
+    machine = machine or Machine()
+    machine.refuse_unused("oven", "drift", of="a plan of aging")
+    sd = USUAL_OVEN if machine.oven is None else machine.oven
+    if sd > WORST_OVEN:
+        raise DataError(f"an oven known to {sd:.4g} K; expected 0 to {WORST_OVEN:g} K: oven=1K")
+    test = AgingTest(
+        law, _read_scatter(scatter, aging), sd,
+        USUAL_DRIFT if machine.drift is None else machine.drift * checks.LONG / _USUAL_FORCE,
+        seconds,
+    )  # fmt: skip
+    life = law.life(kelvin, end)
+    if not math.isfinite(life):
+        raise DataError(
+            f"at {celsius(kelvin)} the supposed law never falls to {100 * end:g} %. Plan for a "
+            "warmer use, or for a smaller loss"
+        )
+    best = _choose(test, kelvin, end, hot, ovens, target)
+    judged = (
+        checks.life_sd_within_target(best.life_sd, target),
+        checks.chemical_aging_resolved(best.significance[0], best.temperatures[0]),
+        checks.temperature_near_ovens(best.temperatures[0] - kelvin, kelvin),
+        checks.robust_to_lower_activation_energy(
+            find_energy_change(law, best.temperatures[0], kelvin, end, best.life_sd),
+            LOWER, best.temperatures[0],
+        ),
+        checks.time_near_readings(math.log10(life / seconds), seconds),
+        checks.end_point_reached(
+            sum(law.compute_retention(value, seconds) <= end for value in best.temperatures), end
+        ),
+    )  # fmt: skip
+    return AgingPlan(
+        kelvin, end, life, best.life_sd, target, best.temperatures, best.specimens,
+        tuple(law.compute_retention(value, seconds) for value in best.temperatures),
+        best.significance, seconds, tuple(test.times.tolist()), test.scatter, test.oven_sd,
+        test.drift, tuple(_list_alternatives(test, kelvin, end, hot, best)), judged,
+    )  # fmt: skip
+
+
+_USUAL_FORCE = 40.0
+"""Of a specimen, N, which a drift in newtons is a part of."""
+
+
+class _Design(NamedTuple):
+    """Ovens with their specimens, and the standard deviation of the ln life."""
+
+    temperatures: tuple[float, ...]
+    specimens: tuple[int, ...]
+    life_sd: float
+    significance: tuple[float, ...]
+
+
+def _read_temperature(name: str, value: Quantity) -> float:
+    """Return the temperature of an oven or of use, K."""
+    kelvin = convert_to_si(value, "temperature")
+    tested_at(f"--{name.replace('_', '-')}", kelvin)
+    return kelvin
+
+
+def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
+    """Return the standard deviation of a reading in parts of F0."""
+    if scatter is None:
+        return USUAL_SCATTER if aging is None else aging.scatter
+    value = parse_quantity(scatter, "strain") if isinstance(scatter, str) else float(scatter)
+    if not 1e-5 <= value <= 0.2:
+        raise DataError(f"--scatter {scatter}: expected 0.001 to 20 % of F0, such as 1%")
+    return value
+
+
+def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
+    """Iterate over temperatures of ovens: the hottest is given, the coldest near that of use."""
+    furthest = max(_REACH, 0.25 * (hot - kelvin))
+    inner = np.arange(hot - _APART, kelvin - 1e-6, -_GRID)[::-1].tolist()
+    for cooler in combinations(inner, count - 1):
+        near = cooler[0] - kelvin <= furthest
+        if near and all(np.diff((*cooler, hot)) >= _APART - 1e-6):
+            yield (*cooler, hot)
+
+
+def _allocate(ovens: PlannedOvens, gradient: FloatArray, target: float, most: int) -> _Design:
+    """Return the specimens added one by one, each where it lowers the variance most."""
+    specimens = [_FEWEST] * len(ovens.temperatures)
+    sd = ovens.compute_life_sd(specimens, gradient)
+    while sd > target and sum(specimens) < most:
+        tried = []
+        for k in range(len(specimens)):
+            more = [n + (i == k) for i, n in enumerate(specimens)]
+            tried.append((ovens.compute_life_sd(more, gradient), more))
+        sd, specimens = min(tried)
+    return _Design(ovens.temperatures, tuple(specimens), sd, ())
+
+
+def _choose(
+    test: AgingTest, kelvin: float, part: float, hot: float, count: int, target: float
+) -> _Design:
+    """Return the ovens that meet the target with the fewest specimens, or come nearest to it.
+
+    Of ovens in which chemical aging shows, where there are any; those of which a lower activation
+    energy in the cold changes the life by less than its interval may need twice as many.
+    """
+    gradient = test.compute_life_gradient(kelvin, part)
+    ranked = []
+    for temperatures in _list_oven_sets(kelvin, hot, count):
+        ovens = PlannedOvens(test, temperatures)
+        design = _allocate(ovens, gradient, target, _MOST)
+        seen = ovens.compute_oven_significance(design.specimens)
+        missed = float(design.life_sd > target)
+        rank = (float(seen[0] < checks.SEEN), missed, missed * design.life_sd,
+                float(sum(design.specimens)), design.life_sd)  # fmt: skip
+        change = find_energy_change(test.law, temperatures[0], kelvin, part, design.life_sd)
+        bent = checks.robust_to_lower_activation_energy(change, LOWER, temperatures[0]).failed
+        ranked.append((rank, bent, design._replace(significance=seen)))
+    if not ranked:
+        raise DataError("no ovens fit between the temperature of use and the hottest oven")
+    rank, _, best = min(ranked)
+    straight = [
+        (other, design)
+        for other, bent, design in ranked
+        if not bent and other[:2] == rank[:2] and other[3] <= _WORTH * rank[3]
+    ]
+    return min(straight)[1] if straight else best
+
+
+def _list_alternatives(
+    test: AgingTest, kelvin: float, part: float, hot: float, best: _Design
+) -> Iterator[Alternative]:
+    """Iterate over what another test with the same number of specimens would give."""
+
+    def compare(change: str, other: AgingTest, design: _Design = best) -> Alternative:
+        gradient = other.compute_life_gradient(kelvin, part)
+        sd = PlannedOvens(other, design.temperatures).compute_life_sd(design.specimens, gradient)
+        return Alternative(change, sum(design.specimens), sd)
+
+    doubled = best._replace(specimens=tuple(2 * n for n in best.specimens))
+    yield compare("twice as many specimens", test, doubled)
+    longer = replace(test, longest=2 * test.longest)
+    yield compare(f"{format_quantity(longer.longest, 'h', '.4g')} in the ovens", longer)
+    shorter = replace(test, longest=test.longest / 2)
+    yield compare(f"{format_quantity(shorter.longest, 'h', '.4g')} in the ovens", shorter)
+    if test.oven_sd:
+        better = replace(test, oven_sd=test.oven_sd / 2)
+        yield compare(f"ovens known to {better.oven_sd:.2g} K", better)
+    if test.drift:
+        yield compare("a load cell without drift", replace(test, drift=0.0))
+    total, count = sum(best.specimens), len(best.temperatures)
+    even = np.linspace(best.temperatures[0], hot, count)
+    split = tuple(total // count + (k < total % count) for k in range(count))
+    yield compare(
+        f"ovens evenly from {celsius(float(even[0]))} on, as many in each",
+        test, best._replace(temperatures=tuple(even.tolist()), specimens=split),
+    )  # fmt: skip
