@@ -126,8 +126,6 @@ def show_typed_keywords(keywords: type) -> Callable[[F], F]:
 
 def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
     """Let a function refuse a keyword that it does not have in a sentence, as a decorator."""
-    if any(item.kind is Parameter.VAR_KEYWORD for item in signature(function).parameters.values()):
-        return function  # which refuses by itself
     names = [
         item.name for item in signature(function).parameters.values()
         if item.kind in {Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD}

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
-@refuse_wrong_options
 def plan(
     *,
     frequency: Quantity | None = None,
@@ -87,9 +86,9 @@ def plan(
     for name in others:
         plan_other = find_handler("plan with option", name)
         if plan_other is not None and frequency is None:
-            given = others if machine is None else {**others, "machine": machine}
-            return call_with_options(plan_other, options=given, subject="this plan")
-    refuse_unknown_option(others, set(signature(plan).parameters) - {"others"}, "dp.plan")
+            options = {**others, "machine": machine}
+            return call_with_options(plan_other, options=options, subject="this plan")
+    refuse_unknown_option(others, [*signature(plan).parameters][:-1], "dp.plan")
     if frequency is None:
         raise DataError('dp.plan needs the frequency that matters: frequency="12.71Hz"')
     solid, law, _ = _get_seal_model(seal)

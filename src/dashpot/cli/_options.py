@@ -281,3 +281,18 @@ def format_column_hint(files: Sequence[str]) -> str:
         return ""
     text = shlex.join(["--column", f"{Path(files[0]).name}:{plain[0]}"])
     return f" What --column says is for every file; for one alone: {text}"
+
+
+def refuse_beside(verb: DashpotCommand, names: Iterable[str], reason: str) -> None:
+    """Refuse an option that fills none of these arguments, but those of the result.
+
+    Raises
+    ------
+    click.UsageError
+        If one was typed: that it does, or is, what the reason says.
+    """
+    context = click.get_current_context()
+    for option in verb.options:
+        other = option.group != RESULT and option.names.isdisjoint(names)
+        if other and option.get_typed_words(context):
+            raise click.UsageError(f"{option.flag} {reason}. Leave out one of them.")

@@ -97,19 +97,13 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 )  # fmt: skip
 def command(**said: Any) -> CommandResult:
     """Plan a ramp and hold, or the test of which an option is typed."""
-    context = click.get_current_context()
     by = next((name for name in list_names("plan test") if said[name] is not None), "frequency")
     plan: Any = find_handler("plan test", by) or _plan_ramp_hold
     names = list(signature(plan).parameters)
-    for option in command.options:
-        other = option.group != options.RESULT and option.names.isdisjoint(names)
-        if other and option.get_typed_words(context):
-            flag = f"--{by.replace('_', '-')}"
-            raise click.UsageError(f"{option.flag} does not go with {flag}. Leave out one of them.")
+    options.refuse_beside(command, names, f"does not go with --{by.replace('_', '-')}")
     if said[by] is None:
         raise click.UsageError("Missing option '--frequency'.")
-    outcome: CommandResult = plan(**{name: said[name] for name in names})
-    return outcome
+    return plan(**{name: said[name] for name in names})  # type: ignore[no-any-return]
 
 
 def _plan_ramp_hold(

@@ -226,17 +226,8 @@ def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> Comman
     """Predict of a fit what such an option asks."""
     predict = find_handler("predict with option", name)
     _, *names = signature(predict).parameters
-    context = click.get_current_context()
     flag = next(option.flag for option in command.options if name in option.names)
-    for option in command.options:
-        if (
-            option.get_typed_words(context)
-            and option.group != options.RESULT
-            and option.names.isdisjoint(names)
-        ):
-            raise click.UsageError(
-                f"{option.flag} is for a vibration, and {flag} is not. Leave out one of them."
-            )
+    options.refuse_beside(command, names, f"is for a vibration, and {flag} is not")
     return _write_prediction(
         predict(workflow.read_fit(path), **{name: stated[name] for name in names}),
         stated,

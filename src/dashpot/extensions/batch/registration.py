@@ -14,6 +14,9 @@ EXTENSION = Extension(
         "process capability": {
             "numpy:ndarray": "dashpot.extensions.batch.statistics.process_capability:capability",
         },
+        "scatter of specimens": {
+            "lot": "dashpot.extensions.batch.specimen_scatter:find_specimen_scatter",
+        },
         "read": {
             "lot": "dashpot.extensions.batch.api:read_lot",
         },

@@ -36,6 +36,7 @@ EXTENSION = Extension(
         "figure cards": {"dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.app_page:list_cards"},
         "page": {
             "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_page:leak_page",
+            "dashpot.extensions.systems.door.population:DoorPopulation": "dashpot.extensions.systems.door.population_figure:lay_out_population",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.app_page:page",
         },
         "mounts": {"dashpot.extensions.systems.door.seal_line:SealLine": "dashpot.extensions.systems.door.mounts:line_mounts"},
@@ -53,8 +54,12 @@ EXTENSION = Extension(
             "door": "dashpot.extensions.systems.door.figure:door",
             "leak": "dashpot.extensions.systems.door.leak_figure:leak",
         },
+        "document": {
+            "dashpot/door-population@1": "dashpot.extensions.systems.door.population:DoorPopulation",
+        },
         "figure": {
             "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_figure:leak",
+            "dashpot.extensions.systems.door.population:DoorPopulation": "dashpot.extensions.systems.door.population_figure:draw_population",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.figure:door",
             "dashpot.extensions.systems.door.closing_result:ClosingResult": "dashpot.extensions.systems.door.closing_figure:closing",
         },

@@ -71,7 +71,8 @@ def test_the_expected_error_is_that_of_simulated_tests():
     "how",
     [
         {}, {"ovens": 4, "longest": "700h"}, {"machine": Machine(oven=0.0, drift=0.0)},
-        {"part": "80%", "scatter": "2%"}, {"use_at": "85degC", "hottest": "140degC"},
+        {"part": "80%", "scatter": "2%", "longest": "500h"},
+        {"use_at": "85degC", "hottest": "140degC"},
     ],
 )  # fmt: skip
 def test_the_planned_interval_holds_the_life_in_two_hundred_tests(how):
@@ -111,7 +112,7 @@ def test_with_perfect_readings_the_ovens_alone_limit_the_life():
     assert "life_sd_within_target" in failed(plan)
 
 
-def information(plan_kelvin, count, use_at=343.15, scatter=0.01, oven=1.0, drift=0.03):
+def information(plan_kelvin, count, *, use_at=343.15, scatter=0.01, oven=1.0, drift=0.03):
     """Variance of the ln life for `count` specimens in each oven, by differences of the truth."""
     hours = np.array([0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000])
     rows, ovens = [], len(plan_kelvin)
@@ -179,7 +180,7 @@ def test_no_other_allocation_of_as_many_specimens_is_better():
     assert min(fewer) > plan.target_sd * 0.999
 
 
-def test_what_is_wanted_and_known_moves_the_plan():
+def test_plan_needs_fewer_specimens_for_a_wider_interval_or_longer_test():
     assert sum(usual().specimens) > sum(plan_aging(use_at="70degC", within=2.0).specimens)
     assert sum(usual().specimens) > sum(plan_aging(use_at="70degC", longest="2000h").specimens)
     assert usual().life_sd <= usual().target_sd == pytest.approx(np.log(1.5) / 1.96)
@@ -219,7 +220,7 @@ def test_the_law_and_scatter_of_a_fit_are_supposed():
         ({"use_at": "-60degC"}, "never falls to 50 %"), ({"arms": 2}, "arms= does not suit"),
     ],
 )  # fmt: skip
-def test_what_makes_no_plan_is_refused(how, message):
+def test_plan_refuses_numbers_that_make_no_sense(how, message):
     with pytest.raises(DataError, match=message):
         dp.plan(**{"use_at": "70degC", **how})
 

@@ -77,7 +77,7 @@ def test_the_marked_life_and_its_interval_are_those_of_the_prediction():
         assert 3600 * at == pytest.approx(end, rel=0.01)
 
 
-def test_the_chart_hatches_what_a_prediction_would_mark():
+def test_chart_hatches_temperatures_whose_prediction_is_marked():
     aging = exact()
     honest = find_coldest_honest(aging, 0.5)
     assert predict_aging(aging, temperature=honest).verdict.use == "use"
@@ -157,7 +157,7 @@ def test_the_page_of_the_law_shows_lives(folder):
     ("words", "message"),
     [("85", "85degC"), ("85mm", "temperature"), ("20degC --arms 2", "--arms is for")],
 )
-def test_what_is_no_temperature_of_use_is_refused(folder, words, message):
+def test_fit_refuses_a_wrong_temperature_of_use(folder, words, message):
     done = ran("fit", folder / "ovens.csv", "--use-at", *words.split())
     assert done.exit_code == 2
     assert message in done.stderr

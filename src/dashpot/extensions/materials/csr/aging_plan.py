@@ -182,8 +182,8 @@ class AgingPlan(HasVerdict, Serialisable):
         low = low.removesuffix(f" {unit}") if high.endswith(f" {unit}") else low
         specimens = format_count(sum(self.specimens), "specimen")
         headline = (
-            f"{specimens} ({', '.join(every)}) for {format_quantity(self.longest, 'h', '.4g')} will "
-            f"give the life at {celsius(self.use_at)} within a factor of "
+            f"{specimens} ({', '.join(every)}) for {format_quantity(self.longest, 'h', '.4g')} "
+            f"will give the life at {celsius(self.use_at)} within a factor of "
             f"{math.exp(NORMAL * self.life_sd):.3g}, about {low} to {high}"
         )
         return verdict(self.checks, headline=headline)
@@ -274,7 +274,7 @@ def plan_aging(
             f"at {celsius(kelvin)} the supposed law never falls to {100 * end:g} %. Plan for a "
             "warmer use, or for a smaller loss"
         )
-    best = _choose(test, kelvin, end, hot, ovens, target)
+    best = _choose(test, (kelvin, end), hot, ovens, target)
     judged = (
         checks.life_sd_within_target(best.life_sd, target),
         checks.chemical_aging_resolved(best.significance[0], best.temperatures[0]),
@@ -350,13 +350,14 @@ def _allocate(ovens: PlannedOvens, gradient: FloatArray, target: float, most: in
 
 
 def _choose(
-    test: AgingTest, kelvin: float, part: float, hot: float, count: int, target: float
+    test: AgingTest, use: tuple[float, float], hot: float, count: int, target: float
 ) -> _Design:
     """Return the ovens that meet the target with the fewest specimens, or come nearest to it.
 
     Of ovens in which chemical aging shows, where there are any; those of which a lower activation
     energy in the cold changes the life by less than its interval may need twice as many.
     """
+    kelvin, part = use
     gradient = test.compute_life_gradient(kelvin, part)
     ranked = []
     for temperatures in _list_oven_sets(kelvin, hot, count):

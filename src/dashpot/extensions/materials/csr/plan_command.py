@@ -126,8 +126,8 @@ def format_plan(plan: AgingPlan) -> Text:
     ]
     hours = ", ".join(f"{convert_to_unit(time, 'h'):.4g}" for time in plan.times)
     known = (
-        f"  supposed    a reading scatters by {100 * plan.scatter:.2g} % of F0, an oven is known to "
-        f"{plan.oven_sd:.2g} K, the load cell drifts by {100 * plan.drift:.2g} % in 1000 h"
+        f"  supposed    a reading scatters by {100 * plan.scatter:.2g} % of F0, an oven is known "
+        f"to {plan.oven_sd:.2g} K, the load cell drifts by {100 * plan.drift:.2g} % in 1000 h"
     )
     others = [("another test", "specimens", "interval of the life")]
     others += [

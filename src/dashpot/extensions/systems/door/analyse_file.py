@@ -206,7 +206,7 @@ def door_file(
             driven,
             tuple(frfs),
             shaken,
-            (*(fit.checks if fit else ()), *_check_door(assembly, fit, modes, band[1])),
+            (*(fit.checks if fit else ()), *check_door(assembly, fit, modes, band[1])),
         )
 
 
@@ -260,7 +260,7 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
             yield BaseResponse(point.name, responses[0], responses[1])
 
 
-def _check_door(
+def check_door(
     assembly: Assembly, fit: Fit | None, modes: tuple[DoorMode, ...], below: float
 ) -> Iterator[Check]:
     """Every check of a door."""

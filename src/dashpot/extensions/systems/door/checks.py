@@ -254,3 +254,30 @@ def leak_speed_known(width: float, *, state: str) -> Finding:
         failure=f"The leak speed is known to {100 * width:.2g} % only in state '{state}'",
         remedy="Measure gap and lip, hold the test longer, or test the aged seal.",
     )
+
+
+@criterion("specimens", ">=", 10.0, "our choice: the scatter is then known to a quarter")
+def seals_suffice(specimens: int | None) -> Finding:
+    """The lot has enough seals to know their scatter."""
+    if specimens is None:
+        return Finding("The scatter of the seals is stated, so it is not judged")
+    return Finding(
+        f"{specimens} seals of the lot were tested",
+        float(specimens),
+        "Shares of cars far out are uncertain by that",
+        "Test more seals of the lot.",
+    )
+
+
+@criterion("variance of testing / variance between", "<=", 1.0, "our choice: at most as large")
+def scatter_exceeds_testing(between: float | None, testing: float) -> Finding:
+    """The seals scatter by more than their tests."""
+    if between is None:
+        return Finding("The scatter of the seals is stated, so it is not judged")
+    return Finding(
+        f"The seals scatter by {100 * math.sqrt(between):.2g} %, their tests by "
+        f"{100 * math.sqrt(testing):.2g} %",
+        testing / between if between > 0 else math.inf,
+        "How far the seals themselves scatter is hardly seen",
+        "Test each seal several times, taken out and put in again.",
+    )

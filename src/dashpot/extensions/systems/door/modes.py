@@ -82,7 +82,7 @@ def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
     M = system.mass_matrix
     modes = []
     for mode in oscillations(system, below):
-        alike = [_similarity(mode.shape, other.shape, M) for other in loose]
+        alike = [compute_similarity(mode.shape, other.shape, M) for other in loose]
         best = int(np.argmax(alike)) if alike else -1
         near = loose[best].frequency if alike and alike[best] >= _SAME else None
         modes.append(DoorMode(mode, energy_shares(system, mode), near))
@@ -183,7 +183,7 @@ def _compute_frequency_change(
     return max((abs(b.frequency / a.frequency - 1) for a, b in pairs), default=0.0)
 
 
-def _similarity(a: ComplexArray, b: ComplexArray, M: FloatArray) -> float:
-    """Modal assurance criterion with the mass matrix between."""
+def compute_similarity(a: ComplexArray, b: ComplexArray, M: FloatArray) -> float:
+    """Return the modal assurance criterion of two shapes with the mass matrix between."""
     across = abs(a.conj() @ M @ b) ** 2
     return float(across / abs((a.conj() @ M @ a) * (b.conj() @ M @ b)))

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from dashpot import workflow
 from dashpot.base import dataclass
 from dashpot.base.checks import verdict
 from dashpot.base.serialisation import Key, Serialisable
@@ -18,6 +19,7 @@ from dashpot.extensions.systems.door.closing_text import closing_text
 from dashpot.extensions.systems.door.leak_from_file import find_leak_speeds
 from dashpot.extensions.systems.door.leak_result import LeakResult
 from dashpot.extensions.systems.door.page import door_html
+from dashpot.extensions.systems.door.population import predict_population
 from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.extensions.systems.door.text import door
 from dashpot.report import html
@@ -40,21 +42,44 @@ def run(
     every: bool,
     speed: float | None,
     leak: bool,
+    lot: str | None,
+    spread: float | None,
+    limits: tuple[str, ...],
     picture: str | None,
     output: str | None,
     band: tuple[float, float] | None,
     temperature: float | None,
 ) -> CommandResult:
-    """Predict how a door vibrates on its seal and closes, or at which speed its seal lifts."""
+    """Predict how a door vibrates on its seal, how it closes, or at which speed its seal lifts.
+
+    Of a lot it is doors of many cars.
+    """
     if leak:
-        if every or speed is not None or band is not None:
-            raise click.UsageError("--leak is asked by itself: leave out --modes, --close, --band")
+        if every or speed is not None or band is not None or lot or spread or limits:
+            raise click.UsageError(
+                "--leak is asked by itself: leave out --modes, --close, --band, --lot, --spread "
+                "and --limit"
+            )
         return _write_leak(find_leak_speeds(path, temperature=temperature), picture, output)
     if picture and every and speed is not None:
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
     page = is_page(output)
+    if lot is not None or spread is not None or limits:
+        if every or speed is not None:
+            raise click.UsageError(
+                "--modes and --close are of one door, --lot, --spread and --limit of many cars: "
+                "leave out one of both"
+            )
+        cars = predict_population(
+            path, lot=lot, spread=spread, limits=limits, band=band, temperature=temperature
+        )
+        if picture:
+            write_figure(picture, cars.plot())
+        if output:
+            write_output(output, workflow.html(cars) if page else format_json(cars) + "\n")
+        return CommandResult.from_result(cars)
     result = closed = None
     if speed is None or every or page:
         result = door_file(path, band=band, temperature=temperature)

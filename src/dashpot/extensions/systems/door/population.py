@@ -1,0 +1,538 @@
+r"""Doors of many cars: seals that scatter from car to car, to modes and closing speed.
+
+The seal of a car is that of the door's file with every stiffness and force times :math:`e^u`,
+
+.. math:: u = m + s_b z, \qquad m \sim N(\mu, s_m^2),
+
+with the standard deviation :math:`s_b` between specimens and the error :math:`s_m` of their mean,
+which all cars share. A quantity q (the frequency of a mode, the least closing speed) is a function
+of u alone, computed at a few u. Where the seal stores the share e of a mode's energy,
+:math:`d\ln f/du = e/2`. The share of doors beyond a limit is
+
+.. math:: P(q > L) = 1 - \Phi\bigl((u_L - m)/s_b\bigr), \qquad q(u_L) = L,
+
+and its interval that of draws of m and :math:`s_b` from what the lot knows of them: mean squares
+over chi-squared, the generalized interval of Weerahandi (1993).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base import dataclass, replace
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import round_to_error
+from dashpot.base.provenance import Source
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.result_mixins import HasVerdict
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
+from dashpot.base.units import Dimension, Quantity, convert_to_si, format_quantity, parse_quantity
+from dashpot.datamodel.fit import Fit
+from dashpot.datamodel.seal_line import SealSection
+from dashpot.extensions.systems.door import checks
+from dashpot.extensions.systems.door.analyse_file import (
+    BAND,
+    add_file_to_errors,
+    check_door,
+    open_door,
+)
+from dashpot.extensions.systems.door.assembly import Assembly
+from dashpot.extensions.systems.door.closing_analysis import closing_door, least_speed
+from dashpot.extensions.systems.door.closing_setup import ClosingSetup
+from dashpot.extensions.systems.door.door_model import Door
+from dashpot.extensions.systems.door.modes import (
+    DoorMode,
+    compute_similarity,
+    door_modes,
+    oscillations,
+)
+from dashpot.extensions.systems.door.mounts import SEAL
+from dashpot.registry import find_handler
+
+_REACH, _NODES, _DEGREE = 5.0, 11, 4
+"""Standard deviations on both sides at which a quantity is computed, how often, and the degree of
+the polynomial of its logarithm."""
+_DRAWS, _DENSE = 4000, 4001
+_MODES = 6
+"""Modes that are listed at most, if no limit names a higher one."""
+_ALIKE = 1.5
+"""Ratio of the stiffness of a lot and of the fit beyond which they are other seals."""
+_FEWEST = 4
+"""Specimens of a lot of which a scatter is taken."""
+CLOSING = "closing"
+_LIMIT = re.compile(r"\s*(?:mode\s*(\d+)|closing)\s*(<=|>=|<|>)\s*(\S.*?)\s*", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class SpecimenSpread(Serialisable):
+    """Scatter of the stiffness of seals from car to car.
+
+    Attributes
+    ----------
+    between_sd : float
+        Standard deviation of the ln stiffness between specimens.
+    mean : float
+        Mean ln of their stiffness over that of the door's fit.
+    mean_sd : float
+        Standard deviation of its error, which all cars share.
+    specimens : int or None
+        That were tested; None where the scatter is stated.
+    between_square, within_square : float
+        Variance of the means of the specimens, and that part of it which repeated tests or the
+        fits' own errors explain.
+    within_freedom : int
+        Degrees of freedom of the second; 0 where it is known.
+    """
+
+    _keys = (EVERY_FIELD,)
+
+    between_sd: float
+    mean: float = 0.0
+    mean_sd: float = 0.0
+    specimens: int | None = None
+    between_square: float = 0.0
+    within_square: float = 0.0
+    within_freedom: int = 0
+
+    def draw(self, count: int, seed: int = 0) -> tuple[FloatArray, FloatArray]:
+        """Return means and standard deviations between specimens that could have given these."""
+        random = np.random.default_rng(seed)
+        z = random.standard_normal(count)
+        if self.specimens is None:
+            return self.mean + self.mean_sd * z, np.full(count, self.between_sd)
+        freedom = self.specimens - 1
+        square = self.between_square * freedom / random.chisquare(freedom, count)
+        within: FloatArray | float = self.within_square
+        if self.within_freedom:
+            within = within * self.within_freedom / random.chisquare(self.within_freedom, count)
+        mean = self.mean + np.sqrt(square / self.specimens) * z
+        return mean, np.sqrt(np.maximum(square - within, 0.0))
+
+
+class DoorLimit(NamedTuple):
+    """Limit of a quantity of the doors.
+
+    Attributes
+    ----------
+    quantity : str
+        ``"mode 1"`` or ``"closing"``.
+    value : float
+        Hz or m/s.
+    most : bool
+        Whether it is the most that is accepted; else the least.
+    """
+
+    quantity: str
+    value: float
+    most: bool
+
+
+@dataclass(frozen=True)
+class DoorQuantity(Serialisable):
+    """One quantity over the cars.
+
+    Attributes
+    ----------
+    name : str
+        ``"mode 1"`` or ``"closing"``.
+    value : float
+        Of the door whose seal is the median one, Hz or m/s.
+    sd, between_sd, mean_sd : float
+        Standard deviation of its ln: over the cars with the common error, of the cars, and of the
+        common error.
+    low, high : float
+        Between which 95 % of the cars lie.
+    seal_share : float or None
+        Of the energy of the mode.
+    limit : float or None
+    limit_is_most : bool
+    share_beyond : float or None
+        Of the cars, for the median draw of mean and scatter.
+    share_low, share_high : float or None
+        Its 95 % interval.
+    factors, values : tuple of float
+        Factors of the stiffness of the seal, and the quantity with each.
+    """
+
+    _keys = (EVERY_FIELD,)
+
+    name: str
+    value: float
+    sd: float
+    between_sd: float
+    mean_sd: float
+    low: float
+    high: float
+    seal_share: float | None
+    factors: tuple[float, ...]
+    values: tuple[float, ...]
+    limit: float | None = None
+    limit_is_most: bool = False
+    share_beyond: float | None = None
+    share_low: float | None = None
+    share_high: float | None = None
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return "m/s" if self.name == CLOSING else "Hz"
+
+    @property
+    def label(self) -> str:
+        """What it is called in a table."""
+        return "least closing speed" if self.name == CLOSING else self.name
+
+
+@dataclass(frozen=True, repr=False)
+class DoorPopulation(HasVerdict, Serialisable):
+    """Doors of many cars, whose seals scatter.
+
+    Attributes
+    ----------
+    spread : SpecimenSpread
+    quantities : tuple of DoorQuantity
+    checks : tuple of Check
+    sources : tuple of Source
+    """
+
+    schema = "dashpot/door-population@1"
+    _keys = ("verdict", Key("shares", "facts"), EVERY_FIELD)
+
+    spread: SpecimenSpread
+    quantities: tuple[DoorQuantity, ...]
+    checks: tuple[Check, ...] = ()
+    sources: tuple[Source, ...] = ()
+
+    @property
+    def facts(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the doors
+        """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
+        facts = []
+        for one in self.quantities:
+            facts.append(
+                ReportedValue(
+                    one.name.replace(" ", "_"),
+                    one.value,
+                    one.low,
+                    one.high,
+                    one.unit,
+                    one.sd * one.value,
+                    one.unit,
+                    f"{one.label}, 95 % of the cars",
+                )
+            )
+            if one.share_beyond is not None:
+                facts.append(
+                    ReportedValue(
+                        f"{one.name.replace(' ', '_')}_beyond",
+                        one.share_beyond,
+                        one.share_low,
+                        one.share_high,
+                        "1",
+                        None,
+                        "%",
+                        f"cars with {one.label} {format_limit(one)}",
+                    )
+                )
+        return tuple(facts)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Verdict, with the share of cars beyond the first limit, or the scatter of a mode."""
+        limited = [one for one in self.quantities if one.share_beyond is not None]
+        if limited:
+            one = limited[0]
+            low, share, high = (
+                round_to_error(100 * (value or 0.0), digits=2)
+                for value in (one.share_low, one.share_beyond, one.share_high)
+            )
+            words = f"{share} % of the cars ({low} to {high}) have the {one.label} "
+            return verdict(self.checks, headline=words + format_limit(one))
+        one = self.quantities[0]
+        words = (
+            f"the {one.label} is {format_quantity(one.value, one.unit)} with a standard deviation "
+            f"of {100 * one.sd:.2g} %"
+        )
+        return verdict(self.checks, headline=words)
+
+
+def format_limit(quantity: DoorQuantity) -> str:
+    """Return on which side of its limit a quantity is bad: "above 1.2 m/s"."""
+    side = "above" if quantity.limit_is_most else "below"
+    return f"{side} {format_quantity(quantity.limit or 0.0, quantity.unit)}"
+
+
+def read_limit(text: str) -> DoorLimit:
+    """Return a limit: ``"mode 1 >= 30Hz"`` or ``"closing <= 1.2m/s"``.
+
+    Raises
+    ------
+    DataError
+        If it is none.
+    """
+    found = _LIMIT.fullmatch(text)
+    if found is None:
+        raise DataError(
+            f"--limit '{text}': expected a mode or the closing speed with a bound, such as "
+            "'mode 1 >= 30Hz' or 'closing <= 1.2m/s'"
+        )
+    number, sign, value = found.groups()
+    dimension: Dimension = "velocity" if number is None else "frequency"
+    name = CLOSING if number is None else f"mode {int(number)}"
+    return DoorLimit(name, parse_quantity(value, dimension), sign.startswith("<"))
+
+
+def predict_population(
+    path: str | Path | Door,
+    *,
+    lot: Any = None,
+    spread: Quantity | None = None,
+    limits: Sequence[str] = (),
+    band: tuple[float, float] | None = None,
+    temperature: float | None = None,
+) -> DoorPopulation:
+    """Predict modes and closing speed of many cars, whose seals scatter as those of a lot.
+
+    Parameters
+    ----------
+    path : path or Door
+        As :func:`~dashpot.extensions.systems.door.analyse_file.door_file` takes it.
+    lot : path or lot, optional
+        The seals that were tested, as ``dashpot batch`` wrote them. The mean stiffness of the cars
+        is that of the lot, not that of the one seal of the door's fit.
+    spread : float or str, optional
+        Standard deviation of the stiffness between seals instead, 0.04 or ``"4%"``; the mean is
+        that of the door's fit, with its error.
+    limits : sequence of str
+        ``"mode 1 >= 30Hz"``, ``"closing <= 1.2m/s"``.
+    band : (float, float), optional
+        Of the modes, Hz.
+    temperature : float, optional
+        Of the seal, K.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or what it says cannot be.
+    DataError
+        If neither or both of lot and spread are given, or a limit is of what the door has not.
+    """
+    if (lot is None) is (spread is None):
+        raise DataError(
+            "doors of many cars need the scatter of their seals once: the lot that was tested "
+            "(--lot FOLDER), or a standard deviation (--spread 4%)"
+        )
+    asked = [read_limit(text) for text in limits]
+    if len({one.quantity for one in asked}) < len(asked):
+        raise DataError("two limits are of the same quantity. Give each its own call")
+    assembly, fit = open_door(path, temperature=temperature)
+    if fit is None or assembly.door.line is None or assembly.door.line.section is None:
+        raise DataError("this door has no seal with a fit, so nothing scatters: give it a [seal]")
+    of_seals = _state_spread(spread, fit) if lot is None else _read_spread(lot, fit)
+    with add_file_to_errors(path):
+        widest = math.hypot(_widest_sd(of_seals), of_seals.mean_sd)
+        below = (band or BAND)[1]
+        modes = door_modes(_scale_seal(assembly, math.exp(of_seals.mean)), below)
+        u = of_seals.mean + widest * np.linspace(-_REACH, _REACH, _NODES)
+        quantities = [
+            *_follow_modes(assembly, u, modes, below),
+            *_follow_closing(assembly, u, wanted=any(one.quantity == CLOSING for one in asked)),
+        ]
+        names = [name for name, *_ in quantities]
+        for one in asked:
+            if one.quantity not in names:
+                raise DataError(
+                    f"a limit is of {one.quantity}, and this door has {', '.join(names)}. Name one "
+                    "of those, or widen the band"
+                )
+        by_name = {one.quantity: one for one in asked}
+        shown = [
+            quantity for i, quantity in enumerate(quantities)
+            if i < _MODES or quantity[0] in by_name or quantity[0] == CLOSING
+        ]  # fmt: skip
+        made = tuple(
+            describe_quantity(name, u, values, of_seals, by_name.get(name), share)
+            for name, values, share in shown
+        )
+    judged = (
+        checks.seals_suffice(of_seals.specimens),
+        checks.scatter_exceeds_testing(
+            None if of_seals.specimens is None else of_seals.between_sd**2, of_seals.within_square
+        ),
+    )
+    door_checks = check_door(assembly, fit, modes, below)
+    return DoorPopulation(of_seals, made, (*judged, *fit.checks, *door_checks), fit.source)
+
+
+def _state_spread(spread: Quantity | None, fit: Fit) -> SpecimenSpread:
+    """Return a stated scatter about the door's fit, with the error of that."""
+    sd = convert_to_si(spread, "strain") if isinstance(spread, str) else float(spread or 0.0)
+    if not 1e-4 <= sd <= 0.5:
+        raise DataError(f"--spread {spread}: expected 0.01 to 50 %, such as 4%")
+    return SpecimenSpread(sd, mean_sd=_find_end_stiffness(fit)[1])
+
+
+def _find_end_stiffness(fit: Fit) -> tuple[float, float]:
+    """Return the stiffness at the end of the test, N/m, and the standard deviation of its ln."""
+    end = fit.evidence.end_of_hold
+    if end is not None and 0 < end.k_end[0] < end.k_end[1] < math.inf:
+        fact = end.fact(fit.solid, fit.unit)
+        return fact.value, math.log(fact.high / fact.low) / (2 * NORMAL)
+    k_inf = fit.model.k_inf
+    return k_inf, float(np.sqrt(fit.estimate.covariance[0, 0])) / k_inf
+
+
+def _read_spread(lot: Any, fit: Fit) -> SpecimenSpread:
+    """Return the scatter of the seals of a lot, by the extension that reads lots."""
+    read = find_handler("scatter of specimens", "lot")
+    if read is None:
+        raise DataError("lots are not read by this installation. State the scatter: --spread 4%")
+    found = read(lot)
+    if found["specimens"] < _FEWEST:
+        raise DataError(
+            f"the lot has {found['specimens']} seals; at least {_FEWEST} show how they scatter. "
+            "Test more, or state the scatter: --spread 4%"
+        )
+    mean = found["mean"] - math.log(_find_end_stiffness(fit)[0])
+    if abs(mean) > math.log(_ALIKE):
+        raise DataError(
+            f"the seals of the lot are {math.exp(mean):.3g} times as stiff as the fit of the door. "
+            "Use a fit of one of them, of the same length"
+        )
+    square, within = found["between_square"], found["within_square"]
+    return SpecimenSpread(
+        math.sqrt(max(square - within, 0.0)), mean, math.sqrt(square / found["specimens"]),
+        found["specimens"], square, within, found["within_freedom"],
+    )  # fmt: skip
+
+
+def _widest_sd(spread: SpecimenSpread) -> float:
+    """Return the largest scatter that is drawn, for the range of the factors."""
+    drawn = spread.draw(_DRAWS)[1]
+    return max(float(np.quantile(drawn, 0.95)), 1e-4)
+
+
+def _scale_seal(assembly: Assembly, factor: float) -> Assembly:
+    """Return the door with the stiffness and the force of its seal times a factor."""
+    line = assembly.door.line
+    assert line is not None and isinstance(line.section, SealSection)  # noqa: PT018, S101
+    section = line.section
+    scaled = replace(
+        section,
+        solid=section.solid * factor,
+        law=None if section.law is None else section.law * factor,
+    )
+    return replace(assembly, door=replace(assembly.door, line=replace(line, section=scaled)))
+
+
+def _follow_modes(
+    assembly: Assembly, u: FloatArray, modes: Sequence[DoorMode], below: float
+) -> list[tuple[str, FloatArray, float | None]]:
+    """Return each mode with its frequencies for the factors e^u, followed by its shape."""
+    middle = len(u) // 2
+    M = assembly.system().mass_matrix
+    frequency = np.empty((len(modes), len(u)))
+    frequency[:, middle] = [one.mode.frequency for one in modes]
+    for way in (range(middle - 1, -1, -1), range(middle + 1, len(u))):
+        shapes = [one.mode.shape for one in modes]
+        for i in way:
+            here = oscillations(_scale_seal(assembly, float(np.exp(u[i]))).system(), 2 * below)
+            taken: set[int] = set()
+            for j, shape in enumerate(shapes):
+                alike = [
+                    -1.0 if k in taken else compute_similarity(shape, other.shape, M)
+                    for k, other in enumerate(here)
+                ]
+                best = int(np.argmax(alike))
+                taken.add(best)
+                frequency[j, i], shapes[j] = here[best].frequency, here[best].shape
+    return [(f"mode {j + 1}", frequency[j], one.share(SEAL)) for j, one in enumerate(modes)]
+
+
+def _follow_closing(
+    assembly: Assembly, u: FloatArray, *, wanted: bool
+) -> list[tuple[str, FloatArray, float | None]]:
+    """Return the least closing speed for the factors e^u; nothing of a door that does not close."""
+    if assembly.door.closing in (None, ClosingSetup()) and not wanted:
+        return []
+    speed = least_speed(closing_door(assembly.door), load=np.exp(u))
+    if not np.isfinite(speed).all():
+        raise DataError(
+            "the stiffest of these seals keep the door from closing at any speed, so no share of "
+            "closing speeds follows. Check the latch and the seal of [closing]"
+        )
+    return [(CLOSING, speed, None)]
+
+
+def describe_quantity(  # noqa: PLR0917
+    name: str,
+    u: FloatArray,
+    values: FloatArray,
+    spread: SpecimenSpread,
+    limit: DoorLimit | None = None,
+    seal_share: float | None = None,
+) -> DoorQuantity:
+    """Return the distribution of a quantity over the cars, and the share beyond a limit.
+
+    Parameters
+    ----------
+    name : str
+    u, values : array, shape (n,)
+        ln of the factor of the seal's stiffness, and the quantity there.
+    spread : SpecimenSpread
+    limit : DoorLimit, optional
+    seal_share : float, optional
+        Of the energy of the mode.
+    """
+    middle, half = float(u.mean()), float(np.ptp(u)) / 2
+    smooth = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)
+    slope = float(smooth.deriv()(spread.mean))
+
+    def at(point: float | FloatArray) -> FloatArray:
+        return np.exp(smooth(np.clip(point, middle - half, middle + half)))
+
+    value = float(at(spread.mean))
+    sides = at(spread.mean + NORMAL * spread.between_sd * np.array([-1.0, 1.0]))
+    known = abs(slope) * spread.mean_sd
+    quantity = DoorQuantity(
+        name, value, abs(slope) * math.hypot(spread.between_sd, spread.mean_sd),
+        abs(slope) * spread.between_sd, known, float(sides.min()), float(sides.max()), seal_share,
+        tuple(np.exp(u).tolist()), tuple(values.tolist()),
+    )  # fmt: skip
+    if limit is None:
+        return quantity
+    dense = np.linspace(middle - half, middle + half, _DENSE)
+    beyond = at(dense) > limit.value if limit.most else at(dense) < limit.value
+    edges = np.flatnonzero(np.diff(beyond))
+    share = _make_share(dense, beyond, edges)
+    drawn = share(*spread.draw(_DRAWS))
+    nominal = share(np.array([spread.mean]), np.array([spread.between_sd]))
+    low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
+    return replace(
+        quantity, limit=limit.value, limit_is_most=limit.most, share_beyond=float(nominal[0]),
+        share_low=low, share_high=high,
+    )  # fmt: skip
+
+
+def _make_share(
+    dense: FloatArray, beyond: Any, edges: Any
+) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    """Return the share of a normal u of a mean and a deviation in the ranges that are beyond."""
+    from scipy.special import ndtr
+
+    bounds = (dense[edges] + dense[edges + 1]) / 2
+    first = bool(beyond[0])
+
+    def share(mean: FloatArray, sd: FloatArray) -> FloatArray:
+        below = ndtr((bounds[:, None] - mean) / np.maximum(sd, 1e-12))
+        levels = np.vstack((np.zeros(len(mean)), below, np.ones(len(mean))))
+        return np.asarray(np.diff(levels, axis=0)[(0 if first else 1) :: 2].sum(axis=0))
+
+    return share

@@ -1,0 +1,102 @@
+"""Figure and page of the doors of many cars: the distribution of each quantity, and its limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.number_format import round_to_error
+from dashpot.extensions.systems.door.population import DoorPopulation, DoorQuantity
+from dashpot.plot.picture import FIT, REJECTED, Area, Line, Mark, Panel, Picture, Rule, Scale
+from dashpot.plot.plotted_data import stamp as format_stamp
+from dashpot.report.result_page import KindPage, Topic, group, lights
+
+_SHOWN, _WIDE, _POINTS = 4, 4.0, 241
+"""Panels at most, standard deviations to both sides, points of a curve."""
+_STILL = 1e-6
+"""Relative standard deviation below which a quantity is drawn only for its limit."""
+
+
+def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
+    """Return the share of the cars over each quantity, those with a limit first.
+
+    Parameters
+    ----------
+    population : DoorPopulation
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    moved = [one for one in population.quantities if one.limit or one.between_sd > _STILL]
+    chosen = sorted(moved or population.quantities, key=lambda one: one.limit is None)[:_SHOWN]
+    panels = [_draw_quantity(one, population.spread.mean) for one in chosen]
+    caption = (
+        "Distribution over the cars: in each panel the density of a quantity, 95 % of the cars "
+        "shaded, and the part beyond its limit."
+    )
+    origin = format_stamp(population.sources) if population.sources else ""
+    strips = tuple((panel,) for panel in panels)
+    return Picture("cars", caption, strips, 2, stamp or origin)
+
+
+def lay_out_population(population: DoorPopulation) -> KindPage:
+    """Return the page of the doors of many cars."""
+    spread = population.spread
+    tested = "stated" if spread.specimens is None else f"{spread.specimens} of the lot"
+    limited = tuple(fact for fact in population.facts if fact.name.endswith("_beyond"))
+    others = tuple(fact for fact in population.facts if fact not in limited)
+    groups = [group("95 % of the cars lie from, to", others)]
+    if limited:
+        groups.insert(0, group("Share beyond a limit, with its 95 % interval", limited))
+    return KindPage(
+        about="doors of many cars",
+        strip=(
+            ("Seals", tested),
+            ("Scatter between seals", f"{100 * spread.between_sd:.2g} %"),
+            ("Error of their mean", f"{100 * spread.mean_sd:.2g} %"),
+        ),
+        lights=lights(
+            population.checks, Topic("Seal and door"),
+            Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"}, "known"),
+        ),
+        answers="How the cars differ",
+        picture=draw_population(population),
+        told="Of the cars",
+        groups=tuple(groups),
+        sources=population.sources,
+        note="Of a share, from and to are its 95 % interval.",
+    )  # fmt: skip
+
+
+def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
+    """Return the density of a quantity over the cars."""
+    u, values = np.log(quantity.factors), np.log(quantity.values)
+    slope = abs(float(np.polynomial.Polynomial.fit(u, values, 4).deriv()(mean)))
+    between = max(quantity.between_sd, 1e-9 * max(slope, 1e-9))
+    side = _WIDE * between
+    limit = quantity.limit
+    ends = [quantity.value * np.exp(-side), quantity.value * np.exp(side)]
+    if limit is not None:
+        ends += [limit / (1 + side / 8), limit * (1 + side / 8)]
+    x = np.linspace(min(ends), max(ends), _POINTS)
+    density = np.exp(-0.5 * (np.log(x / quantity.value) / between) ** 2)
+    inside = (x >= quantity.low) & (x <= quantity.high)
+    zero = np.zeros_like(x)
+    marks: list[Mark] = [
+        Area(x[inside], zero[inside], density[inside], "fit", "95 % of the cars"),
+        Line(x, density, FIT, "cars"),
+    ]
+    note = ""
+    if limit is not None and quantity.share_beyond is not None:
+        beyond = x > limit if quantity.limit_is_most else x < limit
+        if beyond.sum() > 1:
+            marks.append(
+                Area(x[beyond], zero[beyond], density[beyond], "bad", "beyond the limit", tint=0.6)
+            )
+        marks.append(Rule(limit, REJECTED, "limit"))
+        low, share, high = (
+            round_to_error(100 * (value or 0.0), digits=2)
+            for value in (quantity.share_low, quantity.share_beyond, quantity.share_high)
+        )
+        note = f"{share} % beyond ({low} to {high})"
+    across = Scale(f"{quantity.label}, {quantity.unit}", (float(x[0]), float(x[-1])))
+    up = Scale("density over its largest", (0.0, 1.1))
+    return Panel(across, up, tuple(marks), note=note)
