@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from inspect import signature
 from typing import TYPE_CHECKING, Any, Literal
 
 from dashpot.api import call_with_options, refuse_unknown_option, refuse_wrong_options
@@ -80,33 +79,26 @@ def plan(
     """
     from dashpot.planning.assumed_seal import SupposedSeal
     from dashpot.planning.plan import plan as compute_plan
-    from dashpot.planning.plan_options import HammerPlan
+    from dashpot.planning.plan_options import HammerPlan, PlannedRamp
     from dashpot.planning.planned_ramp_hold import Bench
 
     for name in others:
         plan_other = find_handler("plan with option", name)
-        if plan_other is not None and frequency is None:
-            options = {**others, "machine": machine}
-            return call_with_options(plan_other, options=options, subject="this plan")
-    refuse_unknown_option(others, [*signature(plan).parameters][:-1], "dp.plan")
+        if plan_other and frequency is None:
+            return call_with_options(
+                plan_other, options={**others, "machine": machine}, subject="this plan"
+            )
+    refuse_unknown_option(others, plan.__kwdefaults__, "dp.plan")
     if frequency is None:
         raise DataError('dp.plan needs the frequency that matters: frequency="12.71Hz"')
     solid, law, _ = _get_seal_model(seal)
-    bench = Bench(
-        depth=convert_to_si(depth, "length"),
-        ramp_time=convert_to_si(ramp, "time"),
-        hold_time=convert_to_si(hold, "time"),
-        rate=convert_to_si(rate, "frequency"),
-        noise=convert_to_si(noise, "force"),
-        method=method,
-        baseline=convert_to_si(baseline, "time"),
-        machine=machine or Machine(),
-    )
+    planned = PlannedRamp(depth, ramp, hold, rate, noise, method, baseline)  # type: ignore[arg-type]
+    bench = Bench(**vars(planned), machine=machine or Machine())
     return compute_plan(
         bench,
         at=frequency,
         seal=SupposedSeal(model=solid.maxwell, law=law),
-        hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
+        hammer=HammerPlan(mass=mass, seals=seals, hits=hits),  # type: ignore[arg-type]
         cold=[convert_to_si(item, "temperature") for item in cold],
         wanted=max_std,
     )

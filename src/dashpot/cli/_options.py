@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import fields
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -283,16 +284,19 @@ def format_column_hint(files: Sequence[str]) -> str:
     return f" What --column says is for every file; for one alone: {text}"
 
 
-def refuse_beside(verb: DashpotCommand, names: Iterable[str], reason: str) -> None:
-    """Refuse an option that fills none of these arguments, but those of the result.
+def select_arguments(
+    function: Callable[..., Any], said: Mapping[str, Any], verb: DashpotCommand, reason: str
+) -> dict[str, Any]:
+    """Return those of the arguments that a function takes; options that fill others are refused.
 
     Raises
     ------
     click.UsageError
-        If one was typed: that it does, or is, what the reason says.
+        If such an option was typed, but for those of the result: that it does, or is, the reason.
     """
-    context = click.get_current_context()
+    names = signature(function).parameters
     for option in verb.options:
         other = option.group != RESULT and option.names.isdisjoint(names)
-        if other and option.get_typed_words(context):
+        if other and option.get_typed_words(click.get_current_context()):
             raise click.UsageError(f"{option.flag} {reason}. Leave out one of them.")
+    return {name: said[name] for name in names if name in said}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -98,12 +97,14 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 def command(**said: Any) -> CommandResult:
     """Plan a ramp and hold, or the test of which an option is typed."""
     by = next((name for name in list_names("plan test") if said[name] is not None), "frequency")
-    plan: Any = find_handler("plan test", by) or _plan_ramp_hold
-    names = list(signature(plan).parameters)
-    options.refuse_beside(command, names, f"does not go with --{by.replace('_', '-')}")
+    plan = find_handler("plan test", by) or _plan_ramp_hold
     if said[by] is None:
         raise click.UsageError("Missing option '--frequency'.")
-    return plan(**{name: said[name] for name in names})  # type: ignore[no-any-return]
+    return plan(  # type: ignore[no-any-return]
+        **options.select_arguments(
+            plan, said, command, f"does not go with --{by.replace('_', '-')}"
+        )
+    )
 
 
 def _plan_ramp_hold(

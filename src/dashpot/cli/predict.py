@@ -225,13 +225,10 @@ _BY_OPTION = list_names("predict with option")
 def _predict_with_option(name: str, path: str, stated: dict[str, Any]) -> CommandResult:
     """Predict of a fit what such an option asks."""
     predict = find_handler("predict with option", name)
-    _, *names = signature(predict).parameters
-    flag = next(option.flag for option in command.options if name in option.names)
-    options.refuse_beside(command, names, f"is for a vibration, and {flag} is not")
-    return _write_prediction(
-        predict(workflow.read_fit(path), **{name: stated[name] for name in names}),
-        stated,
+    chosen = options.select_arguments(
+        predict, stated, command, f"is for a vibration, and --{name} is not"
     )
+    return _write_prediction(predict(workflow.read_fit(path), **chosen), stated)
 
 
 def _under_mass(
