@@ -6,22 +6,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from dashpot.api import call_with_options, refuse_unknown_option, refuse_wrong_options
+from dashpot.api import refuse_unknown_option, refuse_wrong_options
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.fit import Fit, get_temperature_law
 from dashpot.datamodel.machine import Machine
-from dashpot.registry import find_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 if TYPE_CHECKING:
+    from dashpot.planning.plan import Plan
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
+@refuse_wrong_options
 def plan(
     *,
-    frequency: Quantity | None = None,
+    frequency: Quantity,
     depth: Quantity = "8mm",
     ramp: Quantity = "1s",
     hold: Quantity = "40s",
@@ -36,8 +37,7 @@ def plan(
     seals: float = 1.0,
     hits: int = 5,
     max_std: float = 0.1,
-    **others: Any,
-) -> Any:
+) -> Plan:
     """Say how well a planned test will measure stiffness and loss factor at a frequency.
 
     Parameters
@@ -56,19 +56,11 @@ def plan(
         Of a hammer test besides.
     max_std : float
         Relative standard deviation of the loss factor that would do.
-    **others
-        Those of another test, instead of a frequency: of an aging test ``use_at="70degC"`` and the
-        options of ``dashpot.extensions.materials.csr.aging_plan.plan_aging``.
-
-    Returns
-    -------
-    Plan
-        Of a ramp and hold; of another test its own.
 
     Raises
     ------
     DataError
-        If a number makes no sense, or no frequency is given.
+        If a number makes no sense.
 
     Examples
     --------
@@ -79,26 +71,25 @@ def plan(
     """
     from dashpot.planning.assumed_seal import SupposedSeal
     from dashpot.planning.plan import plan as compute_plan
-    from dashpot.planning.plan_options import HammerPlan, PlannedRamp
+    from dashpot.planning.plan_options import HammerPlan
     from dashpot.planning.planned_ramp_hold import Bench
 
-    for name in others:
-        plan_other = find_handler("plan with option", name)
-        if plan_other and frequency is None:
-            return call_with_options(
-                plan_other, options={**others, "machine": machine}, subject="this plan"
-            )
-    refuse_unknown_option(others, plan.__kwdefaults__, "dp.plan")
-    if frequency is None:
-        raise DataError('dp.plan needs the frequency that matters: frequency="12.71Hz"')
     solid, law, _ = _get_seal_model(seal)
-    planned = PlannedRamp(depth, ramp, hold, rate, noise, method, baseline)  # type: ignore[arg-type]
-    bench = Bench(**vars(planned), machine=machine or Machine())
+    bench = Bench(
+        depth=convert_to_si(depth, "length"),
+        ramp_time=convert_to_si(ramp, "time"),
+        hold_time=convert_to_si(hold, "time"),
+        rate=convert_to_si(rate, "frequency"),
+        noise=convert_to_si(noise, "force"),
+        method=method,
+        baseline=convert_to_si(baseline, "time"),
+        machine=machine or Machine(),
+    )
     return compute_plan(
         bench,
         at=frequency,
         seal=SupposedSeal(model=solid.maxwell, law=law),
-        hammer=HammerPlan(mass=mass, seals=seals, hits=hits),  # type: ignore[arg-type]
+        hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
         cold=[convert_to_si(item, "temperature") for item in cold],
         wanted=max_std,
     )

@@ -66,7 +66,7 @@ def folder(tmp_path_factory) -> Path:
     return place
 
 
-def test_a_door_on_its_seal_alone_scatters_by_half_of_its_stiffness(folder):
+def test_mode_on_the_seal_scatters_by_half_of_the_stiffness(folder):
     """4 % between the seals and .8 % of the fit: 4.08 % of the stiffness, 2.04 % of a mode."""
     cars = predict_population(folder / "soft.toml", spread="4%")
     for one in cars.quantities:
@@ -105,7 +105,7 @@ def test_a_mode_of_which_the_seal_holds_a_part_scatters_by_half_of_that(folder):
     assert 0.06 / 2 * stiffness == pytest.approx(0.0012, abs=3e-5)
 
 
-def test_the_share_beyond_a_limit_is_that_of_a_normal_scatter(folder):
+def test_share_beyond_a_limit_follows_a_normal_scatter(folder):
     """On the seal alone ln f scatters by 2 %: 2 % below the median 16 % of the cars."""
     first = predict_population(folder / "soft.toml", spread="4%").quantities[0]
     bound = first.value * np.exp(-0.02)

@@ -107,7 +107,6 @@ EXTENSION = Extension(
             "fit": "dashpot.extensions.materials.fit_options:list_groups",
             "plan": "dashpot.extensions.materials.csr.plan_command:list_groups",
         },
-        "plan with option": {"use_at": "dashpot.extensions.materials.csr.aging_plan:plan_aging"},
         "plan test": {"use_at": "dashpot.extensions.materials.csr.plan_command:plan_test"},
         "options": {
             "predict": "dashpot.extensions.materials.drop.command_options:list_of_prediction",

@@ -52,7 +52,7 @@ def test_the_line_of_the_chart_is_the_life_of_the_rubber():
         assert line.y == pytest.approx(true, rel=2e-4)
 
 
-def test_every_oven_lies_where_its_own_readings_say():
+def test_chart_places_each_oven_by_its_readings():
     dots = marks_of(draw_life_chart(exact(), 0.8), Dots, "each oven by itself")
     assert 1000 / dots.x - 273.15 == pytest.approx([100, 125, 150])
     assert dots.y == pytest.approx([TRUE.life(c, 0.8) for c in (100, 125, 150)], rel=1e-3)

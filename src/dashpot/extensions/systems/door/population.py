@@ -495,11 +495,11 @@ def describe_quantity(  # noqa: PLR0917
     smooth = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)
     slope = float(smooth.deriv()(spread.mean))
 
-    def at(point: float | FloatArray) -> FloatArray:
+    def evaluate(point: float | FloatArray) -> FloatArray:
         return np.exp(smooth(np.clip(point, middle - half, middle + half)))
 
-    value = float(at(spread.mean))
-    sides = at(spread.mean + NORMAL * spread.between_sd * np.array([-1.0, 1.0]))
+    value = float(evaluate(spread.mean))
+    sides = evaluate(spread.mean + NORMAL * spread.between_sd * np.array([-1.0, 1.0]))
     known = abs(slope) * spread.mean_sd
     quantity = DoorQuantity(
         name, value, abs(slope) * math.hypot(spread.between_sd, spread.mean_sd),
@@ -509,7 +509,7 @@ def describe_quantity(  # noqa: PLR0917
     if limit is None:
         return quantity
     dense = np.linspace(middle - half, middle + half, _DENSE)
-    beyond = at(dense) > limit.value if limit.most else at(dense) < limit.value
+    beyond = evaluate(dense) > limit.value if limit.most else evaluate(dense) < limit.value
     edges = np.flatnonzero(np.diff(beyond))
     share = _make_share(dense, beyond, edges)
     drawn = share(*spread.draw(_DRAWS))
