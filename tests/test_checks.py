@@ -1076,6 +1076,13 @@ SEALS = [
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
     Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("lateral_restraint_present", lambda x: seals.lateral_restraint_present(x, 0.354), 0, 1),
+    Case("seals_suffice", whole(seals.seals_suffice), 10, 9),
+    Case(
+        "scatter_exceeds_testing",
+        lambda x: seals.scatter_exceeds_testing(1e-4, 1e-4 * x),
+        0.99,
+        1.01,
+    ),
     Case("shear_stiffness_plausible", seals.shear_stiffness_plausible, 1.499, 1.501),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
@@ -2176,6 +2183,7 @@ LIMITS = {
         "door_supported": 0,
         "closing_in_valid_band": 1.0, "lateral_restraint_present": 0,
         "shear_stiffness_plausible": 1.5, "leak_speed_known": 0.2,
+        "seals_suffice": 10, "scatter_exceeds_testing": 1,
     },
     "extensions/transfer_stiffness": {
         "output_blocked": 20.0, "errors_not_magnified": 2.0, "flange_inertia_negligible": 0.06,
