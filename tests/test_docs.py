@@ -42,7 +42,7 @@ AT_NIGHT = {
     "docs/howto/bound.md": ("predict",),  # as is the tutorial's
     "docs/howto/cld.md": ("fit cld_slow.csv", "predict speeds.json"),
     "docs/howto/closing.md": ("predict",),
-    "docs/howto/door.md": ("predict",),
+    "docs/howto/door.md": ("predict door.toml --modes",),
     "docs/howto/fractional.md": ("fit seal_8mm.csv hammer.csv",),
     "docs/howto/hammer.md": ("fit hammer.csv --mass",),
     "docs/howto/indentation.md": ("fit",),

@@ -105,7 +105,7 @@ def test_a_mode_of_which_the_seal_holds_a_part_scatters_by_half_of_that(folder):
     assert 0.06 / 2 * stiffness == pytest.approx(0.0012, abs=3e-5)
 
 
-def test_share_beyond_a_limit_agrees_with_the_normal_distribution(folder):
+def test_limit_share_agrees_with_normal_distribution(folder):
     """On the seal alone ln f scatters by 2 %: 2 % below the median 16 % of the cars."""
     first = predict_population(folder / "soft.toml", spread="4%").quantities[0]
     bound = first.value * np.exp(-0.02)
