@@ -25,6 +25,7 @@ from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.simulation import simulate_creep
 from dashpot.extensions.curves.datamodel.creep import CreepTest
 from dashpot.extensions.curves.dynamic.read import read_dynamic
+from dashpot.extensions.materials.csr.aging_plan import plan_aging
 from dashpot.extensions.materials.csr.fit_files import csr_files
 from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
@@ -216,6 +217,7 @@ MADE: dict[str, Callable[[Path], object]] = {
         [0.02, 0.5], mass=0.1148, seals=2,
     ),
     "Aging": lambda folder: csr_files([folder / "ovens.csv"]),
+    "AgingPlan": lambda _: plan_aging(use_at=358.15),
     "Aged": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
     "MachineFit": lambda folder: fit_blank_files(
         [folder / f"rig_{name}.csv" for name in ("stop", "spring", "empty")], spring_stiffness=1e3
