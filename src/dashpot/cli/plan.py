@@ -100,7 +100,7 @@ def command(**said: Any) -> CommandResult:
     plan = find_handler("plan test", by) or _plan_ramp_hold
     if said[by] is None:
         raise click.UsageError("Missing option '--frequency'.")
-    return plan(  # type: ignore[no-any-return]
+    return plan(
         **options.select_arguments(
             plan, said, command, f"does not go with --{by.replace('_', '-')}"
         )

@@ -285,6 +285,8 @@ class Extension(NamedTuple):
         simulated record                record of a simulated instrument
         plan repeats, planned rows      plan of a test repeated at other temperatures
         plan advice                     what tests of the ``"machine"`` would improve
+        plan test, plan with option     planner of a test of its own, and its plan in Python
+        scatter of specimens            standard deviations between and within the seals of a lot
         dynamic stiffness               stiffness over frequency of what a test or a fit holds
         retained force                  share of the force that an aged seal retains
         read limits, judge interval     acceptance limits from a file; one against an interval

@@ -15,6 +15,7 @@ four, and P holds the priors of temperature errors and drift: the normal equatio
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -90,7 +91,7 @@ class AgingTest:
         """Return the derivatives of the ln life by loss, ln tau, Ea in 10 kJ/mol, ln exponent."""
         law = self.law
 
-        def log_life(**other: float) -> float:
+        def log_life(**other: Any) -> float:
             return float(np.log(min(replace(law, **other).life(temperature, part), NEVER)))
 
         steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}

@@ -161,7 +161,7 @@ class AgingPlan(HasVerdict, Serialisable):
         )
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the plan
+    def facts(self) -> tuple[ReportedValue, ...]:
         """The supposed life, with the interval that the test will give on average."""
         life = ReportedValue.from_error(
             "life", self.life, self.life_sd, NORMAL, of_log=True, unit="s", read="h",
@@ -235,8 +235,9 @@ def plan_aging(
     kelvin = _read_temperature("use_at", use_at)
     law = USUAL_LAW if aging is None else aging.law
     warmest = None if aging is None else aging.ovens[-1].temperature
-    hot = _read_temperature("hottest", "150degC" if hottest is None and warmest is None
-                            else warmest if hottest is None else hottest)  # fmt: skip
+    if hottest is None:
+        hottest = "150degC" if warmest is None else warmest
+    hot = _read_temperature("hottest", hottest)
     end = parse_part(part)
     if law.bound_alone or law.activation <= 0:
         raise DataError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from dashpot.base.option_fields import FormData, FormField
 from dashpot.datamodel.machine import Machine
@@ -19,7 +20,7 @@ ASKS = (
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Aging | Aged:
     """Return the aging law of the files, or the life at the temperature of use."""
-    oven = form.get_option_value("oven").removeprefix("oven=")
+    oven: Any = form.get_option_value("oven").removeprefix("oven=")
     return csr_files(
         files,
         machine=Machine(oven=oven) if oven else None,

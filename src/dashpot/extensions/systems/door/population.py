@@ -212,7 +212,7 @@ class DoorPopulation(HasVerdict, Serialisable):
     sources: tuple[Source, ...] = ()
 
     @property
-    def facts(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the doors
+    def facts(self) -> tuple[ReportedValue, ...]:
         """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
         facts = []
         for one in self.quantities:
@@ -233,8 +233,8 @@ class DoorPopulation(HasVerdict, Serialisable):
                     ReportedValue(
                         f"{one.name.replace(' ', '_')}_beyond",
                         one.share_beyond,
-                        one.share_low,
-                        one.share_high,
+                        math.nan if one.share_low is None else one.share_low,
+                        math.nan if one.share_high is None else one.share_high,
                         "1",
                         None,
                         "%",

@@ -6,7 +6,6 @@ from typing import Any
 
 import click
 
-from dashpot import workflow
 from dashpot.base import dataclass
 from dashpot.base.checks import verdict
 from dashpot.base.serialisation import Key, Serialisable
@@ -19,7 +18,7 @@ from dashpot.extensions.systems.door.closing_text import closing_text
 from dashpot.extensions.systems.door.leak_from_file import find_leak_speeds
 from dashpot.extensions.systems.door.leak_result import LeakResult
 from dashpot.extensions.systems.door.page import door_html
-from dashpot.extensions.systems.door.population import predict_population
+from dashpot.extensions.systems.door.population import DoorPopulation, predict_population
 from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.extensions.systems.door.text import door
 from dashpot.report import html
@@ -34,6 +33,25 @@ class DoorPrediction(Serialisable):
 
     found: DoorResult
     closing: ClosingResult
+
+
+def _refuse_beside_leak(*others: object) -> None:
+    if any(other not in (None, False, ()) for other in others):
+        raise click.UsageError(
+            "--leak is asked by itself: leave out --modes, --close, --band, --lot, --spread "
+            "and --limit"
+        )
+
+
+def _write_population(
+    cars: DoorPopulation, picture: str | None, output: str | None
+) -> CommandResult:
+    if picture:
+        write_figure(picture, cars.plot())
+    if output:
+        content = html(cars) if is_page(output) else format_json(cars) + "\n"
+        write_output(output, content)
+    return CommandResult.from_result(cars)
 
 
 def run(
@@ -55,17 +73,12 @@ def run(
     Of a lot it is doors of many cars.
     """
     if leak:
-        if every or speed is not None or band is not None or lot or spread or limits:
-            raise click.UsageError(
-                "--leak is asked by itself: leave out --modes, --close, --band, --lot, --spread "
-                "and --limit"
-            )
+        _refuse_beside_leak(every, speed, band, lot, spread, limits)
         return _write_leak(find_leak_speeds(path, temperature=temperature), picture, output)
     if picture and every and speed is not None:
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
-    page = is_page(output)
     if lot is not None or spread is not None or limits:
         if every or speed is not None:
             raise click.UsageError(
@@ -75,11 +88,8 @@ def run(
         cars = predict_population(
             path, lot=lot, spread=spread, limits=limits, band=band, temperature=temperature
         )
-        if picture:
-            write_figure(picture, cars.plot())
-        if output:
-            write_output(output, workflow.html(cars) if page else format_json(cars) + "\n")
-        return CommandResult.from_result(cars)
+        return _write_population(cars, picture, output)
+    page = is_page(output)
     result = closed = None
     if speed is None or every or page:
         result = door_file(path, band=band, temperature=temperature)
