@@ -97,7 +97,7 @@ def test_clock_reset_names_the_line(tmp_path: Path) -> None:
         tmp_path, HEAD + "\n".join(rows + rows) + "\n", "time falls from 5.9 s to 0 s"
     )
     assert f"line {ROWS + 2}" in message
-    assert "one file for each" in message
+    assert "--file-part segment=1" in message
     assert "--rate" not in message
 
 
@@ -163,8 +163,10 @@ def test_read_asks_by_number_which_of_two_specimens(tmp_path: Path) -> None:
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
     time, moved, force = truth()
     text = head + table(";", columns=(time, moved, force, time + 1, moved + 1, 2 * force))
-    message = refused(tmp_path, text, "column 1 'Time' [s] and column 4 'Time' [s] could each be")
-    assert '--column time="1"' in message
+    refused(tmp_path, text, "2 sets of columns could each be the test", "--file-part segment=1")
+    test = read(tmp_path, text, segment=2)
+    np.testing.assert_allclose(test.time - test.time[0], time - time[0], atol=1e-9)
+    np.testing.assert_allclose(test.force, 2 * force, atol=1e-6)
     refused(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
     named = {"time": "4", "displacement": "5", "force": "6"}
     assert len(read(tmp_path, text, **named).time) == ROWS

@@ -29,6 +29,8 @@ class Question:
         Columns that could be meant; 0 if none shows itself.
     role, example : str
         What no column was found for, and an answer as it is typed.
+    answers : tuple of (str, str)
+        Of several specimens or repeats, the name of each, and its answer as it is typed.
     """
 
     message: str
@@ -36,6 +38,7 @@ class Question:
     choices: int = 0
     role: str = ""
     example: str = ""
+    answers: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

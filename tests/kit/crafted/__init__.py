@@ -12,6 +12,7 @@ from kit.crafted.quirks import QUIRKS
 from kit.crafted.row import Row
 from kit.crafted.sheets import SHEETS
 from kit.crafted.small_makers import SMALL_MAKERS
+from kit.crafted.specimens import SPECIMENS
 from kit.crafted.treacherous import TREACHEROUS
 
 TABLE: tuple[Row, ...] = (
@@ -26,5 +27,6 @@ TABLE: tuple[Row, ...] = (
     *CLOCKS,
     *SHEETS,
     *BROKEN,
+    *SPECIMENS,
     *TREACHEROUS,
 )

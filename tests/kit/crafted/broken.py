@@ -87,11 +87,11 @@ def _open() -> list[Row]:
         Row("a force in volts", f"Time (s);Displacement (mm);Force (V)\n{volts}".encode(), "asked", ("labelled 'V'", "a unit of voltage"), answer={"units": {"force": "500mV/N"}}, coarse=1e-5),
         Row("no header", table(",").encode(), "asked", ('--column time="1"', '--column displacement="2"', "--rate 1000Hz"), answer=named),
         Row("two displacements", f"Zeit [s];Traversenweg absolut [mm];Standardweg [mm];Kraft [N]\n{two}".encode(), "asked", ("'Traversenweg absolut [mm]' and 'Standardweg [mm]' could each be",), answer={"displacement": "Traversenweg absolut"}),
-        Row("two specimens side by side", f"{head}\n{both}".encode(), "asked", ("column 1 'Time' [s] and column 4 'Time' [s] could each be", '--column time="1"'), answer={"time": "1", "displacement": "2", "force": "3"}),
+        Row("two specimens side by side", f"{head}\n{both}".encode(), "asked", ("2 sets of columns could each be the test (1 columns 1, 2 and 3; 2 columns 4, 5 and 6)", "--file-part segment=1"), answer={"segment": 1}),
         Row("three forces", f"t [s];z [mm];Fx [N];Fy [N];Fz [N]\n{three}".encode(), "asked", ("'Fx [N]', 'Fy [N]' and 'Fz [N]' could each be the force",), answer={"force": "Fz"}),
         Row("a displacement that relaxes under a force that is held", (HEAD + swapped).encode(), "refused", ("look swapped", "--column displacement=", "--column force=")),
         Row("a clock of whole seconds", (HEAD + coarse).encode(), "refused", ("time stamps repeat", "--rate 10Hz")),
-        Row("a clock that begins again", (HEAD + 2 * table(";")).encode(), "refused", ("time falls from 5.9 s to 0 s", f"line {ROWS + 2}", "one file for each")),
+        Row("a clock that begins again", (HEAD + 2 * table(";")).encode(), "asked", ("time falls from 5.9 s to 0 s", f"line {ROWS + 2}", "--file-part segment=1"), answer={"segment": 2}),
         Row("no clock", f"Kraft_N;Position_mm\n{table(';', columns=(FORCE, MOVED), decimal=',')}".encode(), "refused", ("looks like time", "--rate 1000Hz")),
     ]  # fmt: skip
 

@@ -335,8 +335,7 @@ def _trapezium() -> list[Row]:
         Row("Trapezium: Korean", korean.encode("cp949")),
         Row(
             "Trapezium: two specimens, Polish", twice.encode("cp1250"), "asked",
-            ("could each be the time", '--column force="2"'), RAMP,
-            answer={"time": "1", "force": "2", "displacement": "3"},
+            ("2 sets of columns", "--file-part segment=1"), RAMP, answer={"segment": 1},
         ),
     ]  # fmt: skip
 

@@ -24,6 +24,7 @@ from dashpot.extensions.batch.input_files import LOG, Entry, find_entries
 from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import (
+    KEY,
     SMALL,
     Task,
     build_row_frame,
@@ -237,7 +238,9 @@ def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
             if isinstance(error, OSError):
                 raise ExportError(f"{job.output}: {error.strerror or error}: {text}") from None
             raise KeyboardInterrupt(f"interrupted: {text}") from None
-    return Lot(table(job.output, (task.key for task in tasks)), len(missing))
+    frame = table(job.output, (task.key for task in tasks))
+    made_keys = [task.key for task in missing]
+    return Lot(frame, frame.filter(polars().col(KEY).is_in(made_keys)).height)
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:

@@ -42,7 +42,8 @@ def rows_of(tasks: str, *, choices: str, folder: str, version: str) -> str:
     key = (choices, folder)
     worker = _pop_idle_worker(key) or Worker(BatchOptions.from_plain(json.loads(choices)), folder)
     try:
-        return json.dumps([worker.row(task, threading.Event()) for task in chunk])
+        rows = (row for task in chunk for row in worker.rows(task, threading.Event()))
+        return json.dumps(list(rows))
     finally:
         _add_idle_worker(key, worker)
 

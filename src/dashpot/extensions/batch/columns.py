@@ -13,13 +13,14 @@ from dashpot.registry import KINDS
 Where: TypeAlias = tuple[float | None, float | None]
 """A frequency and a compression."""
 TEXTS = (
-    "file", "sha256", "hammer", *LABELS, "kind", "outcome", "verdict", "agreement",
+    "file", "part", "sha256", "hammer", *LABELS, "kind", "outcome", "verdict", "agreement",
     "reason", "failed_checks", "status", "method", "version", "origin",
 )  # fmt: skip
 """The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, ``ignored``, or one of
 `AGAIN`.
 
-`origin` is ``simulated`` where a file of the row says so.
+`part` is which of several specimens in its file a row is of, as ``--file-part`` takes it. `origin`
+is ``simulated`` where a file of the row says so.
 """
 LEADING = ("file", *LABELS, "kind", "outcome", "verdict", "reason")
 """The columns with which a written table begins."""

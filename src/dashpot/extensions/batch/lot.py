@@ -188,12 +188,16 @@ class Lot:
     @cached_property
     def copies(self) -> dict[str, str]:
         """Tests whose file holds what that of another one does, by file, and that other."""
-        first: dict[str, str] = {}
+        first: dict[tuple[str, str], str] = {}
         if "sha256" not in self.table.columns:
             return {}
         alike = self.fitted_rows.filter(~polars().col("file").is_in(list(self.dissimilar)))
-        rows = alike.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
-        pairs = ((file, first.setdefault(sha256, file)) for file, sha256 in rows)
+        parts = "part" if "part" in alike.columns else polars().lit("").alias("part")
+        rows = alike.filter(polars().col("sha256") != "").select("file", "sha256", parts)
+        pairs = (
+            (file, first.setdefault((sha256, part), file))
+            for file, sha256, part in rows.iter_rows()
+        )
         return {file: other for file, other in pairs if file != other}
 
     def quantity(self, name: str) -> Quantity:

@@ -30,7 +30,7 @@ KEY = "key"
 PARTS = "part-*.parquet"
 SMALL = 25
 """Rows below which a part is small, and how many such parts become one."""
-_FORM = 3
+_FORM = 4
 """Of a row; another one is another key."""
 
 

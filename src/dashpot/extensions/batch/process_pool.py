@@ -96,7 +96,7 @@ def _serve(
     try:
         while not over.is_set():
             chunk = waiting.get_nowait()
-            done.put((chunk, [worker.row(task, over) for task in chunk]))
+            done.put((chunk, [row for task in chunk for row in worker.rows(task, over)]))
     except queue.Empty:
         worker.end()
     except BaseException as error:  # noqa: BLE001 -- it is raised where the rows are waited for
@@ -110,22 +110,23 @@ class Worker:
         self._choices, self._folder = choices, folder
         self._process: subprocess.Popen[bytes] | None = None
 
-    def row(self, task: Task, over: threading.Event) -> dict[str, Any]:
-        """Return the row of one file."""
+    def rows(self, task: Task, over: threading.Event) -> Rows:
+        """Return the row of one file, or one for each of its specimens."""
         for _ in range(LIVES):
             if over.is_set():
                 break
             answer = self._answer(task)
             if answer.endswith(b"\n"):
-                data: dict[str, Any] = json.loads(answer)
-                return data | {KEY: task.key}
+                data: Rows = json.loads(answer)
+                return [row | {KEY: task.key} for row in data]
             self.end()
-        return empty(task.entry, task.hashes[0], self._choices) | {
+        died = empty(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
             "reason": f"the process that read it died {LIVES} times: it may need more memory than "
             "there is; run it again with fewer --jobs, or look at it with dashpot inspect",
             KEY: task.key,
         }
+        return [died]
 
     def _answer(self, task: Task) -> bytes:
         """Return the line of an answer; cut short where the process died."""

@@ -30,13 +30,13 @@ def main() -> None:
         BatchOptions,  # the imports are what makes a worker worth it
     )
     from dashpot.extensions.batch.input_files import Entry
-    from dashpot.extensions.batch.table_row import row
+    from dashpot.extensions.batch.table_row import build_rows
 
     choices = BatchOptions.from_plain(json.loads(questions.get()))
     while True:
         data = json.loads(questions.get())
-        entries = row(Entry.from_plain(data["entry"]), data["hashes"], choices)
-        answers.write(json.dumps(entries, allow_nan=False).encode() + b"\n")
+        rows = build_rows(Entry.from_plain(data["entry"]), data["hashes"], choices)
+        answers.write(json.dumps(rows, allow_nan=False).encode() + b"\n")
         answers.flush()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,7 @@ from dashpot.extensions.batch.impact_comparison import (
 )
 from dashpot.extensions.batch.input_files import NO_TABLE, Entry, compute_file_hash
 from dashpot.reading.readers.detect_kind import Recognised, recognise
+from dashpot.reading.readers.inspect import inspect_file
 from dashpot.registry import (
     FIT_FILES,
     KINDS,
@@ -82,6 +84,47 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
             answer["bytes"] = Path(entry.file).stat().st_size
     entries |= answer | {"sha256": hashes[0]}
     return {name: _finite(value) for name, value in entries.items()}
+
+
+def build_rows(
+    entry: Entry, hashes: Sequence[str], choices: BatchOptions, part: str = ""
+) -> list[dict[str, Any]]:
+    """Return the row of one test, or a row for each of several specimens in its file.
+
+    How each is chosen, and its name, stand behind the name of the file. Where the seal was named,
+    the specimen's name is added to it. The arguments are those of :func:`row`.
+    """
+    whole = row(entry, hashes, choices)
+    answers = (
+        [] if whole["outcome"] != "refused" or entry.aside else _list_specimens(entry, choices)
+    )
+    if not answers:
+        return [whole]
+    every: list[dict[str, Any]] = []
+    for name, answer in answers:
+        key, _, value = answer.partition("=")
+        chosen = {key: int(value) if key == "segment" else value}
+        typed = ",".join(filter(None, (part, answer)))
+        seal = f"{entry.seal} {name or value}" if entry.seal else ""
+        label = typed if name in {"", value} else f"{typed} {name}"
+        rows = build_rows(
+            replace(entry, seal=seal), hashes,
+            replace(choices, reading=replace(choices.reading, **chosen)), typed,
+        )  # fmt: skip
+        every += [
+            one if one["part"] else one | {"part": typed, "file": f"{entry.file} [{label}]"}
+            for one in rows
+        ]
+    changed = [one for one in every if one["outcome"] == "changed"]
+    return [whole | {"outcome": "changed", "reason": changed[0]["reason"]}] if changed else every
+
+
+def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, str]]:
+    """Return the name of each specimen in a file that is asked about, and what chooses it."""
+    with suppress(DashpotError):
+        questions = inspect_file(entry.file, options=choices.bench).questions
+        return next((question.answers for question in questions if question.answers), ())
+    return ()
 
 
 def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:

@@ -25,6 +25,7 @@ from dashpot.extensions.formats.attribute_factors import (
     stated_unit,
 )
 from dashpot.extensions.formats.passed_channels import note_passed
+from dashpot.extensions.formats.specimens import LABELS, format_labels, names_specimen
 from dashpot.extensions.formats.stated_metadata import assign_metadata, find_stated_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
@@ -34,6 +35,7 @@ from dashpot.registry import find_handler
 
 _ARROW, _STREAM = b"ARROW1", b"\xff\xff\xff\xff"
 _LARGEST_SCHEMA = 1 << 22
+_TEXT = {"String", "Categorical", "Enum"}
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -77,6 +79,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         entries = stated.columns[column.name]
         array = _read_column(column, entries, notes)
         arrays += [] if array is None else [array, *_list_rates(f"{column.name}.", entries)]
+    labels = _number_labels(frame, arrays)
     kept = [array.name for array in arrays]
     passed = {name: "no numbers" for name in frame.columns if name not in kept}
     arrays += _list_rates("", stated.table)
@@ -87,8 +90,22 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ]
     return gather(
         arrays, format_=form, notes=[*notes, *note_passed(passed, kept)], rate=options.rate,
-        header=[line for key, value in stated.table.items() if (line := window_line(key, value))],
+        header=[
+            *labels,
+            *(line for key, value in stated.table.items() if (line := window_line(key, value))),
+        ],
     )  # fmt: skip
+
+
+def _number_labels(frame: Any, arrays: list[NamedArray]) -> list[str]:
+    """Add the labels of specimens as numbers to the arrays; return what each number is."""
+    lines = []
+    for column in frame.iter_columns():
+        if str(column.dtype).partition("(")[0] in _TEXT and names_specimen(column.name):
+            numbers, listed = format_labels([str(cell or "") for cell in column.to_list()])
+            arrays.append(NamedArray(column.name, np.array(numbers, float)))
+            lines.append(f"{LABELS}{column.name}: {listed}")
+    return lines
 
 
 def _read_column(column: Any, stated: Mapping[str, Any], notes: list[str]) -> NamedArray | None:

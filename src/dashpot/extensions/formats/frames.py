@@ -19,6 +19,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.formats.attribute_factors import factors_among
+from dashpot.extensions.formats.specimens import LABELS, format_labels, names_specimen
 from dashpot.extensions.formats.stated_metadata import find_stated_unit
 from dashpot.reading.columns.header_units import split_heading
 
@@ -75,6 +76,7 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
         stem, unit = split_heading(name, find_stated_unit(stated))
         factor = factors_among(stated)
         head.append(f"{stem} [{unit}]" if unit else name)
+        above += [f"{LABELS}{name}: {stated[LABELS]}"] if LABELS in stated else []
         above += [f"# factor stated of {name}: {factor}"] if factor else []
     cells = [
         ["" if isnan(value) else repr(value) for value in values.tolist()]
@@ -144,6 +146,10 @@ def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, An
             values = values - values[:1]
         if values.dtype.kind in _INSTANTS + _SPANS:
             yield _clean_name(name), values / np.timedelta64(1, "s"), {"unit": "s"}
+        elif values.dtype.kind in "OUT" and names_specimen(_clean_name(name)):
+            labels = ["" if _is_missing(value) else str(value) for value in values.ravel()]
+            numbers, listed = format_labels(labels)
+            yield _clean_name(name), np.asarray(numbers, float), {LABELS: listed}
         elif values.dtype.kind in _NUMBERS:
             yield _clean_name(name), np.asarray(values, float).ravel(), stated
 

@@ -15,6 +15,9 @@ EXTENSION = Extension(
         "calibrate": {
             "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:add_calibrated_force",
         },
+        "separate specimens": {
+            "dashpot.reading.table:FileTable": "dashpot.extensions.formats.specimens:separate_specimens",
+        },
         "read": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
         "inspect": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
         "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray", "builtins:list"), "dashpot.extensions.formats.frames:make_records"),

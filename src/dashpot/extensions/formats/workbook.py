@@ -8,13 +8,14 @@ from dataclasses import replace
 
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
+from dashpot.extensions.formats.specimens import separate_specimens
 from dashpot.extensions.formats.workbook_sheets import HIDDEN, format_sheet_names, sheets
 from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.formats import text
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.parent_process import run_in_child
-from dashpot.reading.table import FileTable
+from dashpot.reading.table import FileTable, Question
 from dashpot.reading.text.cells import EITHER_WAY
 
 _COMMA = re.compile(r"\A[+-]?(?:\d{1,3}(?:\.\d{3})+|\d*),\d+(?:[eE][+-]?\d{1,4})?\Z")
@@ -23,12 +24,14 @@ _NO_TEST = {"unclear", "not-a-test"}
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table of the one sheet that holds a test, or of the sheet named.
+    """Return the table of the sheet that holds a test, or of the sheet named.
+
+    Which of several could be meant is a question.
 
     Raises
     ------
     ReadError
-        If no sheet or several sheets could be meant.
+        If no sheet could be meant.
     """
     entries = run_in_child("workbook", sheets, raw, options)
     content = {name: cells for name, cells in entries.items() if not name.startswith(HIDDEN)}
@@ -45,12 +48,16 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     seen = replace(options, kind=None)
     names = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
     likely = names or list(tables)
+    table = tables[likely[0]]
     if len(likely) > 1:
-        raise ReadError(
+        message = (
             f"sheets {format_sheet_names(likely)} could each be the test; choose with --file-part "
             f'sheet="{likely[0]}"'
         )
-    return tables[likely[0]]
+        answers = tuple((name, f"sheet={name}") for name in likely)
+        question = Question(message, "--file-part sheet=NAME", choices=len(likely), answers=answers)
+        table = replace(table, doubts=(question, *table.doubts))
+    return table
 
 
 def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
@@ -64,7 +71,8 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
         content = points.encode()
     if options.decimal == ",":  # numbers that are no text have points here
         shown = replace(shown, decimal=None)
-    table = text.read(RawFile(raw.name, None, content), shown)
+    cells = RawFile(raw.name, None, content)
+    table = separate_specimens(text.read(cells, shown), cells, shown)
     unmeasured = entries.get(HIDDEN + name, b"").decode()
     message = f"hidden in sheet '{name}' and read: {unmeasured}"
     note = Caution(message) if unmeasured.startswith("row") else message

@@ -44,10 +44,10 @@ def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
         table = _table(raw, options)
     if table.format != "text":  # whose units stand in two rows
         table = replace(table, columns=tuple(map(state_unit, table.columns)))
-    if options.calibration is None:
-        return table
-    calibrated: FileTable = find_handler("calibrate", table)(table, raw, options)
-    return calibrated
+    tasks = ["separate specimens"] + ["calibrate"] * (options.calibration is not None)
+    for handler in filter(None, (find_handler(task, table) for task in tasks)):
+        table = handler(table, raw, options)
+    return table
 
 
 def _table(raw: RawFile, options: ReadOptions) -> FileTable:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
@@ -33,8 +33,6 @@ _MINUTE = 60.0
 _ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
 """First digits of the steps of recorders, in the unit that they count by."""
 _NEARLY = 1e-3
-_ANEW = 0.02
-"""Part of the first record within which the clock of the next begins, where several follow."""
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -157,14 +155,6 @@ def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, li
     if falls.size:
         i = int(falls[0])
         part = ", read one part with --file-part segment=N" if len(loaded.starts) > 1 else ""
-        if _begins_anew(time, loaded.values, falls + 1):
-            raise ReadError(
-                f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
-                f"{loaded.format_row_position(i + 1)}, where the clock begins anew ({falls.size} "
-                "such "
-                f"place{'s' * (falls.size > 1)}): tests of several specimens, or repeats, stand "
-                f"below each other; split the file there, one file for each{part}"
-            )
         forward = steps[steps > 0]
         rate = f"--rate {1 / median(forward):.6g}Hz" if forward.size else "--rate 1000Hz"
         raise ReadError(
@@ -188,21 +178,6 @@ def drop_repeats(time: FloatArray, loaded: LoadedColumns) -> tuple[BoolArray, li
     return keep, [
         f"{repeats.size} repeated time stamp{'s' * (repeats.size > 1)} left out, first at {first}"
     ]
-
-
-def _begins_anew(time: FloatArray, values: FloatArray, starts: IndexArray) -> bool:
-    """Whether clock and signals fall back to where they began, as where records follow another.
-
-    Where one test goes on, as under a counter that overflows, its signals do not.
-    """
-    firsts, lasts = time[starts], time[starts - 1]
-    if np.any(np.abs(firsts - time[0]) > _ANEW * (lasts[0] - time[0])):
-        return False
-    back, on = (np.abs(values[starts] - values[other]) for other in (0, starts - 1))
-    change = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
-    leaps_back = (on > _ANEW * change) & (back < on)
-    # the column of the clock is one of them
-    return bool(np.all(leaps_back | (on <= _ANEW * change)) and np.all(leaps_back.sum(axis=1) > 1))
 
 
 def _mean_rate(time: FloatArray) -> str:

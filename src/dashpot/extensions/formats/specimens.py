@@ -1,0 +1,417 @@
+"""Specimens that share one file: in blocks, under a column of labels, or in columns side by side.
+
+Each is a segment, which ``--file-part segment=N`` chooses. Which one is meant is a question.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray, slices
+from dashpot.base.errors import ReadError
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.header_units import split_unit
+from dashpot.reading.columns.kind_detection import RECOGNISED, kind_of
+from dashpot.reading.columns.role_assignment import (
+    RoleAssignment,
+    assign,
+    format_column,
+    join_words,
+)
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.raw_file import RawFile
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.table import FileTable, LoadedColumns, Question
+from dashpot.reading.text import cells
+
+_PAIRS: tuple[tuple[Role, Role], ...] = (("displacement", "force"), ("strain", "stress"))
+_WORDS = (
+    r"(?:test ?)?(?:specimen|sample|pi[e]ce)|seal|gasket|probe|probek[öo]rper|pr[üu]fk[öo]rper"
+    r"|pr[üu]fling|pr[üu]fteil|muster|dichtung|[ée]prouvette|[ée]chantillon|joint|provino|campione"
+    r"|probeta|muestra|pr[óo]bka|vzorek|monster|proefstuk|prov|试样|样品|試験片"
+)
+_NAME = re.compile(
+    rf"(?:{_WORDS})[ _.\-]*(?:id|no\.?|nr\.?|n°|#|number|nummer|name|label|code|bezeichnung)?",
+    re.IGNORECASE,
+)
+"""The name of a column that says of which specimen a row is."""
+_LINE = re.compile(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
+"""A line over a block that says of which specimen it is."""
+_MOST = 256
+"""Specimens of one file, at most; more labels count rows."""
+_LEAST = 8
+"""Rows of a specimen, at least."""
+_ANEW = 0.02
+"""Part of the first record within which the clock of the next begins."""
+_DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "blanks": " ", "pipe": "|"}
+LABELS = "labels of "
+"""What a line of the header begins with that names the numbers of a column, 1, 2, ..."""
+
+
+def separate_specimens(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
+    """Return the table with each specimen of the file as a segment, and a question if several.
+
+    A column that is named for the specimen parts the rows by its labels. Columns of equal names
+    but for a number or a group part the columns. A clock that begins anew parts the rows where it
+    does, unless the rows are evenly sampled at a rate that is given.
+    """
+    if isinstance(table.load, _SpecimenLoader):
+        return table
+    kind, _ = kind_of(table, ReadOptions(kind=options.kind))
+    if kind in RECOGNISED and RECOGNISED[kind].by_hand:  # its reader tells specimens apart
+        return table
+    labels = _read_labels(table, raw)
+    if labels is not None:
+        return _part_by_labels(table, *labels, options)
+    sets = _find_column_sets(table, options)
+    if sets:
+        return _part_by_columns(table, sets, options)
+    return replace(table, load=_SpecimenLoader(table, options))
+
+
+def format_labels(labels: Sequence[str]) -> tuple[list[int], str]:
+    """Return the number of each label, from 1, and how a header lists them.
+
+    >>> format_labels(["A", "B", "A"])
+    ([1, 2, 1], '1 = A; 2 = B')
+    """
+    numbers = {label: i for i, label in enumerate(dict.fromkeys(labels), start=1)}
+    listed = "; ".join(f"{i} = {label}" for label, i in list(numbers.items())[:_MOST])
+    return [numbers[label] for label in labels], listed
+
+
+def names_specimen(name: str) -> bool:
+    """Return whether a column of this name says of which specimen its row is.
+
+    >>> names_specimen("Specimen No."), names_specimen("Prüfkörper"), names_specimen("Sample rate")
+    (True, True, False)
+    """
+    return _NAME.fullmatch(name.strip()) is not None
+
+
+@dataclass(frozen=True, eq=False)
+class _SpecimenLoader:
+    """Loads columns of a table, parted into specimens where rows are of several.
+
+    Attributes
+    ----------
+    order : array or None
+        Which row stands where, by specimen; None leaves the rows as they are.
+    """
+
+    table: FileTable
+    options: ReadOptions
+    order: IndexArray | None = None
+    starts: tuple[int, ...] = (0,)
+    names: tuple[str, ...] = ("",)
+    known: dict[str, tuple[int, ...]] = field(default_factory=dict)
+
+    def __call__(self, indexes: Sequence[int]) -> LoadedColumns:
+        """Return the columns; a doubt says that the rows are of several specimens."""
+        if self.order is not None:
+            loaded = self.table.load(indexes)
+            lines = tuple(
+                (new, loaded.line(int(old)))
+                for new, old in _runs(self.order, loaded.lines)
+            ) if loaded.lines else ()  # fmt: skip
+            return replace(
+                loaded, values=loaded.values[self.order], starts=self.starts, segments=self.names,
+                lines=lines, above=(),
+            )  # fmt: skip
+        if self.options.rate or not indexes:
+            return self.table.load(indexes)
+        asked, roles = tuple(indexes), self._find_roles()
+        selected = self.options.segment is not None
+        if not roles or not (selected or set(roles) <= set(asked)):
+            return self.table.load(indexes)
+        more = [i for i in roles if i not in asked]
+        loaded = self.table.load([*asked, *more])
+        signals = loaded.values[:, [[*asked, *more].index(i) for i in roles]]
+        loaded = replace(loaded, values=loaded.values[:, : len(asked)]) if more else loaded
+        return self._part_by_clock(loaded, signals)
+
+    def _find_roles(self) -> tuple[int, ...]:
+        """Return the columns of the clock and of both signals of a test; none if it has none."""
+        if "roles" not in self.known:
+            self.known["roles"] = ()
+            for pair in _PAIRS:
+                try:
+                    answers = [assign(self.table, role, self.options) for role in ("time", *pair)]
+                except ReadError:  # a column of another file is named
+                    break
+                indexes = [a.index for a in answers if isinstance(a, RoleAssignment)]
+                if len(indexes) == len(set(indexes)) == 3:
+                    self.known["roles"] = tuple(indexes)
+                    break
+        return self.known["roles"]
+
+    def _part_by_clock(self, loaded: LoadedColumns, signals: FloatArray) -> LoadedColumns:
+        time = signals[:, 0]
+        if len(loaded.starts) > 1:
+            again = [start for start in loaded.starts[1:] if time[start] < time[start - 1]]
+            if self.options.segment is not None or not again:
+                return loaded
+            names = _name_blocks(loaded, self.table.header)
+            message = (
+                f"{len(names)} segments ({_list_names(names)}), and the clock starts again at "
+                f"{loaded.format_row_position(again[0])}"
+            )
+            return replace(
+                loaded, segments=names, doubts=(*loaded.doubts, (None, _ask(names, message)))
+            )
+        falls = np.flatnonzero(np.diff(time) < 0)
+        if not 0 < falls.size < _MOST or not _begins_anew(time, signals, falls + 1):
+            return loaded
+        starts = (0, *(falls + 1).tolist())
+        parts = slices(starts, len(time))
+        if any(part.stop - part.start < _LEAST or np.ptp(time[part]) <= 0 for part in parts):
+            return loaded  # rows of padding
+        names = ("",) * len(starts)
+        i, word = int(falls[0]), self.table.columns[self._find_roles()[0]].unit
+        unit = f" {word}" if word else ""
+        message = (
+            f"time falls from {time[i]:.9g}{unit} to {time[i + 1]:.9g}{unit} at "
+            f"{loaded.format_row_position(i + 1)}, where the clock begins anew ({falls.size} such "
+            f"place{'s' * (falls.size > 1)})"
+        )
+        parted = replace(loaded, starts=starts, segments=names, above=())
+        if self.options.segment is not None:
+            return parted
+        return replace(parted, doubts=(*loaded.doubts, (None, _ask(names, message))))
+
+
+def _ask(names: Sequence[str], message: str, why: str = "") -> Question:
+    """Return the question which specimen is meant; its answers are as they are typed."""
+    why = why or "tests of several specimens, or repeats, stand below each other"
+    answers = tuple((name, f"segment={i}") for i, name in enumerate(names, start=1))
+    message = f"{message}: {why}; choose one, for example --file-part segment=1"
+    return Question(message, "--file-part segment=N", choices=len(names), answers=answers)
+
+
+def _list_names(names: Sequence[str]) -> str:
+    listed = [
+        f"{i} {name}".strip() if name != str(i) else name for i, name in enumerate(names, start=1)
+    ]
+    return ", ".join(listed[:8]) + (" ..." if len(listed) > 8 else "")
+
+
+def _name_blocks(loaded: LoadedColumns, header: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of blocks: their own, or what the lines over each say of a specimen."""
+    above = [header, *loaded.above[1:]] if len(loaded.above) == len(loaded.starts) else []
+    lines = [next(filter(_LINE.fullmatch, over), "") for over in above]
+    said = [" ".join(re.sub(r'["\t;,#=]+', " ", line).split())[:40] for line in lines]
+    if all(said) and len(set(said)) == len(said) and not any(loaded.segments):
+        return tuple(said)
+    return loaded.segments
+
+
+def _runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return where in a new order of rows a run of them begins, and its row in the old one."""
+    firsts = {first for first, _ in lines}
+    breaks = np.flatnonzero(np.diff(order) != 1) + 1
+    more = [int(np.flatnonzero(order == first)[0]) for first in firsts]
+    places = sorted({0, *breaks.tolist(), *more})
+    return [(place, int(order[place])) for place in places]
+
+
+def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> bool:
+    """Return whether clock and signals fall back to where they began, as where records follow.
+
+    Where one test goes on, as under a counter that overflows, its signals do not.
+    """
+    firsts, lasts = time[starts], time[starts - 1]
+    if np.any(np.abs(firsts - time[0]) > _ANEW * (lasts[0] - time[0])):
+        return False
+    back, on = (np.abs(signals[starts] - signals[other]) for other in (0, starts - 1))
+    change = np.nanmax(signals, axis=0) - np.nanmin(signals, axis=0)
+    leaps_back = (on > _ANEW * change) & (back < on)
+    # the column of the clock is one of them
+    return bool(np.all(leaps_back | (on <= _ANEW * change)) and np.all(leaps_back.sum(axis=1) > 1))
+
+
+# A column of labels.
+
+
+def _read_labels(table: FileTable, raw: RawFile) -> tuple[int, list[str]] | None:
+    """Return the column that names the specimen of each row, and its labels; None without one."""
+    for index, column in enumerate(table.columns):
+        if column.unit or not names_specimen(split_unit(column.name)[0]):
+            continue
+        labels = None
+        if column.content == "number":
+            numbers = table.load([index]).values[:, 0]
+            words = _stated_words(table.header, column.name)
+            labels = [
+                "" if np.isnan(value) else words.get(f"{value:g}", f"{value:g}")
+                for value in numbers.tolist()
+            ]
+        elif column.content == "text" and table.format == "text":
+            labels = _read_text_labels(table, raw, index)
+        labels = labels and _fill_down(labels)
+        if labels and _are_specimens(labels):
+            return index, labels
+    return None
+
+
+def _are_specimens(labels: Sequence[str]) -> bool:
+    """Return whether labels are few, and each of several rows."""
+    names, counts = np.unique(np.asarray(labels), return_counts=True)
+    return 1 < len(names) <= _MOST and int(counts.min()) >= _LEAST
+
+
+def _fill_down(labels: Sequence[str]) -> list[str]:
+    """Return labels, each holding for the blank cells below it."""
+    filled, last = [], ""
+    for label in labels:
+        last = label or last
+        filled.append(last)
+    first = next((label for label in filled if label), "")
+    return [label or first for label in filled]
+
+
+def _stated_words(header: Sequence[str], name: str) -> dict[str, str]:
+    """Return the words that a header lists for the numbers of a column."""
+    line = next((line for line in header if line.startswith(f"{LABELS}{name}: ")), "")
+    pairs = (part.partition(" = ") for part in line.partition(": ")[2].split("; "))
+    return {number: word for number, _, word in pairs if number}
+
+
+def _read_text_labels(table: FileTable, raw: RawFile, index: int) -> list[str] | None:
+    """Return the cells of a column of text by the lines of the table's rows."""
+    numbers = [i for i, column in enumerate(table.columns) if column.content == "number"]
+    delimiter = _DELIMITERS.get(table.delimiter)
+    if not numbers or delimiter is None:
+        return None
+    loaded = table.load(numbers[:1])
+    try:
+        text = raw.head(raw.size).decode(table.encoding or "utf-8")
+    except UnicodeDecodeError:
+        return None
+    lines = re.split(r"\r\n|\r|\n", text.removeprefix("\ufeff"))
+    labels: list[str] = []
+    stops = (*(first for first, _ in loaded.lines[1:]), len(loaded.values))
+    for (first, line), stop in zip(loaded.lines, stops, strict=True):
+        for cell_line in lines[line - 1 : line - 1 + stop - first]:
+            row = cells.split(cell_line, delimiter, trim=False)
+            labels.append(row[index].strip() if index < len(row) else "")
+    return labels if len(labels) == len(loaded.values) else None
+
+
+def _part_by_labels(
+    table: FileTable, index: int, labels: Sequence[str], options: ReadOptions
+) -> FileTable:
+    codes, _ = format_labels(labels)
+    names = tuple(dict.fromkeys(labels))
+    order = np.argsort(np.asarray(codes), kind="stable")
+    counts = np.bincount(codes, minlength=len(names) + 1)[1:]
+    starts = (0, *np.cumsum(counts)[:-1].tolist())
+    loader = _SpecimenLoader(table, options, order, starts, names)
+    column = format_column(table.columns, index)
+    message = f"holds {len(names)} specimens by its column {column} ({_list_names(names)})"
+    asked = (
+        () if options.segment is not None else (_ask(names, message, "one is fitted at a time"),)
+    )
+    return replace(table, load=loader, doubts=(*table.doubts, *asked))
+
+
+# Columns side by side.
+
+
+def _split_set(name: str) -> list[tuple[str, str]]:
+    """Return the ways in which a name may be that of a set and of a signal in it.
+
+    >>> _split_set("seal_1.force"), _split_set("Force 2")
+    ([('seal_1', 'force'), ('1', 'seal_.force')], [('2', 'Force ')])
+    """
+    ways = []
+    owner, dot, stem = name.rpartition(".")
+    if dot and owner and stem:
+        ways.append((owner, stem))
+    numbers = list(re.finditer(r"(?<![^\W\d_])\d{1,3}(?!\d)|\d{1,3}\Z", name))
+    ways += [(m[0], name[: m.start()] + name[m.end() :]) for m in numbers]
+    return ways
+
+
+def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[int]]:
+    """Return columns by specimen where each has its own displacement and force.
+
+    None where the user names columns, or the names do not part them.
+    """
+    if options.time or any(getattr(options, role) for pair in _PAIRS for role in pair):
+        return {}
+    ways: dict[int, dict[str, dict[str, int]]] = {}
+    stems = [split_unit(column.name)[0] if column.name else "" for column in table.columns]
+    for index, (column, stem) in enumerate(zip(table.columns, stems, strict=True)):
+        if column.content != "number":
+            continue
+        for way, (owner, signal) in enumerate(_split_set(stem)):
+            ways.setdefault(way, {}).setdefault(owner, {}).setdefault(signal.strip(" _-#"), index)
+    for sets in (*ways.values(), _find_repeated_names(table, stems)):
+        complete = {owner: signals for owner, signals in sets.items() if _is_a_test(signals)}
+        if 1 < len(complete) <= _MOST and len({frozenset(s) for s in complete.values()}) == 1:
+            return {owner: list(signals.values()) for owner, signals in complete.items()}
+    return {}
+
+
+def _find_repeated_names(table: FileTable, stems: Sequence[str]) -> dict[str, dict[str, int]]:
+    """Return columns by how often their name stood before."""
+    sets: dict[str, dict[str, int]] = {}
+    seen: dict[str, int] = {}
+    for index, (column, stem) in enumerate(zip(table.columns, stems, strict=True)):
+        if stem and column.content == "number":
+            seen[stem] = seen.get(stem, 0) + 1
+            sets.setdefault(str(seen[stem]), {})[stem] = index
+    return sets
+
+
+def _is_a_test(signals: Sequence[str] | dict[str, int]) -> bool:
+    """Return whether names say both signals of a test."""
+    scores = [vocabulary.matches(name) for name in signals]
+    return any(
+        all(any(score.get(role, 0.0) >= 1.5 for score in scores) for role in pair)
+        for pair in _PAIRS
+    )
+
+
+def _part_by_columns(
+    table: FileTable, sets: dict[str, list[int]], options: ReadOptions
+) -> FileTable:
+    names = list(sets)
+    if options.segment is None:
+        answers = [assign(table, role, options) for role in ("force", "stress")]
+        if not any(isinstance(answer, Question) and answer.choices for answer in answers):
+            return replace(table, load=_SpecimenLoader(table, options))
+        labels = [
+            ", ".join(table.columns[j].label(j + 1) for j in sorted(sets[name])[:4])
+            for name in names[:8]
+        ]
+        if len(set(labels)) < len(labels):  # equal names
+            labels = [f"columns {join_words([str(j + 1) for j in sorted(sets[n])])}" for n in names]
+        listed = "; ".join(f"{i} {label}" for i, label in enumerate(labels[:8], start=1))
+        more = "; ..." if len(names) > 8 else ""
+        question = _ask(
+            names, f"{len(names)} sets of columns could each be the test ({listed}{more})",
+            "tests of several specimens, or channels of several sensors, stand side by side",
+        )  # fmt: skip
+        return replace(table, doubts=(*table.doubts, question))
+    if options.segment > len(names):
+        raise ReadError(
+            f"--file-part segment={options.segment}, but the file has {len(names)} sets of columns "
+            f"({_list_names(names)})"
+        )
+    others = {i for name in names for i in sets[name]} - set(sets[names[options.segment - 1]])
+    columns = tuple(
+        replace(column, content="blank") if i in others else column
+        for i, column in enumerate(table.columns)
+    )
+    count = options.segment
+
+    def load(indexes: Sequence[int]) -> LoadedColumns:
+        loaded = table.load(indexes)
+        return replace(loaded, starts=(0,) * count, segments=tuple(names[:count]))
+
+    return replace(table, columns=columns, load=load)
