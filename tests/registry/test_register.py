@@ -24,6 +24,7 @@ from dashpot.extensions.curves.creep.compliance import measured_compliance
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.simulation import simulate_creep
 from dashpot.extensions.curves.datamodel.creep import CreepTest
+from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.materials.csr.aging_plan import plan_aging
 from dashpot.extensions.materials.csr.fit_files import csr_files
@@ -210,6 +211,9 @@ MADE: dict[str, Callable[[Path], object]] = {
     "FRF": lambda folder: read_frf(folder / "shaker_20mN.csv"),
     "DynamicTest": lambda folder: read_dynamic(folder / "sweep.csv"),
     "CreepTest": lambda _: crept(),
+    "StressRelaxationTest": lambda _: StressRelaxationTest(
+        range(20), [0.0, *19 * [10.0]], [3 + 1 / (1 + i) for i in range(20)], units="s, %, MPa"
+    ),
     "LoadHold": lambda _: load_hold(crept()),
     "CreepCompliance": lambda _: measured_compliance(load_hold(crept())),
     "LevelFit": lambda folder: fit_levels(

@@ -15,7 +15,7 @@ from dashpot.reading.raw_file import RawFile, open_raw
 # TOML documents.
 
 
-_DEEP = re.compile(r"""(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
+_DEEP = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
 """A key of more parts than anyone writes."""
 
 

@@ -4,6 +4,7 @@ from kit.crafted.broken import BROKEN
 from kit.crafted.clocks import CLOCKS
 from kit.crafted.columns import COLUMNS
 from kit.crafted.dialects import DIALECTS
+from kit.crafted.exotic_units import EXOTIC_UNITS
 from kit.crafted.exports import EXPORTS
 from kit.crafted.layouts import LAYOUTS
 from kit.crafted.makers import MAKERS
@@ -28,5 +29,6 @@ TABLE: tuple[Row, ...] = (
     *SHEETS,
     *BROKEN,
     *SPECIMENS,
+    *EXOTIC_UNITS,
     *TREACHEROUS,
 )

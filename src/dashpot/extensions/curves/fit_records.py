@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
 from dashpot.fitting.fit_options import refuse_shifts
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.registry import row_of
@@ -39,6 +41,8 @@ def fit_curves(
     curves, crept, pressed = (
         _select_kind(tests, text) for text in ("modulus", "creep", "relaxation")
     )
+    if curves and isinstance(curves[0], StressRelaxationTest):
+        return _fit_stress_relaxation(tests, asked, name)
     if curves:
         _refuse_beside_modulus(asked, others=len(tests) - len(curves))
         from dashpot.extensions.curves.modulus.fit import fit_modulus
@@ -51,6 +55,27 @@ def fit_curves(
         return _fit_creep(crept, asked, name)
     prepared = prepare_ramps(pressed, asked, among_others=True)
     return _fit_sweeps(_select_kind(tests, "dma"), prepared, asked)
+
+
+def _fit_stress_relaxation(
+    tests: Sequence[Bench], asked: BenchFitOptions, name: str
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one test in strain and stress as a ramp and hold."""
+    from dashpot.extensions.curves.modulus.stress_relaxation import fit_stress_relaxation
+
+    if len(tests) > 1 or asked.depth_law:
+        raise FitError(
+            "a relaxation test in strain and stress is fitted alone, without --elastic by-depth: "
+            "fit the other tests one by one"
+        )
+    asked.time_limits.refuse_several(len(tests))
+    cuts = asdict(asked.time_limits) | {
+        "filter": asked.filter, "machine": asked.machine, "cycle": asked.cycle,
+        "judged": asked.intervals,
+    }  # fmt: skip
+    test: Any = tests[0]
+    with _name_file(name):
+        return fit_stress_relaxation(test, cuts, **asked.ramp_options.choices), (test,)
 
 
 def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:

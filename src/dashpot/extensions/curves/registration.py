@@ -20,7 +20,10 @@ EXTENSION = Extension(
             KindOfTest("one-frequency", order=8),
             KindOfTest(
                 "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",
-                classes={"dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": ""},
+                classes={
+                    "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "",
+                    "dashpot.extensions.curves.datamodel.stress_relaxation:StressRelaxationTest": "",
+                },
                 checks="dashpot.extensions.curves.checks",
                 examples="dashpot.extensions.curves.examples:CURVES", order=9,
         ),
@@ -57,6 +60,7 @@ EXTENSION = Extension(
         "fit figure": {
             "dashpot.extensions.curves.datamodel.superposition:Superposition": "dashpot.extensions.curves.superposition.figure:draw_fit",
             "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.time_curve_figure:modulus",
+            "dashpot.extensions.curves.datamodel.stress_relaxation:StressRelaxationTest": "dashpot.extensions.curves.time_curve_figure:draw_stress_relaxation",
             "dashpot.extensions.curves.datamodel.creep:LoadHold": "dashpot.extensions.curves.creep.figure:creep",
             "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "dashpot.extensions.curves.creep.figure:creep",
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.dynamic.figure:draw_sweep",
@@ -68,10 +72,11 @@ EXTENSION = Extension(
             "superposition": "dashpot.extensions.curves.superposition.figure:superposition",
             "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
         },
-        "roles": {"creep": "dashpot.extensions.curves.creep.read:roles"},
+        "roles": {"creep": "dashpot.extensions.curves.creep.read:roles", "modulus": "dashpot.extensions.curves.modulus.read:roles"},
         "fit records": {
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.fit_records:fit_curves",
             "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.fit_records:fit_curves",
+            "dashpot.extensions.curves.datamodel.stress_relaxation:StressRelaxationTest": "dashpot.extensions.curves.fit_records:fit_curves",
             "dashpot.extensions.curves.datamodel.creep:CreepTest": "dashpot.extensions.curves.fit_records:fit_curves",
             "dashpot.extensions.curves.datamodel.creep:LoadHold": "dashpot.extensions.curves.fit_records:fit_curves",
             "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "dashpot.extensions.curves.fit_records:fit_curves",
@@ -83,6 +88,7 @@ EXTENSION = Extension(
             "dashpot.extensions.curves.datamodel.creep:LoadHold": "dashpot.extensions.curves.lot_row:list_load_columns",
             "dashpot.extensions.curves.datamodel.creep:CreepCompliance": "dashpot.extensions.curves.lot_row:list_curve_columns",
             "dashpot.extensions.curves.datamodel.modulus:RelaxationModulus": "dashpot.extensions.curves.lot_row:list_curve_columns",
+            "dashpot.extensions.curves.datamodel.stress_relaxation:StressRelaxationTest": "dashpot.extensions.curves.lot_row:list_curve_columns",
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.lot_row:list_sweep_columns",
         },
         "dynamic stiffness": {

@@ -10,10 +10,23 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
-from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale
+from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
+from dashpot.plot.picture import (
+    BENEATH,
+    FIT,
+    REF,
+    UPON,
+    Dots,
+    Line,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+)
 from dashpot.plot.plotted_data import (
     compute_padded_limits,
     compute_padded_log_limits,
+    downsample_to_extremes,
     format_fit_stamp,
     read_as,
 )
@@ -68,3 +81,43 @@ def answer_panels(
         height=90, note=f"rms {round_to_error(float(np.sqrt(np.mean(residual**2))))} %",
     )  # fmt: skip
     return upper, lower
+
+
+def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str = "") -> Picture:
+    """Return the stress of a test over time with that of the fit, and the residual.
+
+    Parameters
+    ----------
+    fit : Fit
+    data : StressRelaxationTest
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
+    """
+    word, scale = read_as("Pa")
+    sign = float(np.sign(np.median(data.strain) - data.strain[0])) or 1.0
+    strain = sign * (data.strain - data.strain[0])
+    time = data.time - data.time[0]
+    stress = scale * fit.solid.force(time, strain)
+    rest = np.arange(len(time)) < max(int(np.argmax(strain > 0.02 * strain.max())), 1)
+    measured = scale * sign * data.stress
+    measured = measured - np.median(measured[rest])
+    residual = measured - stress
+    across = Scale(TIME, (float(time[0]), float(time[-1])))
+    upper = Panel(
+        across, Scale(f"stress, {word}", compute_padded_limits(measured, stress)),
+        (
+            Line(*downsample_to_extremes(time, stress, bins=350), BENEATH, "fit"),
+            Line(*downsample_to_extremes(time, measured, bins=350), UPON, "measured"),
+        ),
+        height=240,
+    )  # fmt: skip
+    x, y = downsample_to_extremes(time, residual, bins=350)
+    lower = Panel(
+        across, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Line(x, y, FIT)), height=90,
+    )  # fmt: skip
+    caption = "Relaxation in stress: measured, the fit to it, and what that leaves."
+    return Picture(
+        "stress-relaxation", caption, ((upper, lower),), 1, stamp or format_fit_stamp(fit)
+    )

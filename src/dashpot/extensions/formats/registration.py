@@ -15,8 +15,8 @@ EXTENSION = Extension(
         "calibrate": {
             "dashpot.reading.table:FileTable": "dashpot.extensions.formats.ati:add_calibrated_force",
         },
-        "separate specimens": {
-            "dashpot.reading.table:FileTable": "dashpot.extensions.formats.specimens:separate_specimens",
+        "adapt table": {
+            "dashpot.reading.table:FileTable": "dashpot.extensions.formats.specimens:adapt_table",
         },
         "read": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
         "inspect": dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),

@@ -52,6 +52,16 @@ LABELS = "labels of "
 """What a line of the header begins with that names the numbers of a column, 1, 2, ..."""
 
 
+def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
+    """Return the table with its specimens as segments, and complex viscosities as moduli."""
+    if any("visc" in name or "visk" in name or "eta" in name or "η" in name or "度" in name
+           for name in (column.name.casefold() for column in table.columns)):  # fmt: skip
+        from dashpot.extensions.formats.complex_viscosity import convert_viscosities
+
+        table = convert_viscosities(table, options)
+    return separate_specimens(table, raw, options)
+
+
 def separate_specimens(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table with each specimen of the file as a segment, and a question if several.
 

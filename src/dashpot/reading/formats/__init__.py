@@ -44,7 +44,7 @@ def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
         table = _table(raw, options)
     if table.format != "text":  # whose units stand in two rows
         table = replace(table, columns=tuple(map(state_unit, table.columns)))
-    tasks = ["separate specimens"] + ["calibrate"] * (options.calibration is not None)
+    tasks = ["adapt table"] + ["calibrate"] * (options.calibration is not None)
     for handler in filter(None, (find_handler(task, table) for task in tasks)):
         table = handler(table, raw, options)
     return table

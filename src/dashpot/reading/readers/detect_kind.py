@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base import dataclass, replace, units
-from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
+from dashpot.base.arrays import FloatArray, cache_on_record, median, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
@@ -32,6 +32,8 @@ _SHOWN: Mapping[str, str] = MappingProxyType({
 })  # fmt: skip
 _HELD: Mapping[str, str] = MappingProxyType({"relaxation": "relaxation", "creep": "creep"})
 """What a record without a clock shows that nobody can use without one, and its kind."""
+_RESTS, _HELD_PART = 0.02, 0.5
+"""Of its range, by how much a held strain moves; of the rows, how many it is held for at least."""
 _LEAST = 8
 """Samples in which a motion may be seen."""
 _MATERIAL: tuple[Role, ...] = ("strain", "stress")
@@ -208,8 +210,14 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
             return _HELD[shown], "its displacement or force is held; it has no clock"
     if kind == "stress-strain":
         record = _record(file, _MATERIAL)
-        if record and (held_throughout(record[2]) or classify_load_history(*record) == "creep"):
+        shown = classify_load_history(*record) if record else ""
+        if record and (held_throughout(record[2]) or shown == "creep"):
             return "creep", "its stress is held while its strain goes on"
+        if shown == "relaxation":
+            strain = record[1]
+            rests = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
+            if np.mean(rests) >= _HELD_PART:  # of several steps an elastic law may be wanted
+                return "modulus", "its strain is held while its stress goes on"
     return kind, reason
 
 

@@ -318,7 +318,7 @@ def _decaying_window(line: str) -> bool:
 def _decay_rates(lines: Sequence[str], record: float | None) -> Iterator[float]:
     """The decay rates that lines give, 1/s, each by its own number and unit."""
     for line in lines:
-        number = _DECAY_NUMBER.search(re.sub(r"[\[(][^\])]*[\])]", " ", line))
+        number = _DECAY_NUMBER.search(re.sub(r"[\[(][^\])]{0,60}[\])]", " ", line))
         if number is None or not (_DECAY.search(line) or _EXPONENTIAL.search(line)):
             continue
         value = float(number[0].replace(",", "."))
@@ -330,7 +330,7 @@ def _decay_rates(lines: Sequence[str], record: float | None) -> Iterator[float]:
 
 def _decay_rate(line: str, value: float, typed: str, record: float | None) -> Iterator[float]:
     """The decay rate of one line; nothing where its unit does not show."""
-    words = re.findall(r"[\[(]([^\])]*)[\])]", line)
+    words = re.findall(r"[\[(]([^\])]{0,60})[\])]", line)
     behind = line.partition(typed)[2].split()
     words += [behind[0].strip("[]();,")] if behind else []
     if _END.search(line):

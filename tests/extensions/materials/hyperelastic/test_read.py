@@ -101,7 +101,7 @@ def test_a_relaxation_in_strain_and_stress_is_refused_with_the_line_that_fits_it
     columns = [time, moved / 80 * strain, force / 10 * stress]
     (tmp_path / "a.csv").write_text(written(head, columns), "utf-8")
     with pytest.raises(ReadError, match=r"relaxation test in strain and stress") as error:
-        dp.read(tmp_path / "a.csv", test="uniaxial")
+        read_stress_strain(tmp_path / "a.csv", "uniaxial")
     assert lengths in str(error.value)
     text = str(error.value).partition('--units "')[2].partition('"')[0]
     stated = dict(pair.split("=") for pair in text.split(","))

@@ -114,11 +114,11 @@ def _refuse_relaxation(
     raise ReadError(
         "is a relaxation test in strain and stress: its strain is held for "
         f"{100 * held.mean():.0f} % of the record while its stress falls, and a law of stress over "
-        "strain would take the ramp alone. Fit it as that of a specimen of 1 mm by 1 mm², whose "
-        "N/mm are MPa: --column "
+        "strain would take the ramp alone. Fit its moduli, in MPa: --kind modulus. For N/mm of a "
+        "specimen, give multiples of these, which are of 1 mm by 1 mm²: --column "
         f'displacement="{handle(columns, elongated.index)}" --column '
-        f'force="{handle(columns, pushed.index)}" --units "{lengths}"; with your length and area, '
-        "give those multiples. To fit its ramp nevertheless: --kind stress-strain"
+        f'force="{handle(columns, pushed.index)}" --units "{lengths}". '
+        "To fit its ramp nevertheless: --kind stress-strain"
     )
 
 

@@ -1,0 +1,127 @@
+"""Fit of a relaxation test in strain and stress: its ramp and hold, moduli in Pa."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Any
+
+from dashpot.base.checks import Check, Remedy
+from dashpot.base.provenance import Step
+from dashpot.datamodel.fit import Fit, scale_stiffness
+from dashpot.datamodel.parameter_estimate import Nuisance
+from dashpot.extensions.curves.datamodel.stress_relaxation import (
+    AREA,
+    LENGTH,
+    StressRelaxationTest,
+)
+from dashpot.fitting.relaxation import fit as fit_relaxation
+from dashpot.preprocessing.prepare import prepare
+
+_STRESS = {"µN": "Pa", "mN": "kPa", "N": "MPa", "kN": "GPa"}
+"""What a force on 1 mm² is called as a stress."""
+_STRAIN = {"nm": 1e-4, "µm": 1e-1, "mm": 1e2}
+"""What a change of 1 mm is as a strain, %."""
+_FORCE = re.compile(r"(?<=\d )(µN|mN|N|kN)(?=\b)")
+_MOVED = re.compile(r"(?<![\w.])(\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?) (nm|µm|mm)\b")
+_MACHINE = "machine"
+_WORDS = {"displacement": "strain", "force": "stress", "stiffness": "modulus"}
+_NAMED = re.compile(rf"\b({'|'.join(_WORDS)})\b")
+
+
+def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any) -> Fit:
+    r"""Fit a generalized Maxwell model to strain and stress over time.
+
+    .. math:: \sigma(t) = E_\infty \varepsilon(t)
+              + \sum_j E_j \int_0^t e^{-(t-u)/\tau_j} \dot\varepsilon(u)\,du
+
+    It is the fit of a ramp and hold, of a specimen of length L and area A: k = E A/L, with all of
+    its checks.
+
+    Parameters
+    ----------
+    test : StressRelaxationTest
+    cuts : mapping
+        What `prepare` takes: filter, machine, onset, hold end, cycle.
+    choices
+        Of :func:`~dashpot.fitting.relaxation.fit`.
+
+    Raises
+    ------
+    DataError, FitError
+        As that of a relaxation test.
+    """
+    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **cuts), **choices)
+    return convert_to_material(fit)
+
+
+def convert_to_material(fit: Fit) -> Fit:
+    """Return the fit of a specimen of 1 mm by 1 mm² as that of its material: Pa for N/m."""
+    step = Step(
+        "material",
+        (("length_m", repr(LENGTH)), ("area_m2", repr(AREA))),
+        "strain and stress fitted as the test of a specimen of 1 mm by 1 mm²: MPa are its N/mm",
+    )
+    scaled = scale_stiffness(fit, LENGTH / AREA, step)
+    residual = fit.estimate.residual
+    return replace(
+        scaled,
+        unit="Pa",
+        elastic_law=None,
+        estimate=replace(
+            scaled.estimate,
+            residual=replace(
+                residual, sse=residual.sse / AREA**2, rms=residual.rms / AREA, unit="Pa"
+            ),
+            nuisance=tuple(map(_convert_nuisance, fit.estimate.nuisance)),
+        ),
+        evidence=replace(
+            fit.evidence,
+            checks=tuple(map(_convert_check, fit.checks)),
+            orders=tuple(replace(order, sse=order.sse / AREA**2) for order in fit.evidence.orders),
+            end_of_hold=scaled.evidence.end_of_hold,
+            alternative=scaled.evidence.alternative,
+        ),
+    )
+
+
+def _convert_nuisance(nuisance: Nuisance) -> Nuisance:
+    """Return an offset or a drift of the stress."""
+    if not nuisance.unit.startswith("N"):
+        return nuisance
+    prior = nuisance.prior_sd
+    return replace(
+        nuisance,
+        value=nuisance.value / AREA,
+        standard_error=nuisance.standard_error / AREA,
+        unit=nuisance.unit.replace("N", "Pa", 1),
+        prior_sd=None if prior is None else prior / AREA,
+    )
+
+
+def _convert_check(check: Check) -> Check:
+    """Return a check whose sentences speak of strain and stress, and name no force of a machine."""
+    remedy = check.remedy
+    if remedy and remedy.option == _MACHINE:
+        remedy = Remedy(remedy.words)
+    return replace(
+        check,
+        message=convert_sentence(check.message),
+        remedy=remedy and replace(remedy, words=convert_sentence(remedy.words)),
+    )
+
+
+def convert_sentence(text: str) -> str:
+    """Return a sentence on a specimen of 1 mm by 1 mm² as one on its material.
+
+    >>> convert_sentence("The force falls by 12 mN at 0.05 mm; stiffness 2 N/mm.")
+    'The stress falls by 12 kPa at 5 %; modulus 2 MPa.'
+    """
+    text = re.sub(r"(?<=\d )N/mm\b", "MPa", text)
+    text = _FORCE.sub(lambda match: _STRESS[match[1]], text)
+    text = _MOVED.sub(_as_strain, text)
+    return _NAMED.sub(lambda match: _WORDS[match[1]], text)
+
+
+def _as_strain(match: re.Match[str]) -> str:
+    return f"{float(match[1].replace(',', '')) * _STRAIN[match[2]]:.4g} %"

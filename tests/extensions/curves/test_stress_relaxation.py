@@ -1,0 +1,127 @@
+"""Relaxation tests in strain and stress: moduli in Pa, by an integration of their own."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.base.errors import DashpotError, ReadError
+from dashpot.cli import main
+from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
+from dashpot.extensions.curves.modulus.read import read_modulus
+from dashpot.extensions.curves.modulus.stress_relaxation import convert_sentence
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.inspect import inspect_file
+from dashpot.workflow.bench_tests import fit_files
+
+E_INF, ARMS = 3.0, ((1.2, 1.0), (0.8, 15.0))
+"""MPa; MPa and s."""
+TIME = np.round(np.arange(0, 200, 0.1), 6)
+STRAIN = 0.1 * np.clip((TIME - 2) / 2, 0, 1)
+
+
+def integrated_stress(strain: np.ndarray, step: float) -> np.ndarray:
+    """MPa, exact for a strain that is straight between samples."""
+    stress = E_INF * strain
+    for modulus, tau in ARMS:
+        arm, decay = np.zeros_like(strain), np.exp(-step / tau)
+        for i in range(1, len(strain)):
+            rise = (strain[i] - strain[i - 1]) * tau / step * (1 - decay)
+            arm[i] = arm[i - 1] * decay + modulus * rise
+        stress = stress + arm
+    return stress
+
+
+STRESS = integrated_stress(STRAIN, 0.1) + np.random.default_rng(0).normal(0, 8e-4, len(TIME))
+
+
+def write_record(path, head="Time [s];Strain [%];Stress [MPa]", strain=100.0, stress=1.0):
+    rows = zip(TIME, strain * STRAIN, stress * STRESS, strict=True)
+    path.write_text("\n".join([head, *(f"{t:.2f};{e:.9g};{s:.9g}" for t, e, s in rows)]) + "\n")
+    return path
+
+
+def fit_one(path, options=None):
+    return fit_files((path,), options=options)[0]
+
+
+@pytest.mark.parametrize(
+    ("head", "strain", "stress"),
+    [
+        ("Time [s];Strain [%];Stress [MPa]", 100.0, 1.0),
+        ("Zeit [s];Dehnung [mm/mm];Spannung [kPa]", 1.0, 1e3),
+        ("time (s);compressive strain (%);compressive stress (N/mm²)", -100.0, -1.0),
+    ],
+)
+def test_fit_of_strain_and_stress_gives_moduli(tmp_path, head, strain, stress) -> None:
+    path = write_record(tmp_path / "relax.csv", head, strain, stress)
+    assert inspect_file(path).kind == "modulus"
+    test = read_modulus(path)
+    assert isinstance(test, StressRelaxationTest)
+    np.testing.assert_allclose(test.stress, np.sign(stress) * 1e6 * STRESS, atol=1)
+    fit = dp.fit(test)
+    assert fit.unit == "Pa"
+    assert fit.verdict.use == "use"
+    assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
+    np.testing.assert_allclose(fit.model.k, [1e6 * modulus for modulus, _ in ARMS], rtol=0.02)
+    np.testing.assert_allclose(fit.model.tau, [tau for _, tau in ARMS], rtol=0.02)
+    assert fit.estimate.residual.rms == pytest.approx(800, rel=0.05)
+    assert not any(" N/mm" in check.message or "mN" in check.message for check in fit.checks)
+
+
+def test_fit_of_strain_and_stress_is_that_of_a_specimen(tmp_path) -> None:
+    """Of 20 mm by 50 mm²: k = E A / L."""
+    path = write_record(tmp_path / "relax.csv")
+    material = fit_one(path)
+    units = {"displacement": "0.2mm", "force": "50N"}
+    part = fit_one(path, ReadOptions(displacement="Strain", force="Stress", units=units))
+    assert part.unit == "N/m"
+    assert part.model.k_inf == pytest.approx(material.model.k_inf * 50e-6 / 20e-3, rel=2e-3)
+
+
+@pytest.mark.parametrize("solver", ["abaqus", "ansys"])
+def test_export_of_strain_and_stress_writes_a_material(tmp_path, solver) -> None:
+    fit = fit_one(write_record(tmp_path / "relax.csv"))
+    fit.save(tmp_path / "fit.json")
+    assert json.loads((tmp_path / "fit.json").read_text())["unit"] == "Pa"
+    with pytest.raises(SystemExit) as ended:
+        main(["export", str(tmp_path / "fit.json"), "--to", solver, "-o", str(tmp_path / "deck"),
+              "--form", "prony", "--unit-system", "mm-t-s", "--temperature", "23degC"])  # fmt: skip
+    assert ended.value.code in {0, None}
+    shares = [modulus / (E_INF + sum(m for m, _ in ARMS)) for modulus, _ in ARMS]
+    text = (tmp_path / "deck").read_text()
+    assert "MPa" in text
+    numbers = [float(n) for n in re.findall(r"0\.\d{6,}", text.splitlines()[-1] + text)]
+    for share in shares:
+        assert min(abs(number - share) for number in numbers) < 0.005
+
+
+def test_fit_draws_strain_and_stress(tmp_path) -> None:
+    path = write_record(tmp_path / "relax.csv")
+    with pytest.raises(SystemExit):
+        main(["fit", str(path), "--plot", str(tmp_path / "fit.svg")])
+    assert "stress, MPa" in (tmp_path / "fit.svg").read_text()
+
+
+def test_fit_refuses_several_in_stress(tmp_path) -> None:
+    paths = [write_record(tmp_path / name) for name in ("a.csv", "b.csv")]
+    with pytest.raises(DashpotError, match="fitted alone"):
+        fit_files(paths)
+
+
+def test_read_asks_about_a_strain_in_the_wrong_unit(tmp_path) -> None:
+    path = write_record(tmp_path / "relax.csv", strain=1.0)  # fractions under %
+    with pytest.raises(ReadError, match="--units strain=1"):
+        read_modulus(path)
+    fit = fit_one(path, ReadOptions(units={"strain": "1"}))
+    assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
+
+
+def test_convert_sentence_speaks_of_stress() -> None:
+    text = "The force drifts by 2 mN/s and 1.5 N at 8 mm, 0.3 µm of it noise; 2.5 N/mm, 12 s."
+    wanted = "The stress drifts by 2 kPa/s and 1.5 MPa at 800 %, 0.03 % of it noise; 2.5 MPa, 12 s."
+    assert convert_sentence(text) == wanted
