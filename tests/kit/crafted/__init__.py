@@ -15,6 +15,7 @@ from kit.crafted.sheets import SHEETS
 from kit.crafted.small_makers import SMALL_MAKERS
 from kit.crafted.specimens import SPECIMENS
 from kit.crafted.treacherous import TREACHEROUS
+from kit.crafted.two_rates import TWO_RATES
 
 TABLE: tuple[Row, ...] = (
     *DIALECTS,
@@ -29,6 +30,7 @@ TABLE: tuple[Row, ...] = (
     *SHEETS,
     *BROKEN,
     *SPECIMENS,
+    *TWO_RATES,
     *EXOTIC_UNITS,
     *TREACHEROUS,
 )

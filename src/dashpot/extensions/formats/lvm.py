@@ -12,10 +12,11 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.extensions.formats.common_clock import SampledChannel, interpolate_to_slowest
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile, TimeBudget
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.table import Column, Content, FileTable, LoadedColumns, Question
+from dashpot.reading.table import Column, Content, FileTable, LoadedColumns, Question, make_loader
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import Mark
 from dashpot.reading.text.dialect import Dialect, decode_blocks, find_encoding
@@ -99,15 +100,21 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
     rows = _LvmRows(dialect, tuple(clocks), counted, tuple(segments))
     columns = _columns(names, clocks, segments[0], dialect.contents)
+
+    def blocks() -> Iterator[str]:
+        return decode_blocks(raw.blocks(), encoding, detected=detected)
+
     if _unlike(segments[0], len(columns)):
-        raise ReadError("channels have different Delta_X; export them at one rate")
+        header = tuple(filter(str.strip, lines[: top - 2]))
+        return replace(
+            _resample(blocks, rows, columns, names, raw.patience),
+            header=header,
+            simulated="simulated" in "\n".join(header).casefold(),
+        )
     asks = counted and options.rate is None
     notes, doubts = _rate(segments[0]) if asks else ((), ())
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        def blocks() -> Iterator[str]:
-            return decode_blocks(raw.blocks(), encoding, detected=detected)
-
         return rows.load(blocks, indexes, raw.patience)
 
     return FileTable(
@@ -121,6 +128,44 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         notes=notes,
         simulated="simulated" in "\n".join(lines[: top - 2]).casefold(),
         doubts=doubts,
+    )
+
+
+def _resample(
+    blocks: Callable[[], Iterator[str]],
+    rows: _LvmRows,
+    columns: Sequence[Column],
+    names: Sequence[str],
+    patience: TimeBudget,
+) -> FileTable:
+    """Return channels of several rates on one clock.
+
+    Raises
+    ------
+    ReadError
+        If the file holds several segments, or no channel of a test shows itself.
+    """
+    head = rows.segments[0]
+    places = [i for i in range(len(names)) if i not in rows.clocks]
+    steps = dict(zip(places, head.step, strict=False))
+    starts = dict(zip(places, head.start, strict=False))
+    used = [i for i in places if i in steps and steps[i] > 0 and i in rows.dialect.numbers]
+    if len(rows.segments) > 1 or len(used) < 2:
+        raise ReadError("channels have different Delta_X; export them at one rate")
+    loaded = load_rows(blocks, rows.dialect, used, patience=patience)
+    channels = []
+    for i, values in zip(used, loaded.values.T, strict=True):
+        count = int(np.flatnonzero(np.isfinite(values)).max(initial=-1)) + 1
+        if count > 1:
+            time = starts.get(i, 0.0) + steps[i] * np.arange(count)
+            channels.append((i, SampledChannel(columns[i].name, time, values[:count])))
+    notes = list(loaded.notes)
+    table = interpolate_to_slowest([channel for _, channel in channels], notes)
+    return FileTable(
+        format="LVM",
+        columns=(Column("X_Value", "s"), *(columns[i] for i, _ in channels)),
+        load=make_loader(table),
+        notes=tuple(notes),
     )
 
 

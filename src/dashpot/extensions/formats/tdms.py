@@ -30,7 +30,7 @@ from dashpot.extensions.formats.attribute_factors import (
     split_full_scale,
     words_of_name,
 )
-from dashpot.reading.columns import vocabulary
+from dashpot.extensions.formats.common_clock import SampledChannel, interpolate_to_slowest
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
@@ -52,7 +52,6 @@ _NUMBERS = "iuf"
 """The kinds of arrays that hold numbers."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
 """What stands for a channel: the names of its group and its own."""
-_TEST = {"force", "displacement", "acceleration", "velocity", "stress", "strain"}
 """Roles of the channels of a test."""
 _NONE = np.empty(0)
 _WHOLE = 0.01
@@ -354,42 +353,17 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
 
 
 def _block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
-    """One group of several rates as rows at the instants of the slowest channel of the test.
-
-    Straight lines between slow samples would be taken for a record of the fast ones. Channels of
-    the test are those named for a load or a motion.
-    """
-    listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
-    named = [c for c in channels if not _TEST.isdisjoint(vocabulary.matches(c.name))]
-    if not named or any(channel.step is None for channel in channels):
+    """Return one group of several rates as rows on one clock."""
+    if any(channel.step is None for channel in channels):
+        listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
         raise ReadError(
             f"channels are sampled at different steps ({listed}); export them at one rate"
         )
-    steps = [channel.step or 0.0 for channel in channels]
-    slowest = max(named, key=lambda channel: channel.step or 0.0)
-    step = slowest.step or 0.0
-    start = max(c.offset for c in named)
-    end = min(c.offset + (c.step or 0.0) * (c.values.size - 1) for c in named)
-    first = int(np.ceil((start - slowest.offset) / step - 1e-6))
-    time = slowest.offset + step * np.arange(first, slowest.values.size, dtype=float)
-    time = time[time <= end + 1e-6 * step]
-    if len(time) < 2:
-        raise ReadError("the channels do not overlap in time (wf_start_time, wf_start_offset)")
-    says = (
-        f"the channels are sampled at different steps ({listed}): they were interpolated to the "
-        f"{len(time)} common instants of '{slowest.name}'"
-    )
-    # straight lines dull what is near half the sampling rate
-    struck = any(vocabulary.matches(c.name).get("acceleration", 0.0) >= 1.5 for c in channels)
-    notes.append(Caution(says) if struck else says)
-    ticks = [
-        c.offset + own * np.arange(c.values.size) for c, own in zip(channels, steps, strict=True)
+    timed = [
+        SampledChannel(c.name, c.offset + (c.step or 0.0) * np.arange(c.values.size), c.values)
+        for c in channels
     ]
-    columns = [
-        np.interp(time, at, c.values, left=np.nan, right=np.nan)
-        for at, c in zip(ticks, channels, strict=True)
-    ]
-    return np.array([time, *columns]).T
+    return interpolate_to_slowest(timed, notes)
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:

@@ -17,6 +17,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
+from dashpot.extensions.formats.common_clock import SampledChannel, interpolate_to_slowest
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import SEGMENT, Column, FileTable, Question, make_loader
@@ -287,21 +288,21 @@ def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str
     grids = {
         (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
     }
+    time, resampled = np.asarray(first["x"], dtype=float), {}
     if len(grids) > 1:
-        raise ReadError(
-            f"the time records differ in length or start ({len(grids)} kinds); give "
-            "files whose channels were recorded together"
-        )
+        time, resampled, said = _resample_records(timed, len(grids))
+        notes = [*notes, *said]
     word = _label(first["abscissa_axis_units_lab"]) or "s"
     columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
-    values = [np.asarray(first["x"], dtype=float)]
+    values = [time]
     for i, entry in enumerate(timed):
         unit = _unit(entry, "ordinate", units)
         name = _title(entry) or f"channel {i + 1}"
         name += " (PSD)" if entry["func_type"] == _PSD else ""
         columns.append(Column(name, unit))
         sign = _direction_sign(_directions(entry)[0])
-        values.append(sign * np.real(np.asarray(entry["data"])).astype(float))
+        data = np.real(np.asarray(entry["data"])).astype(float)
+        values.append(sign * resampled.get(i, data))
         if sign < 0:
             notes = [*notes, f"'{name}': sign turned by its direction field, {_ends(entry)[0]}"]
     windowed = next((entry for entry in timed if entry.get("qualifiers")), first)
@@ -309,6 +310,41 @@ def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str
     # what it leaves open the record itself may show
     open_ = ["exponential window"] * bool(questions)
     return _stating(_table(columns, values, first, notes), [*lines, *open_])
+
+
+def _resample_records(
+    timed: Sequence[_Set], kinds: int
+) -> tuple[FloatArray, dict[int, FloatArray], list[str]]:
+    """Return the clock of time records of several rates, the values on it, and notes.
+
+    Raises
+    ------
+    ReadError
+        If the records are no signals over time, or no channel of a test shows itself.
+    """
+    words = {_label(entry["abscissa_axis_units_lab"]) or "s" for entry in timed}
+    if any(entry["func_type"] not in {0, TIME} for entry in timed) or len(words) > 1:
+        raise ReadError(
+            f"the records differ in length or start ({kinds} kinds), and are no signals over one "
+            "time; give files whose channels were recorded together"
+        )
+    channels = [
+        SampledChannel(
+            _title(entry) or f"channel {i + 1}",
+            np.asarray(entry["x"], dtype=float),
+            np.real(np.asarray(entry["data"])).astype(float),
+        )
+        for i, entry in enumerate(timed)
+    ]
+    if len({float(f"{channel.step:.6g}") for channel in channels}) == 1:
+        listed = ", ".join(f"'{c.name}' {len(c.time)} from {c.time[0]:.6g}" for c in channels[:6])
+        raise ReadError(
+            f"the time records differ in length or start ({listed}); give files whose channels "
+            "were recorded together"
+        )
+    notes: list[str] = []
+    rows = interpolate_to_slowest(channels, notes)
+    return rows[:, 0], dict(enumerate(rows[:, 1:].T)), notes
 
 
 def _table(

@@ -1,0 +1,65 @@
+"""Channels that were sampled at several rates, on one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Caution
+from dashpot.reading.columns import vocabulary
+
+_TEST = {"force", "displacement", "acceleration", "velocity", "stress", "strain"}
+_SURE = 1e-6
+"""Part of a step by which instants that are meant to be the same may differ."""
+
+
+class SampledChannel(NamedTuple):
+    """Channel with the instants of its samples, s."""
+
+    name: str
+    time: FloatArray
+    values: FloatArray
+
+    @property
+    def step(self) -> float:
+        """Mean time between its samples, s."""
+        return float((self.time[-1] - self.time[0]) / max(len(self.time) - 1, 1))
+
+
+def interpolate_to_slowest(channels: Sequence[SampledChannel], notes: list[str]) -> FloatArray:
+    """Return channels of several rates as rows at the instants of the slowest one of the test.
+
+    The first column is the time. Straight lines between slow samples would be taken for a record of
+    the fast ones. Channels of the test are those named for a load or a motion.
+
+    Raises
+    ------
+    ReadError
+        If no channel is named so, or they do not overlap in time.
+    """
+    listed = ", ".join(f"'{channel.name}' {channel.step:.6g} s" for channel in channels[:6])
+    named = [c for c in channels if not _TEST.isdisjoint(vocabulary.matches(c.name))]
+    if not named:
+        raise ReadError(
+            f"channels are sampled at different steps ({listed}); export them at one rate"
+        )
+    slowest = max(named, key=lambda channel: channel.step)
+    margin = _SURE * slowest.step
+    start = max(float(c.time[0]) for c in named) - margin
+    end = min(float(c.time[-1]) for c in named) + margin
+    time = slowest.time[(slowest.time >= start) & (slowest.time <= end)]
+    if len(time) < 2:
+        raise ReadError("the channels do not overlap in time (their starts and steps say so)")
+    says = (
+        f"the channels are sampled at different steps ({listed}): they were interpolated to the "
+        f"{len(time)} common instants of '{slowest.name}'"
+    )
+    # straight lines dull what is near half the sampling rate
+    struck = any(vocabulary.matches(c.name).get("acceleration", 0.0) >= 1.5 for c in channels)
+    notes.append(Caution(says) if struck else says)
+    columns = [np.interp(time, c.time, c.values, left=np.nan, right=np.nan) for c in channels]
+    return np.array([time, *columns]).T
