@@ -17,7 +17,9 @@ from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
 from dashpot.extensions.modes.mode_shapes import phase_collinearity, phase_deviation
 from dashpot.extensions.modes.read_frf_set import read_frfs
+from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.write import write_frf
 from dashpot.workflow.measured_frf import format_modes_headline
 
@@ -490,3 +492,22 @@ def test_modes_headline_states_the_number_of_modes(count, message):
     said = format_modes_headline(each)
     assert said.endswith(message), said
     assert ("12.7" in said) == bool(count)
+
+
+def test_inspect_asks_of_several_points_what_their_fit_asks(tmp_path):
+    lines = np.arange(6.4, 25.0, 0.2)
+    value = 1 / (1 - (lines / 12.7) ** 2 + 0.04j * lines / 12.7)
+    columns = [
+        lines,
+        *(part for size in (1.0, 0.8) for part in (size * value.real, size * value.imag)),
+    ]
+    rows = ["Frequency,real1,imag1,real2,imag2"]
+    rows += [",".join(f"{cell:.9g}" for cell in row) for row in zip(*columns, strict=True)]
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join(rows) + "\n")
+    (question,) = inspect_file(path).questions
+    assert "no unit" in question.message
+    assert "could each be" not in question.message
+    units = {"real": "(m/s^2)/N", "frequency": "Hz"}
+    assert not inspect_file(path, options=ReadOptions(units=units)).questions
+    assert len(read_frfs(path, options=ReadOptions(units=units)).frfs) == 2

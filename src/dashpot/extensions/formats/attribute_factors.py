@@ -66,6 +66,13 @@ _FILLS = {
     "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",
 }  # fmt: skip
 """Names of what stands where there is no number, without signs."""
+_NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+_VALID = {
+    "validrange": (0, 1), "validlimits": (0, 1), "actualvalidrange": (0, 1),
+    "validmin": (0, None), "validminimum": (0, None), "validlow": (0, None),
+    "validmax": (None, 0), "validmaximum": (None, 0), "validhigh": (None, 0),
+}  # fmt: skip
+"""Names of the range outside which there is no number, and which of their numbers are its ends."""
 _FULL_SCALE = re.compile(
     r"\A(.*?)[\s_.-]*(?:full[\s_-]?scale(?:[\s_-]?(?:value|range|output))?|messbereich|fsr|fs)"
     r"([\s_.-].*)?\Z",
@@ -195,13 +202,39 @@ def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
 def remove_fill_values(
     name: str, values: FloatArray, attributes: Mapping[str, object]
 ) -> tuple[FloatArray, list[str]]:
-    """Return the numbers without those that are stated to be none, and a note of them."""
+    """Return the numbers without those that are stated to be none, and notes of them.
+
+    None is a fill value, and what lies outside the range that is stated to be valid.
+    """
     marks = find_fill_values(attributes)
-    missing = np.isin(values, marks) if marks else np.zeros(0, bool)
-    if not missing.any():
-        return values, []
-    note = f"{np.count_nonzero(missing)} numbers of '{name}' are stated to be none, as fill values"
-    return np.where(missing, np.nan, values), [note]
+    missing = np.isin(values, marks) if marks else np.zeros(np.shape(values), bool)
+    low, high = _find_valid_range(attributes)
+    outside = ((values < low) | (values > high)) & ~missing
+    notes = [
+        f"{np.count_nonzero(which)} numbers of '{name}' are stated to be none, {why}"
+        for which, why in (
+            (missing, "as fill values"),
+            (outside, f"outside the valid range {low:g} to {high:g}"),
+        )
+        if which.any()
+    ]
+    return (np.where(missing | outside, np.nan, values), notes) if notes else (values, [])
+
+
+def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
+    """Return the ends of the range that is stated to be valid, infinite where none is."""
+    low, high = -np.inf, np.inf
+    for name, value in attributes.items():
+        places = _VALID.get(_remove_signs(name.rpartition(".")[2]), (None, None))
+        stated = stated_numbers(value)
+        if isinstance(value, str):
+            stated = tuple(float(number) for number in _NUMBERS.findall(value)[:2])
+        first, last = (
+            stated[place] if place is not None and place < len(stated) else None for place in places
+        )
+        low = low if first is None else max(low, first)
+        high = high if last is None else min(high, last)
+    return low, high
 
 
 def split_full_scale(name: str) -> str | None:
@@ -217,7 +250,9 @@ def split_full_scale(name: str) -> str | None:
 @lru_cache(maxsize=4096)
 def concerns_numbers(name: str) -> bool:
     """Return whether a name is that of a factor, a summand, a full scale or a fill value."""
-    return names_factor(name) or split_full_scale(name) is not None or _remove_signs(name) in _FILLS
+    bare = _remove_signs(name)
+    stated = bare in _FILLS or bare in _VALID
+    return stated or names_factor(name) or split_full_scale(name) is not None
 
 
 def _remove_signs(name: str) -> str:

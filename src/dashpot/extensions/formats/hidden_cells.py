@@ -32,7 +32,7 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
     tables: dict[str, str] = {}
     with zipfile.ZipFile(stream) as book:
         names = set(book.namelist())
-        parts = _sheets(book, names) if "xl/workbook.xml" in names else {}
+        parts = list_sheet_parts(book)
         for name, part in parts.items():
             text = _format_hidden_cells(*_scan_xlsx_sheet(_tags(book, part)))
             if text:
@@ -42,8 +42,11 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
     return tables
 
 
-def _sheets(book: zipfile.ZipFile, names: set[str]) -> dict[str, str]:
-    """Return the part of each sheet by its name."""
+def list_sheet_parts(book: zipfile.ZipFile) -> dict[str, str]:
+    """Return the part of each sheet of an xlsx file by its name; none of another file."""
+    names = set(book.namelist())
+    if "xl/workbook.xml" not in names:
+        return {}
     links = dict(_attributes(book, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target"))
     listed = _attributes(book, "xl/workbook.xml", b"sheet", "name", "id")
     parts = {name: links.get(link, "").removeprefix("/xl/") for name, link in listed}

@@ -9,7 +9,7 @@ from dataclasses import replace
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.extensions.formats.specimens import separate_specimens
-from dashpot.extensions.formats.workbook_sheets import HIDDEN, format_sheet_names, sheets
+from dashpot.extensions.formats.workbook_sheets import FORMULAS, HIDDEN, format_sheet_names, sheets
 from dashpot.reading.columns.kind_detection import kind_of
 from dashpot.reading.formats import text
 from dashpot.reading.raw_file import RawFile
@@ -20,6 +20,7 @@ from dashpot.reading.text.cells import EITHER_WAY
 
 _COMMA = re.compile(r"\A[+-]?(?:\d{1,3}(?:\.\d{3})+|\d*),\d+(?:[eE][+-]?\d{1,4})?\Z")
 """A number as text with a decimal comma, or with commas of thousands."""
+_WITHOUT_RESULT = re.compile(r"(\d+) cells hold formulas .* without a result")
 _NO_TEST = {"unclear", "not-a-test"}
 
 
@@ -34,13 +35,17 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         If no sheet could be meant.
     """
     entries = run_in_child("workbook", sheets, raw, options)
-    content = {name: cells for name, cells in entries.items() if not name.startswith(HIDDEN)}
+    content = {
+        name: cells for name, cells in entries.items() if not name.startswith((HIDDEN, FORMULAS))
+    }
     if options.sheet is not None:
         return _sheet(options.sheet, entries, raw, options)
     tables = {}
     for name in content:
         with suppress(ReadError):
             tables[name] = _sheet(name, entries, raw, options)
+    if not tables and len(content) == 1:
+        return _sheet(next(iter(content)), entries, raw, options)
     if not tables:
         raise ReadError(
             f"no sheet holds a table of numbers; the sheets are {format_sheet_names(content)}"
@@ -65,6 +70,10 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
     content = entries.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
+    formulas = entries.get(FORMULAS + name, b"").decode().splitlines()
+    empty = next(filter(None, map(_WITHOUT_RESULT.match, formulas)), None)
+    if empty and 2 * int(empty[1]) >= content.count(b"\n"):
+        raise ReadError(f"sheet '{name}': {empty.string}")
     shown, commas = replace(options, delimiter="\t", encoding="utf-8", sheet=None), 0
     if b"," in content:
         points, commas = _with_points(content.decode(), options.decimal)
@@ -77,6 +86,7 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
     message = f"hidden in sheet '{name}' and read: {unmeasured}"
     note = Caution(message) if unmeasured.startswith("row") else message
     notes = [note] if unmeasured else []
+    notes += [Caution(f"sheet '{name}': {said}") for said in formulas]
     if commas:
         notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")
     return replace(

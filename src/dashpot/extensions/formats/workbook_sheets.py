@@ -12,11 +12,13 @@ from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.hidden_cells import hidden
+from dashpot.extensions.formats.workbook_formulas import scan_formulas
 from dashpot.reading.raw_file import RawFile, extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 
 HIDDEN = "hidden/"
+FORMULAS = "formulas/"
 """What no name of a sheet begins with."""
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
@@ -38,7 +40,8 @@ _BLANK = 1 << 16
 def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     """Return the sheet named, or every sheet, as lines of cells between tabs.
 
-    Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is.
+    Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is; under
+    :data:`FORMULAS` what its formulas and errors leave open.
 
     Raises
     ------
@@ -49,6 +52,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     with raw.open() as stream:
         size = _get_unpacked_size(stream)
         unmeasured = hidden(stream)
+        formulas = scan_formulas(stream)
         stream.seek(0)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
@@ -56,7 +60,9 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
         raise ReadError(
             f"--file-part sheet={options.sheet}: the sheets are {format_sheet_names(names)}"
         )
-    entries, cells = {HIDDEN + name: text.encode() for name, text in unmeasured.items()}, 0
+    entries = {HIDDEN + name: text.encode() for name, text in unmeasured.items()}
+    entries |= {FORMULAS + name: "\n".join(notes).encode() for name, notes in formulas.items()}
+    cells = 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)
         rows, columns = (1 + last for last in sheet.end or (-1, -1))

@@ -131,13 +131,24 @@ def _point(column: Column, role: Role) -> str:
     return " ".join(retained) if len(retained) < len(words) else ""
 
 
+def select_first_point(file: OpenedFile) -> OpenedFile:
+    """Return a file of several points as one of the first alone, any other as it is."""
+    groups = _groups(file)
+    return _select_columns(file, groups[0][1]) if len(groups) > 1 else file
+
+
 def _build_subset_frf(file: OpenedFile, chosen: dict[int, str]) -> FRF:
     """Return the FRF in some of a table's columns, as if there were no others."""
+    opened_file = _select_columns(file, chosen)
+    return build_frf(opened_file, determine_frf_columns(opened_file))
+
+
+def _select_columns(file: OpenedFile, chosen: dict[int, str]) -> OpenedFile:
+    """Return a file as if it held some of its columns alone, named for their roles."""
     indexes = list(chosen)
     columns = [replace(file.table.columns[i], name=chosen[i]) for i in indexes]
     table = replace(
         file.table, columns=tuple(columns), doubts=(),
         load=lambda requested: file.table.load([indexes[i] for i in requested]),
     )  # fmt: skip
-    opened_file = replace(file, table=table)
-    return build_frf(opened_file, determine_frf_columns(opened_file))
+    return replace(file, table=table)

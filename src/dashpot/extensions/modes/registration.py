@@ -16,6 +16,9 @@ EXTENSION = Extension(
         "read record": {
             "frf": "dashpot.extensions.modes.api:read_frf_record",
         },
+        "first point": {
+            "frf": "dashpot.extensions.modes.read_frf_set:select_first_point",
+        },
         "read several": {
             "frf": "dashpot.extensions.modes.read_frf_set:read_frfs",
             "shaken base": "dashpot.extensions.modes.shaken_base:read_shaken",

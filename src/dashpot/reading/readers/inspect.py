@@ -288,7 +288,8 @@ def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]],
     """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
     roles, questions = _assign_kind_roles(file, kind)
     if kind in {"frf", "transmissibility"}:
-        questions = _asks(lambda: determine_frf_columns(as_a_ratio(file)), "ROLE")
+        select = find_handler("first point", "frf") or as_a_ratio
+        questions = _asks(lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE")
     if kind in SWEEPS and not questions:
         questions = _asks(lambda: swept(file), "ROLE")
     if kind == "strain-sweep":

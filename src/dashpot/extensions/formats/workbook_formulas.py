@@ -1,0 +1,155 @@
+"""Formulas and errors in the cells of a workbook, whose last results alone are read.
+
+Seen in xlsx files, whose cells keep a formula beside its result.
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterator
+from math import isclose
+from typing import BinaryIO
+
+from dashpot.extensions.formats.hidden_cells import list_sheet_parts
+
+_CHUNK = 1 << 20
+_LONGEST_ROW = 1 << 22
+"""Bytes of a row, at most."""
+_MOST = 200_000
+"""Formulas of a sheet that are looked at."""
+_NEAR = 1e-6
+"""Relative difference between a formula's result and the one that is kept."""
+_CELL = re.compile(
+    rb"<c\b([^<>]{0,300}?)>(?:<f\b([^<>]{0,300}?)(?:/>|>([^<]{0,2000})</f>))?"
+    rb"(?:<v(?:/>|>([^<]{0,400})</v>))?"
+)
+_REFERENCE = re.compile(rb'\br="([A-Z]{1,3})(\d{1,7})"')
+_KIND = re.compile(rb'\bt="(\w+)"')
+_SHARED = re.compile(rb'\bsi="(\d{1,9})"')
+_SIMPLE = re.compile(
+    rb"\$?([A-Z]{1,3})\$?(\d{1,7})\s*([*/+-])\s*(\d{1,12}(?:\.\d{1,12})?(?:[eE][-+]?\d{1,3})?)"
+)
+"""A cell and a number with one sign between them."""
+
+
+def scan_formulas(stream: BinaryIO) -> dict[str, list[str]]:
+    """Return by sheet what its formulas and errors leave open, each in a sentence."""
+    stream.seek(0)
+    if not zipfile.is_zipfile(stream):
+        return {}
+    found: dict[str, list[str]] = {}
+    with zipfile.ZipFile(stream) as book:
+        for name, part in list_sheet_parts(book).items():
+            notes = _SheetFormulas().scan(_rows(book, part))
+            if notes:
+                found[name] = notes
+    return found
+
+
+def _rows(book: zipfile.ZipFile, part: str) -> Iterator[bytes]:
+    """The rows of a sheet, each as its XML."""
+    rest = b""
+    with book.open(part) as stream:
+        while block := stream.read(_CHUNK):
+            rest += block
+            *rows, rest = rest.split(b"</row>")
+            yield from rows
+            rest = rest[-_LONGEST_ROW:]
+
+
+class _SheetFormulas:
+    """What the formulas of one sheet show, row by row."""
+
+    def __init__(self) -> None:
+        self._values: dict[bytes, float] = {}
+        self._before: dict[bytes, float] = {}
+        self._shared: dict[bytes, tuple[bytes, int, bytes]] = {}
+        self._without: list[str] = []
+        self._stale: list[str] = []
+        self._errors: dict[str, list[str]] = {}
+        self._count = 0
+
+    def scan(self, rows: Iterator[bytes]) -> list[str]:
+        """Return what is to be said of all rows."""
+        needed = False
+        for row in rows:
+            needed = needed or b"<f" in row
+            if needed or b't="e"' in row:
+                self._scan_row(row)
+        notes = []
+        if self._without:
+            notes.append(f"{_list(self._without)} without a result: open the workbook and save it")
+        if self._stale:
+            notes.append(
+                f"{_list(self._stale)} whose kept result is not that of the cells beside it: "
+                "calculate the workbook anew and save it"
+            )
+        for error, cells in self._errors.items():
+            notes.append(
+                f"{len(cells)} cells hold the error {error}, first {cells[0]}: they are no numbers"
+            )
+        return notes
+
+    def _scan_row(self, row: bytes) -> None:
+        self._before, self._values = self._values, {}
+        formulas: list[tuple[bytes, int, bytes]] = []
+        for match in _CELL.finditer(row):
+            place = _REFERENCE.search(match[1])
+            if place is None:
+                continue
+            column, number = place[1], int(place[2])
+            kind = _KIND.search(match[1])
+            if kind and kind[1] == b"e":
+                word = (match[4] or b"").decode("utf-8", "replace")
+                self._errors.setdefault(word, []).append(f"{column.decode()}{number}")
+                continue
+            if match[2] is not None and not (match[4] or b"").strip():
+                self._without.append(f"{column.decode()}{number}")
+                continue
+            if kind is None or kind[1] == b"n":
+                try:
+                    self._values[column] = float(match[4] or b"nan")
+                except ValueError:
+                    continue
+                if match[2] is not None and self._count < _MOST:
+                    self._count += 1
+                    formulas.append((column, number, self._formula(match, column, number)))
+        for column, number, formula in formulas:
+            expected = self._evaluate(formula, number)
+            kept = self._values[column]
+            if expected is not None and not isclose(expected, kept, rel_tol=_NEAR, abs_tol=1e-12):
+                self._stale.append(f"{column.decode()}{number}")
+
+    def _formula(self, match: re.Match[bytes], column: bytes, number: int) -> bytes:
+        """Return the formula of a cell; a shared one is that of the first cell, moved down."""
+        text, shared = match[3] or b"", _SHARED.search(match[2])
+        if shared is None:
+            return text
+        if text:
+            self._shared[shared[1]] = column, number, text
+            return text
+        first, row, text = self._shared.get(shared[1], (b"", 0, b""))
+        simple = _SIMPLE.fullmatch(text.strip()) if first == column else None
+        if simple is None or b"$" in text:
+            return b""
+        moved = int(simple[2]) + number - row
+        return simple[1] + str(moved).encode() + simple[3] + simple[4]
+
+    def _evaluate(self, formula: bytes, number: int) -> float | None:
+        """Return the result of a simple formula of a cell in this row or the one before."""
+        simple = _SIMPLE.fullmatch(formula.strip())
+        if simple is None:
+            return None
+        row = {number: self._values, number - 1: self._before}.get(int(simple[2]), {})
+        value, by = row.get(simple[1]), float(simple[4])
+        if value is None or (simple[3] == b"/" and by == 0):
+            return None
+        return {b"*": value * by, b"/": value / (by or 1.0), b"+": value + by, b"-": value - by}[
+            simple[3]
+        ]
+
+
+def _list(cells: list[str]) -> str:
+    """Return how many cells hold formulas, and the first."""
+    return f"{len(cells)} cells hold formulas (first {cells[0]})"
