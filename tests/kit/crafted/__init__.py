@@ -3,6 +3,7 @@
 from kit.crafted.broken import BROKEN
 from kit.crafted.clocks import CLOCKS
 from kit.crafted.columns import COLUMNS
+from kit.crafted.containers import CONTAINERS
 from kit.crafted.dialects import DIALECTS
 from kit.crafted.exotic_units import EXOTIC_UNITS
 from kit.crafted.exports import EXPORTS
@@ -30,6 +31,7 @@ TABLE: tuple[Row, ...] = (
     *SHEETS,
     *BROKEN,
     *SPECIMENS,
+    *CONTAINERS,
     *TWO_RATES,
     *EXOTIC_UNITS,
     *TREACHEROUS,
