@@ -21,6 +21,8 @@ EXOTIC_UNITS = [
     Row("eta* in poise", table("Freq [Hz],Eta* [P],tan_delta", F, 10 * SIZE / OMEGA, TANGENT, sign=",", form="%.9g").encode(), "noted", _TIMES, SWEEP),
     Row("both parts of eta*", table("Angular frequency [rad/s];η' [Pa·s];η'' [Pa·s]", OMEGA, LOSS / OMEGA, STORAGE / OMEGA, form="%.9g").encode(), "noted", _TIMES, SWEEP),
     Row("|eta*| beside moduli is left alone", table("Frequency [Hz];Storage modulus [MPa];Loss modulus [MPa];Complex viscosity [Pa·s]", F, STORAGE / 1e6, LOSS / 1e6, SIZE / OMEGA, form="%.9g").encode(), truth=SWEEP),
+    Row("a storage modulus alone", table("Frequency [Hz];Storage modulus [MPa]", F, STORAGE / 1e6, form="%.9g").encode(), "refused", ("storage modulus alone", "--column loss=NAME"), SWEEP),
+    Row("a storage modulus and a temperature alone", table("f [Hz]\tE' [MPa]\tT [°C]", F, STORAGE / 1e6, 23 + 0 * F, sign="\t", form="%.9g").encode(), "refused", ("storage modulus alone",), SWEEP),
     Row("|eta*| without an angle", table("Angular frequency [rad/s];Complex viscosity [Pa·s]", OMEGA, SIZE / OMEGA, form="%.9g").encode(), "refused", ("flow curve",), SWEEP),
     Row("a viscosity in a unit that nobody knows", table("Frequency [Hz];Complex viscosity [St];tan delta [-]", F, SIZE / OMEGA, TANGENT, form="%.9g").encode(), "refused", ("flow curve",), SWEEP),
 ]  # fmt: skip

@@ -173,3 +173,6 @@ SPECIMENS = [
     Row("specimens: a column of Parquet", _parquet(), "asked", (*_BY_COLUMN, "1 A, 2 B"), answer=SECOND),
     Row("specimens: sweeps of two mixes", _sweeps().encode(), "asked", _BY_COLUMN, SWEEP, answer=SECOND),
 ]  # fmt: skip
+SPECIMENS += [
+    Row("two load cells of which one is a copy of the other in its first half", table(f"{HEAD};Force B [N]", TIME, MOVED, FORCE, np.where(np.arange(len(TIME)) < 30, FORCE, 1.4 * FORCE), form="%.9g").encode(), "asked", ("'Force B [N]' could each be the force",), answer={"force": "Force"}),
+]  # fmt: skip

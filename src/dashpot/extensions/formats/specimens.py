@@ -47,6 +47,12 @@ _LEAST = 8
 """Rows of a specimen, at least."""
 _ANEW = 0.02
 """Part of the first record within which the clock of the next begins."""
+_SURE = 1.5
+"""How well a name says a role, at least."""
+_STORED = 2.5
+"""How well a name says a storage modulus, at least."""
+_SHARED = 0.1
+"""Part of the rows in which two channels hold the same numbers, from which on it is noted."""
 _DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "blanks": " ", "pipe": "|"}
 LABELS = "labels of "
 """What a line of the header begins with that names the numbers of a column, 1, 2, ..."""
@@ -59,7 +65,31 @@ def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTab
         from dashpot.extensions.formats.complex_viscosity import convert_viscosities
 
         table = convert_viscosities(table, options)
+    _refuse_storage_alone(table, options)
     return separate_specimens(table, raw, options)
+
+
+def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
+    """Refuse a sweep of storage without loss, of which nothing else can be said.
+
+    Raises
+    ------
+    ReadError
+    """
+    names = [column.name for column in table.columns]
+    scores = [vocabulary.matches(name) for name in names]
+    likely = [i for i, score in enumerate(scores) if score.get("storage", 0.0) >= _STORED]
+    if not likely or kind_of(table, ReadOptions(kind=options.kind))[0] != "unclear":
+        return
+    lost: tuple[Role, ...] = ("loss", "loss_factor", "loss_angle", "phase")
+    if any(getattr(options, role, None) for role in lost):
+        return
+    if isinstance(assign(table, "frequency", options), RoleAssignment):
+        raise ReadError(
+            f"holds a storage modulus alone, {format_column(table.columns, likely[0])} over "
+            "frequency: the loss is not known, and a model needs it. Export loss modulus, loss "
+            "factor or loss angle beside it, or name its column: --column loss=NAME"
+        )
 
 
 def separate_specimens(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTable:
@@ -138,8 +168,10 @@ class _SpecimenLoader:
         selected = self.options.segment is not None
         if not roles or not (selected or set(roles) <= set(asked)):
             return self.table.load(indexes)
-        more = [i for i in roles if i not in asked]
+        twins = [] if selected or self.table.large else self._find_twins(roles)
+        more = [i for i in dict.fromkeys([*roles, *twins]) if i not in asked]
         loaded = self.table.load([*asked, *more])
+        loaded = self._note_shared_rows(loaded, [*asked, *more], roles[-1], twins)
         signals = loaded.values[:, [[*asked, *more].index(i) for i in roles]]
         loaded = replace(loaded, values=loaded.values[:, : len(asked)]) if more else loaded
         return self._part_by_clock(loaded, signals)
@@ -158,6 +190,48 @@ class _SpecimenLoader:
                     self.known["roles"] = tuple(indexes)
                     break
         return self.known["roles"]
+
+    def _find_twins(self, roles: Sequence[int]) -> list[int]:
+        """Return the columns that are as much a force, or a stress, as that of the test."""
+        columns, pushed = self.table.columns, roles[-1]
+        role = next(pair[1] for pair in _PAIRS if self._has_pair(pair, roles))
+        return [
+            i
+            for i, column in enumerate(columns)
+            if i != pushed
+            and column.content == "number"
+            and (column.unit or "") == (columns[pushed].unit or "")
+            and vocabulary.matches(column.name).get(role, 0.0) >= _SURE
+        ][:4]
+
+    def _has_pair(self, pair: tuple[Role, Role], roles: Sequence[int]) -> bool:
+        answer = assign(self.table, pair[1], self.options)
+        return isinstance(answer, RoleAssignment) and answer.index == roles[-1]
+
+    def _note_shared_rows(
+        self, loaded: LoadedColumns, indexes: Sequence[int], pushed: int, twins: Sequence[int]
+    ) -> LoadedColumns:
+        """Return the columns with a note where two channels hold the same numbers in a part of all.
+
+        Numbers that stand still are none: two channels may both rest at zero.
+        """
+        if not twins:
+            return loaded
+        values = loaded.values[:, indexes.index(pushed)]
+        moves = np.diff(values, prepend=np.nan) != 0
+        notes = []
+        for twin in twins:
+            same = (loaded.values[:, indexes.index(twin)] == values) & moves
+            count, rows = int(np.count_nonzero(same)), len(values)
+            if _SHARED * rows <= count < (1 - _SHARED) * np.count_nonzero(moves):
+                pair = [format_column(self.table.columns, i) for i in (pushed, twin)]
+                first = int(np.argmax(same))
+                notes.append(
+                    f"{pair[0]} and {pair[1]} hold the same numbers in {count} of {rows} rows, "
+                    f"first at {loaded.format_row_position(first)}, and others elsewhere: two "
+                    "sensors do not; was one copied from the other?"
+                )
+        return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
 
     def _part_by_clock(self, loaded: LoadedColumns, signals: FloatArray) -> LoadedColumns:
         time = signals[:, 0]
@@ -382,7 +456,7 @@ def _is_a_test(signals: Sequence[str] | dict[str, int]) -> bool:
     """Return whether names say both signals of a test."""
     scores = [vocabulary.matches(name) for name in signals]
     return any(
-        all(any(score.get(role, 0.0) >= 1.5 for score in scores) for role in pair)
+        all(any(score.get(role, 0.0) >= _SURE for score in scores) for role in pair)
         for pair in _PAIRS
     )
 
