@@ -103,7 +103,7 @@ def build_rows(
     every: list[dict[str, Any]] = []
     for name, answer in answers:
         key, _, value = answer.partition("=")
-        chosen = {key: int(value) if key == "segment" else value}
+        chosen: dict[str, Any] = {key: int(value) if key == "segment" else value}
         typed = ",".join(filter(None, (part, answer)))
         seal = f"{entry.seal} {name or value}" if entry.seal else ""
         label = typed if name in {"", value} else f"{typed} {name}"

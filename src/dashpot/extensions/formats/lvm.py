@@ -157,7 +157,7 @@ def _resample(
     for i, values in zip(used, loaded.values.T, strict=True):
         count = int(np.flatnonzero(np.isfinite(values)).max(initial=-1)) + 1
         if count > 1:
-            time = starts.get(i, 0.0) + steps[i] * np.arange(count)
+            time = starts.get(i, 0.0) + steps[i] * np.arange(count, dtype=float)
             channels.append((i, SampledChannel(columns[i].name, time, values[:count])))
     notes = list(loaded.notes)
     table = interpolate_to_slowest([channel for _, channel in channels], notes)

@@ -360,7 +360,9 @@ def _block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArra
             f"channels are sampled at different steps ({listed}); export them at one rate"
         )
     timed = [
-        SampledChannel(c.name, c.offset + (c.step or 0.0) * np.arange(c.values.size), c.values)
+        SampledChannel(
+            c.name, c.offset + (c.step or 0.0) * np.arange(c.values.size, dtype=float), c.values
+        )
         for c in channels
     ]
     return interpolate_to_slowest(timed, notes)

@@ -288,7 +288,8 @@ def _build_time_table(timed: Sequence[_Set], units: _Set | None, notes: list[str
     grids = {
         (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
     }
-    time, resampled = np.asarray(first["x"], dtype=float), {}
+    time = np.asarray(first["x"], dtype=float)
+    resampled: dict[int, FloatArray] = {}
     if len(grids) > 1:
         time, resampled, said = _resample_records(timed, len(grids))
         notes = [*notes, *said]
