@@ -90,6 +90,8 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "solids/shift_laws.py": "an example of 0 degC",
             "workflow/example_files.py": "degC into K, where tests are made",
             "extensions/curves/examples.py": "degC into K, where sweeps are made",
+            "extensions/curves/datamodel/stress_relaxation.py": "a summary, and an example",
+            "extensions/curves/modulus/stress_relaxation.py": "a length of 1 mm as a strain",
             "extensions/solver_inputs/cards/abaqus_cards.py": "what a card is asked to say",
         },
     ),

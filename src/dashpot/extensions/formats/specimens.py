@@ -76,17 +76,19 @@ def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
     ------
     ReadError
     """
-    names = [column.name for column in table.columns]
-    scores = [vocabulary.matches(name) for name in names]
-    likely = [i for i, score in enumerate(scores) if score.get("storage", 0.0) >= _STORED]
-    if not likely or kind_of(table, ReadOptions(kind=options.kind))[0] != "unclear":
+    stored = [vocabulary.matches(column.name).get("storage", 0.0) for column in table.columns]
+    if (
+        max(stored, default=0.0) < _STORED
+        or kind_of(table, ReadOptions(kind=options.kind))[0] != "unclear"
+    ):
         return
     lost: tuple[Role, ...] = ("loss", "loss_factor", "loss_angle", "phase")
     if any(getattr(options, role, None) for role in lost):
         return
-    if isinstance(assign(table, "frequency", options), RoleAssignment):
+    frequency, storage = (assign(table, role, options) for role in ("frequency", "storage"))
+    if isinstance(frequency, RoleAssignment) and isinstance(storage, RoleAssignment):
         raise ReadError(
-            f"holds a storage modulus alone, {format_column(table.columns, likely[0])} over "
+            f"holds a storage modulus alone, {format_column(table.columns, storage.index)} over "
             "frequency: the loss is not known, and a model needs it. Export loss modulus, loss "
             "factor or loss angle beside it, or name its column: --column loss=NAME"
         )
