@@ -2,6 +2,7 @@ from dashpot.datamodel.relaxation import (
     Trajectory as Trajectory,
 )
 from dashpot.extensions import acquisition as _acquisition
+from dashpot.extensions.acceptance.accept import read_limits as read_limits
 from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts as read_shifts
 from dashpot.extensions.formats.write_uff import (
     frf_uff as frf_uff,

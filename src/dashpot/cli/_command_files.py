@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,6 +19,16 @@ if TYPE_CHECKING:
     from dashpot.reading.read_options import ReadOptions
     from dashpot.reading.readers.detect_kind import Recognised
     from dashpot.solids.shift_laws import TemperatureLaw
+
+
+PAGE = "dashpot.page"
+"""Where an option keeps the function that writes the page of a result."""
+
+
+def render_page(result: Any, **figures: Any) -> str:
+    """Return the page of a result, with what an option adds to it."""
+    write: Callable[..., str] = click.get_current_context().meta.get(PAGE, workflow.html)
+    return write(result, **figures)
 
 
 def format_command(*words: object, why: str = "") -> str:

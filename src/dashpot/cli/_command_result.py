@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 WRITTEN, STDOUT_TAKEN = "dashpot.written", "dashpot.stdout"
+JUDGE = "dashpot.judge"
+"""Where an option keeps the function that judges the outcome."""
 _MAKERS = ("simulate", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _SEEN = (".html", ".png", ".svg", ".pdf")
@@ -112,6 +114,8 @@ class CommandResult(NamedTuple):
         The command that comes next, if it can be named.
     nothing_done
         Nothing that was given could be used: the exit code is that of bad input.
+    unmet
+        An acceptance limit is not met, which ``--strict`` heeds.
     """
 
     found: Serialisable
@@ -121,6 +125,7 @@ class CommandResult(NamedTuple):
     verdict: Verdict | None = None
     follow: str = ""
     nothing_done: bool = False
+    unmet: bool = False
 
     @classmethod
     def from_result(cls, result: Any, *, follow: str = "") -> CommandResult:
@@ -153,6 +158,8 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
     try:
         with progress():
             outcome = run()
+            if JUDGE in context.meta:
+                outcome = context.meta[JUDGE](outcome)
             text = _format_result(outcome, as_json=as_json, verbose=params.get("verbose", False))
         if text:
             to_stdout(text)
@@ -165,7 +172,7 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
         to_stderr(f"next: {outcome.follow}")
     if outcome.nothing_done:
         sys.exit(2)
-    if (params.get("strict") or outcome.must_pass) and outcome.weighty:
+    if (params.get("strict") or outcome.must_pass) and (outcome.weighty or outcome.unmet):
         sys.exit(1)
 
 

@@ -15,7 +15,13 @@ from dashpot import workflow
 from dashpot.base import dataclass
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyAsked, Method, get_choice_values
-from dashpot.cli._command_files import PAGE_SUFFIXES, format_command, grams, is_json
+from dashpot.cli._command_files import (
+    PAGE_SUFFIXES,
+    format_command,
+    grams,
+    is_json,
+    render_page,
+)
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._options import get_typed_options
 from dashpot.cli._param_types import format_suggestion
@@ -164,7 +170,7 @@ class FitRequest:
             write_output(self.output, format_json(result._saved_result) + "\n")
             return
         made = {name: make() for name, make in figures.items()}
-        write_output(self.output, workflow.html(result, **made))
+        write_output(self.output, render_page(result, **made))
 
     def write_output(
         self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""

@@ -20,6 +20,7 @@ from dashpot.cli._command_files import (
     grams,
     kinds_of,
     print_detected_kinds,
+    render_page,
 )
 from dashpot.cli._command_result import CommandResult, claim_outputs, note_written, write_output
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, format_column_hint
@@ -108,6 +109,7 @@ class Reported(Serialisable):
     mark_advanced(group(PIECE, build_options(Job, "impact_temperature"))),
     options.reading(),
     options.result(plot=False, opens=False),
+    find_handler("options", "limits")(),
 )
 def command(
     *,
@@ -144,7 +146,7 @@ def command(
     written: list[str] = []
     history = None
     if project:
-        study, place, home = find_handler("keep", "project")(project, job, page=workflow.html)
+        study, place, home = find_handler("keep", "project")(project, job, page=render_page)
         note_written(place)
         history = home.head
         written.append(str(place))
@@ -153,7 +155,7 @@ def command(
     if output:
         send_progress("drawing the report")
         written.append(output)
-        write_output(written[-1], workflow.html(study))
+        write_output(written[-1], render_page(study))
     return CommandResult(
         Reported(study, written[-1], history),
         format_study(study),
@@ -228,7 +230,7 @@ def _amplitude(
     levels = load_object(KINDS[kind].fit)(files, options=reading)
     output = output or "report.html"
     claim_outputs([output])
-    write_output(output, workflow.html(levels))
+    write_output(output, render_page(levels))
     return CommandResult.from_result(levels)
 
 

@@ -15,7 +15,11 @@ __all__ = ["has_page", "html"]
 
 
 def html(
-    study: Study | HasVerdict, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
+    study: Study | HasVerdict,
+    *,
+    lead: Picture | None = None,
+    beside: Sequence[Picture] = (),
+    **sections: str,
 ) -> str:
     """Return the report as one self-contained HTML file.
 
@@ -33,6 +37,8 @@ def html(
         The figure that answers, where the caller knows more than the result tells; not of a study.
     beside : sequence of Picture
         Figures of the records behind it, which are folded; not of a study.
+    **sections : str
+        HTML below the verdict: ``limits``.
 
     Returns
     -------
@@ -41,9 +47,10 @@ def html(
     """
     write = find_handler("html", study)
     if write is not None:
-        return str(write(study))
+        return str(write(study, **sections))
     return render_template(
-        "judged.html", result_page.build_page_contents(study, lead=lead, pictures=beside)
+        "judged.html",
+        result_page.build_page_contents(study, lead=lead, pictures=beside) | sections,
     )
 
 

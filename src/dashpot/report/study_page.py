@@ -12,9 +12,9 @@ from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
 
-def write_study(study: Study) -> str:
-    """Return the report of a study as HTML."""
-    return render_template("report.html", _build_contents(study))
+def write_study(study: Study, **sections: str) -> str:
+    """Return the report of a study as HTML, with sections below the verdict."""
+    return render_template("report.html", _build_contents(study) | sections)
 
 
 def _build_contents(study: Study) -> dict[str, Any]:

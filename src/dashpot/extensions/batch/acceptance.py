@@ -81,9 +81,10 @@ def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
 
 
 def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
-    if not limits.is_within(value):
+    if limits.judge(value, value) == "missed":
         return "fail"
-    return "pass" if limits.is_within(value, guard or 0.0) else "not proven"
+    band = guard or 0.0
+    return "pass" if limits.judge(value - band, value + band) == "met" else "not proven"
 
 
 def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:

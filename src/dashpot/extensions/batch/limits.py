@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from dashpot.base import dataclass
-from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.serialisation import Serialisable
-from dashpot.base.units import parse_quantity
 from dashpot.extensions.batch.quantities import Quantity, quantity
-from dashpot.reading.toml import Section, tables_of
-
-_KNOWN = ("lower", "upper", "cpk")
+from dashpot.registry import find_handler
 
 
 @dataclass(frozen=True)
@@ -43,11 +37,10 @@ class Limits(Serialisable):
         """The limits that there are."""
         return tuple(end for end in (self.lower, self.upper) if end is not None)
 
-    def is_within(self, value: float, guard: float = 0.0) -> bool:
-        """Return whether a value keeps to both limits, by so much."""
-        low = -math.inf if self.lower is None else self.lower
-        high = math.inf if self.upper is None else self.upper
-        return low + guard <= value <= high - guard
+    def judge(self, low: float, high: float) -> str:
+        """Return whether an interval keeps to the limits: met, missed, or open."""
+        outcome: str = find_handler("judge interval", "limits")(self.lower, self.upper, low, high)
+        return outcome
 
     @property
     def distance(self) -> float | None:
@@ -71,42 +64,5 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     ReadError
         If the file is no such TOML, or names what no column is.
     """
-    _, tables = tables_of(path)
-    if not tables:
-        raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
-    limits = []
-    for name, table in tables.items():
-        section = Section(f"{path}, [{name}]", table, _KNOWN)
-        try:
-            limits.append(_parse_limits(name, section.entries, columns))
-        except (DashpotError, TypeError, ValueError) as error:
-            raise ReadError(f"{section.where}: {error}") from None
-    column, times = Counter(limit.quantity.column for limit in limits).most_common(1)[0]
-    if times > 1:
-        raise ReadError(f"{path}: limits of {column} stand there twice, by two names; keep one")
-    return tuple(limits)
-
-
-def _parse_limits(name: str, table: Mapping[str, Any], columns: Sequence[str]) -> Limits:
-    new_quantity = quantity(name, columns)
-    lower, upper = (_number(table.get(text), new_quantity) for text in ("lower", "upper"))
-    cpk = float(table["cpk"]) if "cpk" in table else None
-    made = Limits(new_quantity, lower, upper, cpk)
-    if not made.ends:
-        raise DataError("it has no limit; give lower, upper, or both")
-    if [*made.ends] != sorted(set(made.ends)):
-        raise DataError("lower is not below upper; exchange them")
-    if cpk is not None and not cpk > 0:
-        raise DataError(f"cpk = {cpk:g}; expected a number > 0, such as 1.33")
-    return made
-
-
-def _number(value: object, of: Quantity) -> float | None:
-    if value is None:
-        return None
-    if of.dimension is not None:
-        return parse_quantity(str(value), of.dimension)
-    number = float(str(value))
-    if not math.isfinite(number):
-        raise ValueError(f"{value} is no limit; expected a finite number")
-    return number
+    entries = find_handler("read limits", "file")(path, partial(quantity, columns=columns))
+    return tuple(Limits(*entry) for entry in entries)

@@ -1,0 +1,116 @@
+"""Limits held against a result: ``read_limits("limits.toml", "damping >= 3%").judge(study)``."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from dashpot.base import dataclass
+from dashpot.base.errors import DataError
+from dashpot.base.reported_values import ReportedValue
+from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
+from dashpot.extensions.acceptance.found_values import FoundValue, find_value
+from dashpot.extensions.acceptance.judgement import POWER, count_further_tests, judge_interval
+from dashpot.extensions.acceptance.limit_files import (
+    LimitEntry,
+    is_expression,
+    parse_expression,
+    refuse_repeated,
+    split_expression,
+)
+from dashpot.extensions.acceptance.limit_files import read_limits as read_limit_file
+
+
+@dataclass(frozen=True)
+class AcceptanceLimits:
+    """Acceptance limits as they were stated, whose units follow from the result.
+
+    Attributes
+    ----------
+    sources : tuple of str or Path
+        Each an expression or a TOML file.
+    """
+
+    sources: tuple[str | Path, ...]
+
+    def judge(self, result: Any) -> Acceptance:
+        """Return each limit held against the 95 % interval of a result.
+
+        A limit is met where the whole interval keeps to it, missed where the whole interval lies
+        beyond it, else open. Of a result that is not to be used every limit is open.
+
+        Parameters
+        ----------
+        result : Study, Fit or another result that reports values
+
+        Raises
+        ------
+        DataError
+            If the result has no such value, or a limit has no or another unit.
+        """
+        find_quantity = partial(find_value, result)
+        entries: list[LimitEntry[FoundValue]] = []
+        for source in self.sources:
+            if isinstance(source, str) and is_expression(source):
+                entries.append(parse_expression(source, find_quantity))
+            else:
+                entries += read_limit_file(source, find_quantity)
+        refuse_repeated(entries, "limits of {} are given twice; keep one")
+        use = result.verdict.use
+        judged = tuple(_judge_entry(entry, is_usable=use != "do not use") for entry in entries)
+        return Acceptance(result, use, judged)
+
+
+def read_limits(*sources: str | Path) -> AcceptanceLimits:
+    """Return acceptance limits from files and expressions.
+
+    Parameters
+    ----------
+    *sources : str or path
+        Each a TOML file as ``dashpot batch --limits`` takes it, or an expression such as
+        ``"damping >= 3%"``.
+
+    Raises
+    ------
+    DataError
+        If there is none, or an expression is none.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", seed=1), arms=2)
+    >>> dp.files.read_limits("k_end >= 0.15N/mm").judge(fit).word
+    'meets'
+    """
+    if not sources:
+        raise DataError('no limit is given; expected such as "damping >= 3%" or "limits.toml"')
+    for source in sources:
+        if isinstance(source, str) and is_expression(source):
+            split_expression(source)
+    return AcceptanceLimits(sources)
+
+
+def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLimit:
+    value, lower, upper = entry.quantity, entry.lower, entry.upper
+    fact = value.fact
+    low, high = _get_ends(fact)
+    outcome = judge_interval(lower, upper, low, high) if is_usable else "open"
+    counts: list[int | None] = [None, None]
+    if outcome == "open" and is_usable and value.spread == "random":
+        counts = [
+            count_further_tests(lower, upper, fact.value, low, high, quantile=quantile)
+            for quantile in (0.0, POWER)
+        ]
+    return JudgedLimit(
+        value.column, fact, lower, upper, outcome, value.spread, *counts, value.remedy, is_usable
+    )
+
+
+def _get_ends(fact: ReportedValue) -> tuple[float, float]:
+    """Return the interval; that of a value that was given is the value, of others unlimited."""
+    if fact.has_interval:
+        low = -math.inf if math.isnan(fact.low) else fact.low
+        return low, math.inf if math.isnan(fact.high) else fact.high
+    return (fact.value, fact.value) if fact.error == 0 else (-math.inf, math.inf)

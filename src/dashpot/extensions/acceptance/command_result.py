@@ -1,0 +1,59 @@
+"""Result of a command with its limits: text, document, page and exit code."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from dashpot import workflow
+from dashpot.base import dataclass
+from dashpot.base.serialisation import DIGEST, Serialisable, compute_document_digest
+from dashpot.cli._command_result import CommandResult
+from dashpot.extensions.acceptance.accept import read_limits
+from dashpot.extensions.acceptance.command_options import get_sources
+from dashpot.extensions.acceptance.datamodel import Acceptance
+from dashpot.extensions.acceptance.page import render_section
+from dashpot.extensions.acceptance.text import render_acceptance
+
+
+@dataclass(frozen=True)
+class JudgedResult(Serialisable):
+    """Result and what its limits make of it, as one document.
+
+    Attributes
+    ----------
+    found : Serialisable
+    acceptance : Acceptance
+    """
+
+    found: Serialisable
+    acceptance: Acceptance
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the document of the result, with the key ``"acceptance"``."""
+        entries = self.found.to_dict()
+        digested = entries.pop(DIGEST, None) is not None
+        entries["acceptance"] = self.acceptance.to_dict()
+        return {**entries, DIGEST: compute_document_digest(entries)} if digested else entries
+
+
+def judge(result: Any) -> Acceptance:
+    """Return what the limits of the running command make of a result."""
+    return read_limits(*get_sources(click.get_current_context())).judge(result)
+
+
+def judge_result(outcome: CommandResult) -> CommandResult:
+    """Return the result of a command with its limits: their lines follow the verdict."""
+    acceptance = judge(getattr(outcome.found, "study", outcome.found))
+    text = outcome.text
+    return outcome._replace(
+        found=JudgedResult(outcome.found, acceptance),
+        text=text._replace(lines=[*render_acceptance(acceptance).lines, *text.lines]),
+        unmet=acceptance.word != "meets",
+    )
+
+
+def render_page(result: Any, **figures: Any) -> str:
+    """Return the page of a result with the section of its limits."""
+    return workflow.html(result, **figures, limits=render_section(judge(result)))

@@ -1,0 +1,184 @@
+"""Limits held against a result: each met, missed or open, and the word for the seal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from dashpot.base import dataclass
+from dashpot.base.checks import Use
+from dashpot.base.number_format import format_count, round_to_error
+from dashpot.base.plain_text import sentence
+from dashpot.base.reported_values import ReportedValue
+from dashpot.base.result_mixins import Printable
+from dashpot.base.serialisation import Key, Serialisable
+from dashpot.extensions.acceptance.found_values import Spread
+from dashpot.extensions.acceptance.judgement import MOST_TESTS, Outcome
+
+SealWord = Literal["meets", "misses", "open"]
+
+_NO_NUMBER = "no number of such tests decides it: what is open is not random"
+
+
+@dataclass(frozen=True)
+class JudgedLimit(Serialisable):
+    """Limits of one quantity, its value, and whether the 95 % interval keeps to them.
+
+    Attributes
+    ----------
+    name : str
+        As a lot calls it: ``"damping_ratio"``, ``"stiffness_at_40s"``.
+    value : ReportedValue
+    lower, upper : float or None
+        SI.
+    outcome : str
+        ``"met"``, ``"missed"``, or ``"open"`` where the interval holds a limit.
+    spread : str
+        What the interval is of: ``"random"``, ``"bound"`` or ``"unknown"``.
+    further_tests, further_tests_90 : int or None
+        How many more tests like this one would decide it: if their mean lies where this value
+        does, and with a chance of 90 % if this value is true. None where it is decided, where what
+        is open is not random, and of more than a thousand.
+    remedy : str
+        What would narrow a bound; empty where that is not known.
+    """
+
+    _keys = (
+        "name",
+        Key("unit", "value.unit"),
+        "lower",
+        "upper",
+        Key("value", "value.value", nonfinite_as_null=True),
+        Key("low", "value.low", nonfinite_as_null=True),
+        Key("high", "value.high", nonfinite_as_null=True),
+        "outcome",
+        "spread",
+        "further_tests",
+        "further_tests_90",
+        Key("message", "explanation"),
+    )
+
+    name: str
+    value: ReportedValue
+    lower: float | None
+    upper: float | None
+    outcome: Outcome
+    spread: Spread
+    further_tests: int | None = None
+    further_tests_90: int | None = None
+    remedy: str = ""
+    is_usable: bool = True
+
+    @property
+    def request(self) -> str:
+        """What was asked, such as 'damping ratio at least 3 %'."""
+        return f"{self.value.label} {self.limit_text}"
+
+    @property
+    def limit_text(self) -> str:
+        """The limits with their unit: 'at least 3 %', '0.18 to 0.22 N/mm'."""
+        ends = [
+            round_to_error(self.value.to_display_unit(end), digits=4).rstrip("0").rstrip(".")
+            if "." in round_to_error(self.value.to_display_unit(end), digits=4)
+            else round_to_error(self.value.to_display_unit(end), digits=4)
+            for end in (self.lower, self.upper)
+            if end is not None
+        ]
+        words = "" if len(ends) == 2 else "at most " if self.lower is None else "at least "
+        return f"{words}{' to '.join(ends)} {self.value.word}".rstrip()
+
+    @property
+    def explanation(self) -> str:
+        """What would decide an open limit, as a sentence; empty where it is decided."""
+        if self.outcome != "open":
+            return ""
+        if not self.is_usable:
+            return "The model is not to be used, so its values decide nothing."
+        if self.spread == "bound":
+            return " ".join(filter(None, (sentence(_NO_NUMBER), self.remedy)))
+        if self.spread == "unknown":
+            return "How many tests decide it is not known: the value has no standard error."
+        if self.further_tests is None:
+            return f"More than {MOST_TESTS} such tests would be needed to decide it."
+        text = f"{format_count(self.further_tests, 'further test')} would decide it if their mean "
+        text += "stays here"
+        if self.further_tests_90 is not None:
+            text += f", {self.further_tests_90} with a chance of 90 %"
+        return f"{text}."
+
+
+@dataclass(frozen=True)
+class Acceptance(Printable, Serialisable):
+    """Limits held against one result: the seal's word, beside the verdict on the model.
+
+    Attributes
+    ----------
+    result : Study, Fit or another result
+        What the limits were held against.
+    use : str
+        The verdict on the model.
+    limits : tuple of JudgedLimit
+    """
+
+    schema = "dashpot/acceptance@1"
+    _keys = (
+        Key("model", "use"),
+        Key("seal", "word"),
+        Key("message", "headline"),
+        "limits",
+    )
+    _is_loadable = False
+
+    result: Any
+    use: Use
+    limits: tuple[JudgedLimit, ...]
+
+    @property
+    def word(self) -> SealWord:
+        """The seal's word: it misses if one limit is missed, meets if all are met, else open."""
+        outcomes = self._outcomes
+        if "missed" in outcomes:
+            return "misses"
+        return "open" if "open" in outcomes else "meets"
+
+    @property
+    def _outcomes(self) -> Sequence[Outcome]:
+        return [limit.outcome for limit in self.limits]
+
+    @property
+    def checks(self) -> tuple[()]:
+        """None: a limit is no check of the model."""
+        return ()
+
+    @property
+    def headline(self) -> str:
+        """The seal's word in a sentence, with how many limits are missed and open."""
+        every, missed, still_open = (
+            len(self.limits), self._outcomes.count("missed"), self._outcomes.count("open")
+        )  # fmt: skip
+        limits = "the limit" if every == 1 else f"all {every} limits"
+        if self.word == "meets":
+            return f"meets {limits}"
+        of = "the limit" if every == 1 else f"{missed} of {every} limits"
+        text = [f"misses {of}"] if missed else []
+        if still_open:
+            count = "the limit" if every == 1 else f"{still_open} of {every} limits"
+            verb = "is" if still_open == 1 else "are"
+            text.append(f"{still_open} {verb} open" if missed else f"open at {count}")
+        return ", ".join(text)
+
+    @property
+    def title(self) -> str:
+        """Both answers in one sentence: whether the model holds, and whether the seal does."""
+        model = {
+            "use": "The model holds",
+            "use with care": "The model holds with care",
+            "do not use": "The model is not to be used",
+        }[self.use]
+        seal = {
+            "meets": "the seal meets what was asked",
+            "misses": "the seal does not meet what was asked",
+            "open": "whether the seal meets what was asked is open",
+        }[self.word]
+        joined = "and" if (self.use == "do not use") == (self.word != "meets") else "; "
+        return f"{model}{f' {joined} ' if joined == 'and' else joined}{seal}"

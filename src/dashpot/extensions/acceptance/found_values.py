@@ -1,0 +1,334 @@
+"""Values of a result that limits may be asked of, each with its 95 % interval and its kind."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable
+from functools import singledispatch
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.base.number_format import duration, round_to_error
+from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.units import Dimension, find_unit, format_quantity, parse_quantity
+from dashpot.datamodel.fit import Fit
+from dashpot.fitting.prediction_bounds import off_by_error, parameter_band
+from dashpot.solids.maxwell import Solid
+from dashpot.workflow.identification import Identified
+from dashpot.workflow.measured_frf import Modes
+from dashpot.workflow.recommendation import Answer, recommendation
+from dashpot.workflow.study import Study
+
+Spread = Literal["random", "bound", "unknown"]
+"""What an interval is of: noise of the test, what no test of this kind determines, or unknown."""
+
+_SYNONYMS = {
+    "damping": "damping_ratio", "damping ratio": "damping_ratio", "loss factor": "loss_factor",
+    "resonance": "frequency", "peak frequency": "frequency", "peak height": "peak",
+    "storage stiffness": "storage", "dynamic stiffness": "storage",
+    "storage modulus": "storage", "modulus": "stiffness", "equilibrium stiffness": "k_inf",
+    "stiffness at the end": "k_end", "lifetime": "life", "e_end": "k_end", "e_inf": "k_inf",
+}  # fmt: skip
+_ANSWERS = {
+    "frequency": "frequency", "damping_ratio": "damping", "peak": "peak",
+    "loss_factor": "loss factor", "storage": "dynamic stiffness",
+}  # fmt: skip
+"""Names of quantities, and what a recommendation calls them."""
+_WORDS = {
+    "frequency": "peak frequency", "damping_ratio": "damping ratio", "peak": "peak height",
+    "storage": "storage", "loss_factor": "loss factor",
+}  # fmt: skip
+_NEAR = 0.01
+"""Relative distance within which a time is that of the end of the hold."""
+
+
+class FoundValue(NamedTuple):
+    """Value of a result, with what its interval is of.
+
+    Attributes
+    ----------
+    column : str
+        Its name, as a lot calls it: ``"damping_ratio"``, ``"loss_factor_at_12.7Hz"``.
+    fact : ReportedValue
+        With its words, 95 % interval and units.
+    spread : str
+        ``"random"`` of the noise of the test; ``"bound"`` of what no test of this kind
+        determines; ``"unknown"`` where it is not known, or none is known.
+    remedy : str
+        What would narrow a bound, in sentences; empty where it is not known.
+    """
+
+    column: str
+    fact: ReportedValue
+    spread: Spread
+    remedy: str = ""
+
+    @property
+    def unit(self) -> str:
+        """In which it is shown; empty for a plain number."""
+        return "" if self.fact.reading == "1" else self.fact.reading
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """What it measures; None of a plain number."""
+        unit = find_unit(self.fact.unit)
+        return None if unit is None or unit.dimension == "strain" else unit.dimension
+
+
+class _Name(NamedTuple):
+    """Name of a quantity, and where it is asked: ``"loss_factor"``, ``"12.7Hz"``."""
+
+    word: str
+    place: str
+
+    @property
+    def column(self) -> str:
+        return "_at_".join(filter(None, (self.word, self.place)))
+
+    def place_in(self, dimension: Dimension) -> float:
+        """Return the time or frequency, SI."""
+        value = parse_quantity(self.place, dimension)
+        if not value > 0:
+            raise DataError(f"{self.place} is no {dimension} at which it is known; give one > 0")
+        return value
+
+
+def _parse_name(text: str) -> _Name:
+    """Return the quantity that a text names.
+
+    >>> _parse_name("Loss factor at 12.7 Hz").column
+    'loss_factor_at_12.7Hz'
+    """
+    plain = " ".join(text.replace("_", " ").split())
+    word, _, place = (part.strip() for part in re.sub(" after ", " at ", plain).partition(" at "))
+    lowered = word.lower()
+    exact = "_".join(word.split())
+    name = _SYNONYMS.get(plain.lower()) or _SYNONYMS.get(lowered)
+    return _Name(name or exact, "" if plain.lower() in _SYNONYMS else place.replace(" ", ""))
+
+
+def find_value(result: Any, name: str) -> FoundValue:
+    """Return the value of a result that a name means.
+
+    Parameters
+    ----------
+    result : Study, Fit or another result that reports values
+    name : str
+        Such as ``"frequency"``, ``"damping"``, ``"peak"``, ``"k_end"``, ``"stiffness at 40s"``,
+        ``"force at 40s"``, ``"loss factor at 12.7Hz"``, or a value that the result reports.
+
+    Raises
+    ------
+    DataError
+        If the result has no such value.
+    """
+    parsed = _parse_name(name)
+    value = _find(result, parsed)
+    if value is None:
+        there = ", ".join(dict.fromkeys(list_names(result)))
+        raise DataError(f"'{name}' is no value of this result; there are {there}")
+    return value
+
+
+def list_names(result: Any) -> list[str]:
+    """Return the names of the values of a result."""
+    if isinstance(result, Study):
+        answers = recommendation(result).under_mass
+        under = [name for name, of in _ANSWERS.items() if of in {item.quantity for item in answers}]
+        return [*under, "force at TIME", *list_names(recommendation(result).solid)]
+    if isinstance(result, Identified):
+        modes = [] if result.vibration is None else list_names(result.vibration)
+        return [*modes, *list_names(result.fit)]
+    if isinstance(result, Modes):
+        return ["frequency", "damping_ratio"]
+    facts = [_column(fact) for fact in getattr(result, "facts", ())]
+    if isinstance(result, Fit):
+        end = [] if result.evidence.end_of_hold is None else ["k_end"]
+        return [*end, "stiffness at TIME", "storage at FREQUENCY", "loss_factor at FREQUENCY",
+                *facts]  # fmt: skip
+    return facts
+
+
+def _column(fact: ReportedValue) -> str:
+    return "_".join(fact.name.split())
+
+
+@singledispatch
+def _find(result: Any, name: _Name) -> FoundValue | None:
+    """Return a value that a result reports; None where it reports none of that name."""
+    facts: Iterable[ReportedValue] = getattr(result, "facts", ())
+    matches = [fact for fact in facts if _column(fact) == name.column]
+    return _reported(name.column, matches[0]) if matches else None
+
+
+def _reported(column: str, fact: ReportedValue) -> FoundValue:
+    """Return a reported value; one that is at most so much is bounded by 0 from below."""
+    if fact.is_at_most:
+        fact = _with_ends(fact, 0.0, fact.high)
+        return FoundValue(column, fact, "bound")
+    if fact.is_lower_bound or fact.is_upper_bound:
+        return FoundValue(column, fact, "bound")
+    known = fact.error is not None and math.isfinite(fact.error)
+    return FoundValue(column, fact, "random" if known and fact.has_interval else "unknown")
+
+
+def _with_ends(fact: ReportedValue, low: float, high: float) -> ReportedValue:
+    return ReportedValue(
+        fact.name, fact.value, low, high, fact.unit, read=fact.read, words=fact.words
+    )
+
+
+@_find.register
+def _(result: Modes, name: _Name) -> FoundValue | None:
+    """Return frequency or damping ratio of the mode that moves most."""
+    if name.word not in {"frequency", "damping_ratio"} or not len(result):
+        return None
+    frequency, damping, _ = result[0].facts
+    fact = frequency if name.word == "frequency" else damping
+    return _reported(name.word, fact)
+
+
+@_find.register
+def _(result: Identified, name: _Name) -> FoundValue | None:
+    """Return a value of the measured modes, or of the fit."""
+    value = None if result.vibration is None else _find(result.vibration, name)
+    return value or _find(result.fit, name)
+
+
+@_find.register
+def _(study: Study, name: _Name) -> FoundValue | None:
+    """Return a value of the mass on its seals, or of one seal."""
+    found = recommendation(study)
+    if name.word == "force" and name.place:
+        return _find_force(study, found.solid, name)
+    answer = _ANSWERS.get(name.word)
+    if answer is not None and not name.place:
+        answers = (*found.under_mass, *found.one_seal)
+        return next((_answered(name, item) for item in answers if item.quantity == answer), None)
+    wide = study.unmeasured
+    if not found.joint and wide is not None and name.word in {"storage", "loss_factor"}:
+        hertz = name.place_in("frequency")
+        if wide.frequency[0] <= hertz <= wide.frequency[-1]:
+            low, high = (
+                float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
+                for edge in getattr(wide, name.word)
+            )
+            return _at_frequency(found.solid, name, hertz, low, high, "bound")
+    return _find(found.solid, name)
+
+
+def _answered(name: _Name, answer: Answer) -> FoundValue:
+    fact, where = answer.fact, ""
+    if name.word in {"loss_factor", "storage"} and answer.at is not None:
+        where = f" at {round_to_error(answer.at)} Hz"
+    words = _WORDS[name.word] + where
+    fact = ReportedValue(
+        fact.name, fact.value, fact.low, fact.high, fact.unit, read=fact.read, words=words
+    )
+    spread: Spread = "unknown" if not fact.has_interval else "bound" if answer.bound else "random"
+    return FoundValue(name.column, fact, spread)
+
+
+@_find.register
+def _(fit: Fit, name: _Name) -> FoundValue | None:
+    """Return a value of a fitted solid: at a time, at a frequency, or one of its parameters."""
+    end = fit.evidence.end_of_hold
+    if name.word == "k_end" and not name.place and end is not None:
+        if end.test_kind == "hold":
+            return _find_at_time(fit, name, end.end_time)
+        return FoundValue("k_end", end.fact(fit.solid, fit.unit), "bound", end.remedy)
+    if name.word == "stiffness" and name.place:
+        return _find_at_time(fit, name, name.place_in("time"))
+    if name.word in {"storage", "loss_factor"} and name.place:
+        return _find_at_frequency(fit, name)
+    return _find.dispatch(object)(fit, name)
+
+
+def _time(seconds: float) -> str:
+    return duration(seconds).replace(".0 ", " ")
+
+
+def _find_at_time(fit: Fit, name: _Name, t: float) -> FoundValue:
+    """Return the relaxation function at a time after the ramp, N/m."""
+    what = "modulus" if fit.unit == "Pa" else "stiffness"
+    return _interval_at_time(
+        fit, name, t, lambda solid: float(solid.relaxation(t)), fit.unit, what
+    )
+
+
+def _find_force(study: Study, fit: Fit, name: _Name) -> FoundValue:
+    """Return the force of one seal at a time after the ramp of the test, N."""
+    t, test = name.place_in("time"), study.prepared
+    ramp = max(test.ramp_end - test.onset, 1e-6)
+
+    def compute_force(solid: Solid) -> float:
+        force = solid.maxwell.ramp_hold_force(t + ramp, depth=test.depth, ramp_time=ramp)
+        return float(force)
+
+    what = f"force at {format_quantity(test.depth, 'mm', '.3g')}"
+    return _interval_at_time(fit, name, t, compute_force, "N", what)
+
+
+def _interval_at_time(
+    fit: Fit, name: _Name, t: float, evaluate: Callable[[Solid], float], unit: str, what: str
+) -> FoundValue:
+    """Return a value at a time with the wider of two intervals, each relative to the value.
+
+    One is of the covariance, by one standard error along each of its axes. The other is what
+    every spectrum that the test does not reject leaves at the end of the hold; after the hold,
+    what it leaves of the rest.
+    """
+    value = evaluate(fit.solid)
+    moved = [evaluate(solid) - value for solid in off_by_error(fit)]
+    half = NORMAL * math.sqrt(sum(move * move for move in moved)) if moved else math.nan
+    low, high, remedy = value - half, value + half, ""
+    spread: Spread = "random" if moved else "unknown"
+    end = fit.evidence.end_of_hold
+    if end is not None and not end.is_frequency and end.test_kind != "creep":
+        held = end.compute_stiffness(fit.solid)
+        here = float(fit.solid.relaxation(t))
+        (least, most), last = end.k_end, end.end_time
+        if t > last * (1 + _NEAR):
+            # the stiffness falls with time, so its upper limit at the end holds later, too
+            least = end.k_3end[0] if t <= 3 * last else end.k_inf[0]
+            held = here
+        wider = value * least / held, value * most / held
+        if not (wider[0] >= low and wider[1] <= high):
+            low, high = min(*wider, low), max(*wider, high)
+            spread, remedy = "bound", end.remedy
+    words = f"{what} after {_time(t)}"
+    fact = ReportedValue(name.word, value, min(low, value), max(high, value), unit, words=words)
+    return FoundValue(name.column, fact, spread, remedy)
+
+
+def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
+    """Return storage or loss factor at a frequency; beyond the valid band without an interval."""
+    hertz = name.place_in("frequency")
+    low_band, high_band = fit.band
+    if not low_band <= hertz <= high_band:
+        return _at_frequency(fit, name, hertz, math.nan, math.nan, "bound")
+    bounds = parameter_band(fit, [hertz])
+    low, high = (float(edge[0]) for edge in getattr(bounds, name.word))
+    error = fit.evidence.band_error
+    if error is None:
+        return _at_frequency(fit, name, hertz, low, high, "random")
+    errors = error.stiffness if name.word == "storage" else error.loss_factor
+    factor = 1 + float(np.interp(np.log(hertz), np.log(error.frequency), errors))
+    value = float(getattr(fit.solid, name.word)(frequency=hertz))
+    if value / factor >= low and value * factor <= high:
+        return _at_frequency(fit, name, hertz, low, high, "random")
+    ends = min(low, value / factor), max(high, value * factor)
+    return _at_frequency(fit, name, hertz, *ends, "bound")
+
+
+def _at_frequency(
+    fit: Fit, name: _Name, hertz: float, low: float, high: float, spread: Spread
+) -> FoundValue:
+    value = float(getattr(fit.solid, name.word)(frequency=hertz))
+    words = f"{_WORDS[name.word]} at {round_to_error(hertz)} Hz"
+    unit = "" if name.word == "loss_factor" else fit.unit
+    ends = (low, high) if math.isnan(low) else (min(low, value), max(high, value))
+    return FoundValue(name.column, ReportedValue(name.word, value, *ends, unit, words=words), spread)

@@ -1,0 +1,187 @@
+"""Reading of acceptance limits: TOML files and expressions such as ``damping >= 3%``."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+
+from dashpot.base.errors import DashpotError, DataError, ReadError
+from dashpot.base.units import Dimension, find_unit, parse_quantity
+from dashpot.reading.toml import Section, tables_of
+
+_KNOWN = ("lower", "upper", "cpk")
+_NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)"
+_SPELLINGS = str.maketrans({"≤": "<=", "≥": ">="})
+
+
+class LimitedQuantity(Protocol):
+    """Quantity that limits are asked of."""
+
+    @property
+    def column(self) -> str:
+        """Its one name, with the unit if a table has it."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """In which it is shown; empty for a plain number."""
+        ...
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """What it measures; None of a plain number."""
+        ...
+
+
+Q_co = TypeVar("Q_co", bound=LimitedQuantity, covariant=True)
+
+
+class LimitEntry(NamedTuple, Generic[Q_co]):
+    """Limits of one quantity as stated, SI.
+
+    Attributes
+    ----------
+    quantity
+    lower, upper : float or None
+    cpk : float or None
+        The least capability that is asked of a lot.
+    """
+
+    quantity: Q_co
+    lower: float | None
+    upper: float | None
+    cpk: float | None
+
+
+def is_expression(text: str) -> bool:
+    """Return whether a text is an expression of a limit, and not the path of a file.
+
+    >>> is_expression("damping >= 3%"), is_expression("limits.toml")
+    (True, False)
+    """
+    return re.search("[<>=≤≥]", text) is not None
+
+
+def read_limits(
+    path: str | Path, find_quantity: Callable[[str], Q_co]
+) -> tuple[LimitEntry[Q_co], ...]:
+    """Return the limits that a TOML file states, each a table named for a quantity.
+
+    Parameters
+    ----------
+    path : path
+    find_quantity : callable
+        From the name of a table to the quantity; it refuses a name that it does not know.
+
+    Raises
+    ------
+    ReadError
+        If the file is no such TOML, or names no known quantity.
+    """
+    _, tables = tables_of(path)
+    if not tables:
+        raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
+    entries = []
+    for name, table in tables.items():
+        section = Section(f"{path}, [{name}]", table, _KNOWN)
+        try:
+            entries.append(_parse_entry(find_quantity(name), section.entries))
+        except (DashpotError, TypeError, ValueError) as error:
+            raise ReadError(f"{section.where}: {error}") from None
+    refuse_repeated(entries, f"{path}: limits of {{}} stand there twice, by two names; keep one")
+    return tuple(entries)
+
+
+def refuse_repeated(entries: Iterable[LimitEntry[Any]], message: str) -> None:
+    """Refuse two limits of one quantity.
+
+    Raises
+    ------
+    ReadError
+    """
+    column, times = Counter(entry.quantity.column for entry in entries).most_common(1)[0]
+    if times > 1:
+        raise ReadError(message.format(column))
+
+
+def split_expression(text: str) -> tuple[str, dict[str, str]]:
+    """Return the quantity's name in an expression, and its limits as texts.
+
+    >>> split_expression("damping >= 3%")
+    ('damping', {'lower': '3%'})
+    >>> split_expression("0.18N/mm <= stiffness at 40s <= 0.22N/mm")
+    ('stiffness at 40s', {'lower': '0.18N/mm', 'upper': '0.22N/mm'})
+
+    Raises
+    ------
+    DataError
+        If it is no expression.
+    """
+    parts = [part.strip() for part in re.split("(<=|>=)", text.translate(_SPELLINGS))]
+    places = [i for i in range(0, len(parts), 2) if not re.match(_NUMBER, parts[i])]
+    count = len(parts)
+    if not all(parts) or (count, *places) not in {(3, 0), (3, 2), (5, 2)}:
+        raise DataError(
+            f"'{text}' is no limit; expected a quantity, <= or >=, and a value with its unit, such "
+            "as 'damping >= 3%' or '0.18N/mm <= stiffness at 40s <= 0.22N/mm'"
+        )
+    (place,) = places
+    limits = {}
+    for i in range(1, count, 2):
+        # 12 <= f reads as f >= 12
+        is_before = i < place
+        side = "upper" if (parts[i] == "<=") != is_before else "lower"
+        if side in limits:
+            raise DataError(f"'{text}' has two {side} limits; expected one lower and one upper")
+        limits[side] = parts[i - 1 if is_before else i + 1]
+    return parts[place], limits
+
+
+def parse_expression(text: str, find_quantity: Callable[[str], Q_co]) -> LimitEntry[Q_co]:
+    """Return the limits of an expression such as ``"damping >= 3%"``.
+
+    Raises
+    ------
+    DataError
+        If it is none, or names no known quantity.
+    """
+    name, limits = split_expression(text)
+    try:
+        return _parse_entry(find_quantity(name), limits)
+    except (DashpotError, ValueError) as error:
+        raise DataError(f"'{text}': {error}") from None
+
+
+def _parse_entry(quantity: Q_co, table: Mapping[str, Any]) -> LimitEntry[Q_co]:
+    lower, upper = (_parse_number(table.get(text), quantity) for text in ("lower", "upper"))
+    cpk = float(table["cpk"]) if "cpk" in table else None
+    ends = [end for end in (lower, upper) if end is not None]
+    if not ends:
+        raise DataError("it has no limit; give lower, upper, or both")
+    if ends != sorted(set(ends)):
+        raise DataError("lower is not below upper; exchange them")
+    if cpk is not None and not cpk > 0:
+        raise DataError(f"cpk = {cpk:g}; expected a number > 0, such as 1.33")
+    return LimitEntry(quantity, lower, upper, cpk)
+
+
+def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
+    """Return a limit in SI: of a plain number also in per cent, or with the quantity's unit."""
+    if value is None:
+        return None
+    if quantity.dimension is not None:
+        return parse_quantity(str(value), quantity.dimension)
+    match = re.fullmatch(rf"({_NUMBER}(?:[eE][-+]?\d+)?)\s*(\S.*)", str(value))
+    if match is not None and match[2].strip() == quantity.unit != "%":
+        number = float(match[1])
+    elif match is not None and (unit := find_unit(match[2], "strain")) is not None:
+        number = float(match[1]) * unit.factor
+    else:
+        number = float(str(value))
+    if not math.isfinite(number):
+        raise ValueError(f"{value} is no limit; expected a finite number")
+    return number

@@ -1,0 +1,96 @@
+"""Limits held against a result as a section of its page."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from dashpot import workflow
+from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
+from dashpot.report.page_frame import environment
+
+WIDTH = 200.0
+"""Of the bar of an interval, px."""
+_MARKS = {"met": "good", "missed": "bad", "open": "care"}
+_COLOURS = {"meets": "good", "misses": "bad", "open": "care"}
+
+
+class Bar(NamedTuple):
+    """Interval and limits along one axis, px.
+
+    Attributes
+    ----------
+    start, width : float
+        Of the interval.
+    at : float
+        Of the value; nan where there is none.
+    limits : tuple of float
+    """
+
+    start: float
+    width: float
+    at: float
+    limits: tuple[float, ...]
+
+
+class LimitRow(NamedTuple):
+    """Row of the table: what was asked and found, and the bar."""
+
+    limit: JudgedLimit
+    value: str
+    low: str
+    high: str
+    unit: str
+    mark: str
+    bar: Bar
+
+
+def render_section(acceptance: Acceptance) -> str:
+    """Return the section as HTML: the seal's word, and a row for each limit with its bar."""
+    rows = [_make_row(limit) for limit in acceptance.limits]
+    template = environment("dashpot.extensions.acceptance").get_template("acceptance.html")
+    colour = _COLOURS[acceptance.word]
+    return str(template.render(acceptance=acceptance, rows=rows, colour=colour, width=WIDTH))
+
+
+def render_judged_section(result: Any, sources: tuple[str, ...]) -> str:
+    """Return the section of limits, given as files and expressions, held against a result."""
+    from dashpot.extensions.acceptance.accept import read_limits
+
+    return render_section(read_limits(*sources).judge(result))
+
+
+def write_page(acceptance: Acceptance) -> str:
+    """Return the page of the result that was judged, with the section of its limits."""
+    return workflow.html(acceptance.result, limits=render_section(acceptance))
+
+
+def _make_row(limit: JudgedLimit) -> LimitRow:
+    value, low, high = limit.value.ends
+    unit = limit.value.word
+    return LimitRow(limit, value, low, high, unit, _MARKS[limit.outcome], _draw_bar(limit))
+
+
+def _draw_bar(limit: JudgedLimit) -> Bar:
+    """Return the bar: an axis that holds value, interval and limits, open ends at its edges."""
+    fact = limit.value
+    limits = [end for end in (limit.lower, limit.upper) if end is not None]
+    known = [
+        end for end in (fact.value, fact.low, fact.high, *limits) if math.isfinite(end)
+    ]
+    least, most = min(known), max(known)
+    margin = 0.15 * ((most - least) or abs(most) or 1.0)
+    least, most = least - margin, most + margin
+
+    def place(value: float, otherwise: float) -> float:
+        if not math.isfinite(value):
+            return otherwise
+        return round(WIDTH * (value - least) / (most - least), 1)
+
+    start, stop = place(fact.low, 0.0), place(fact.high, WIDTH)
+    return Bar(
+        start,
+        max(round(stop - start, 1), 2.0),
+        place(fact.value, math.nan),
+        tuple(place(end, 0.0) for end in limits),
+    )

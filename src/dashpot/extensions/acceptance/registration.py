@@ -1,0 +1,19 @@
+"""Registry rows of acceptance limits."""
+
+from dashpot.registry.row import Extension
+
+EXTENSION = Extension(
+    "acceptance",
+    handlers={
+        "options": {"limits": "dashpot.extensions.acceptance.command_options:list_options"},
+        "read limits": {"file": "dashpot.extensions.acceptance.limit_files:read_limits"},
+        "judge interval": {"limits": "dashpot.extensions.acceptance.judgement:judge_interval"},
+        "judge limits": {"page": "dashpot.extensions.acceptance.page:render_judged_section"},
+        "text": {
+            "dashpot.extensions.acceptance.datamodel:Acceptance": "dashpot.extensions.acceptance.text:render_acceptance",
+        },
+        "html": {
+            "dashpot.extensions.acceptance.datamodel:Acceptance": "dashpot.extensions.acceptance.page:write_page",
+        },
+    },
+)
