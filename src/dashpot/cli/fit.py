@@ -132,7 +132,7 @@ _OPTIONS = (
     ),
     options.reading(),
     options.result("Keep the result: .json, .html; of hits .csv or .uff."),
-    find_handler("options", "limits")(),
+    find_handler("options", "limits"),
 )  # fmt: skip
 for _one in chain.from_iterable(_OPTIONS):
     if _one.group not in {options.READING, options.RESULT}:

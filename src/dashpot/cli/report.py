@@ -109,7 +109,7 @@ class Reported(Serialisable):
     mark_advanced(group(PIECE, build_options(Job, "impact_temperature"))),
     options.reading(),
     options.result(plot=False, opens=False),
-    find_handler("options", "limits")(),
+    find_handler("options", "limits"),
 )
 def command(
     *,

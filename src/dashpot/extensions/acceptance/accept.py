@@ -100,9 +100,12 @@ def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLim
     counts: list[int | None] = [None, None]
     if outcome == "open" and is_usable and value.spread == "random":
         counts = [
-            count_further_tests(lower, upper, fact.value, low, high, quantile=quantile)
+            count_further_tests(
+                lower, upper, fact.value, low, high,
+                noise_share=value.noise_share, quantile=quantile,
+            )
             for quantile in (0.0, POWER)
-        ]
+        ]  # fmt: skip
     return JudgedLimit(
         value.column, fact, lower, upper, outcome, value.spread, *counts, value.remedy, is_usable
     )

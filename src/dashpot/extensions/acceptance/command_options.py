@@ -1,12 +1,10 @@
-"""Options for acceptance limits; imports no NumPy, so that help is fast."""
+"""Options for acceptance limits: data alone, so that a command that is given none runs nothing."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
-from dashpot.cli._command import CommandOption, group, opt
+from dashpot.cli._command import group, opt
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import File
 
@@ -14,29 +12,31 @@ _SOURCES = "dashpot.limits"
 """Where files and expressions of limits are kept."""
 
 
-def list_options() -> list[CommandOption]:
-    """Return the options that ask for limits."""
-    return group(
-        RESULT,
-        opt("--limits", type=File(), metavar="FILE", multiple=True, expose_value=False,
-            callback=_note_limits, help="Acceptance limits (.toml)."),
-        opt("--limit", type=str, metavar="TEXT", multiple=True, expose_value=False,
-            callback=_note_limits, help="One limit, e.g. 'damping >= 3%'."),
-    )  # fmt: skip
+def note_limits(source: str) -> str:
+    """Keep a file or an expression, and what judges the result by it, for the end of the command.
 
-
-def _note_limits(context: click.Context, _: click.Parameter, sources: tuple[str, ...]) -> None:
-    """Keep what was typed, and what judges a result by it, for the end of the command."""
-    if not sources:
-        return
+    As the type of an option it runs only where the option is typed.
+    """
+    from dashpot.extensions.acceptance.accept import read_limits
     from dashpot.extensions.acceptance.command_result import judge_result, render_page
 
-    context.meta.setdefault(_SOURCES, []).extend(sources)
-    context.meta["dashpot.judge"] = judge_result
-    context.meta["dashpot.page"] = render_page
+    read_limits(source)
+    meta = click.get_current_context().meta
+    meta.setdefault(_SOURCES, []).append(source)
+    meta |= {"dashpot.judge": judge_result, "dashpot.page": render_page}
+    return source
 
 
 def get_sources(context: click.Context) -> tuple[str, ...]:
     """Return the files and expressions that were typed."""
-    sources: list[Any] = context.meta[_SOURCES]
-    return tuple(sources)
+    return tuple(context.meta[_SOURCES])
+
+
+OPTIONS = group(
+    RESULT,
+    opt("--limits", type=note_limits, metavar="FILE", multiple=True, expose_value=False,
+        shell_complete=File().shell_complete, help="Acceptance limits (.toml)."),
+    opt("--limit", type=note_limits, metavar="TEXT", multiple=True, expose_value=False,
+        help="One limit, e.g. 'damping >= 3%'."),
+)  # fmt: skip
+"""Options that ask for limits."""

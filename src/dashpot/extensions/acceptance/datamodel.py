@@ -7,17 +7,18 @@ from typing import Any, Literal
 
 from dashpot.base import dataclass
 from dashpot.base.checks import Use
-from dashpot.base.number_format import format_count, round_to_error
+from dashpot.base.number_format import format_count
 from dashpot.base.plain_text import sentence
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Printable
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.acceptance.found_values import Spread
-from dashpot.extensions.acceptance.judgement import MOST_TESTS, Outcome
+from dashpot.extensions.acceptance.judgement import Outcome
 
 SealWord = Literal["meets", "misses", "open"]
 
 _NO_NUMBER = "no number of such tests decides it: what is open is not random"
+_OF_RIG = "The rest is of the rig, which makes all such tests: measure its delay, gain and drift."
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ class JudgedLimit(Serialisable):
         What the interval is of: ``"random"``, ``"bound"`` or ``"unknown"``.
     further_tests, further_tests_90 : int or None
         How many more tests like this one would decide it: if their mean lies where this value
-        does, and with a chance of 90 % if this value is true. None where it is decided, where what
-        is open is not random, and of more than a thousand.
+        does, and with a chance of 90 % if this value is true. None where it is decided, and where
+        no number of such tests does.
     remedy : str
         What would narrow a bound; empty where that is not known.
     """
@@ -78,9 +79,7 @@ class JudgedLimit(Serialisable):
     def limit_text(self) -> str:
         """The limits with their unit: 'at least 3 %', '0.18 to 0.22 N/mm'."""
         ends = [
-            round_to_error(self.value.to_display_unit(end), digits=4).rstrip("0").rstrip(".")
-            if "." in round_to_error(self.value.to_display_unit(end), digits=4)
-            else round_to_error(self.value.to_display_unit(end), digits=4)
+            f"{self.value.to_display_unit(end):.6g}"
             for end in (self.lower, self.upper)
             if end is not None
         ]
@@ -95,16 +94,19 @@ class JudgedLimit(Serialisable):
         if not self.is_usable:
             return "The model is not to be used, so its values decide nothing."
         if self.spread == "bound":
-            return " ".join(filter(None, (sentence(_NO_NUMBER), self.remedy)))
+            return f"{sentence(_NO_NUMBER)} {self.remedy}".rstrip()
         if self.spread == "unknown":
             return "How many tests decide it is not known: the value has no standard error."
         if self.further_tests is None:
-            return f"More than {MOST_TESTS} such tests would be needed to decide it."
-        text = f"{format_count(self.further_tests, 'further test')} would decide it if their mean "
-        text += "stays here"
-        if self.further_tests_90 is not None:
-            text += f", {self.further_tests_90} with a chance of 90 %"
-        return f"{text}."
+            return f"{sentence(_NO_NUMBER)} {self.remedy or _OF_RIG}"
+        count = format_count(self.further_tests, "further test")
+        if self.further_tests_90 is None:
+            rest = self.remedy or _OF_RIG
+            return f"{sentence(count)[:-1]} would decide it if the mean stays here. {rest}"
+        return (
+            f"{sentence(count)[:-1]} would decide it if the mean stays here, {self.further_tests_90} with a "
+            "chance of 90 %."
+        )
 
 
 @dataclass(frozen=True)

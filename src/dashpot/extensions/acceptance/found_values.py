@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable
-from functools import singledispatch
+from functools import partial, singledispatch
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from dashpot.base import replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, round_to_error
+from dashpot.base.number_format import hertz as format_band
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.units import Dimension, find_unit, format_quantity, parse_quantity
 from dashpot.datamodel.fit import Fit
@@ -19,7 +21,7 @@ from dashpot.fitting.prediction_bounds import off_by_error, parameter_band
 from dashpot.solids.maxwell import Solid
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
-from dashpot.workflow.recommendation import Answer, recommendation
+from dashpot.workflow.recommendation import Answer, Recommendation, recommendation
 from dashpot.workflow.study import Study
 
 Spread = Literal["random", "bound", "unknown"]
@@ -41,6 +43,8 @@ _WORDS = {
     "frequency": "peak frequency", "damping_ratio": "damping ratio", "peak": "peak height",
     "storage": "storage", "loss_factor": "loss factor",
 }  # fmt: skip
+_WIDER = 1.1
+"""A bound wider than so many times the interval of the parameters is not random."""
 _NEAR = 0.01
 """Relative distance within which a time is that of the end of the hold."""
 
@@ -59,12 +63,15 @@ class FoundValue(NamedTuple):
         determines; ``"unknown"`` where it is not known, or none is known.
     remedy : str
         What would narrow a bound, in sentences; empty where it is not known.
+    noise_share : float
+        Of a random interval: the standard error of noise over that of noise and rig.
     """
 
     column: str
     fact: ReportedValue
     spread: Spread
     remedy: str = ""
+    noise_share: float = 1.0
 
     @property
     def unit(self) -> str:
@@ -207,7 +214,8 @@ def _(study: Study, name: _Name) -> FoundValue | None:
     answer = _ANSWERS.get(name.word)
     if answer is not None and not name.place:
         answers = (*found.under_mass, *found.one_seal)
-        return next((_answered(name, item) for item in answers if item.quantity == answer), None)
+        items = (item for item in answers if item.quantity == answer)
+        return next((_answered(name, item, found) for item in items), None)
     wide = study.unmeasured
     if not found.joint and wide is not None and name.word in {"storage", "loss_factor"}:
         hertz = name.place_in("frequency")
@@ -220,16 +228,44 @@ def _(study: Study, name: _Name) -> FoundValue | None:
     return _find(found.solid, name)
 
 
-def _answered(name: _Name, answer: Answer) -> FoundValue:
+def _answered(name: _Name, answer: Answer, found: Recommendation) -> FoundValue:
+    """Return a value that a recommendation holds.
+
+    As there, a frequency goes with the stiffness at the peak, damping and height with the loss
+    factor.
+    """
     fact, where = answer.fact, ""
+    hertz = next(item.at for item in found.one_seal if item.quantity == "dynamic stiffness")
+    part = "storage" if name.word in {"frequency", "storage"} else "loss_factor"
     if name.word in {"loss_factor", "storage"} and answer.at is not None:
         where = f" at {round_to_error(answer.at)} Hz"
     words = _WORDS[name.word] + where
     fact = ReportedValue(
         fact.name, fact.value, fact.low, fact.high, fact.unit, read=fact.read, words=words
     )
-    spread: Spread = "unknown" if not fact.has_interval else "bound" if answer.bound else "random"
-    return FoundValue(name.column, fact, spread)
+    if not fact.has_interval or answer.bound:
+        return FoundValue(name.column, fact, "bound" if answer.bound else "unknown")
+    share = _noise_share(found.solid, partial(_evaluate_at, part=part, hertz=hertz or 0.0))
+    return FoundValue(name.column, fact, "random", noise_share=share)
+
+
+def _evaluate_at(solid: Solid, *, part: str, hertz: float) -> float:
+    """Return storage or loss factor of a solid at a frequency, Hz."""
+    return float(getattr(solid, part)(frequency=hertz))
+
+
+def _propagate_error(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
+    """Return the standard error of a value of the solid, to first order; nan if none is known."""
+    value = evaluate(fit.solid)
+    moves = [evaluate(solid) - value for solid in off_by_error(fit)]
+    return math.hypot(*moves) if moves else math.nan
+
+
+def _noise_share(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
+    """Return the standard error of noise over that of noise and rig."""
+    of_noise = replace(fit, estimate=fit.estimate.noise_only)
+    every, noise = (_propagate_error(item, evaluate) for item in (fit, of_noise))
+    return min(noise / every, 1.0) if every > 0 else 1.0
 
 
 @_find.register
@@ -244,7 +280,12 @@ def _(fit: Fit, name: _Name) -> FoundValue | None:
         return _find_at_time(fit, name, name.place_in("time"))
     if name.word in {"storage", "loss_factor"} and name.place:
         return _find_at_frequency(fit, name)
-    return _find.dispatch(object)(fit, name)
+    value = _find.dispatch(object)(fit, name)
+    if value is None or value.spread != "random" or not value.fact.error:
+        return value
+    noise = {fact.name: fact.error for fact in fit.estimate.noise_only.list_values(
+        fit.solid, fit.unit)}.get(value.fact.name)  # fmt: skip
+    return value._replace(noise_share=min((noise or math.inf) / value.fact.error, 1.0))
 
 
 def _time(seconds: float) -> str:
@@ -281,27 +322,28 @@ def _interval_at_time(
     every spectrum that the test does not reject leaves at the end of the hold; after the hold,
     what it leaves of the rest.
     """
-    value = evaluate(fit.solid)
-    moved = [evaluate(solid) - value for solid in off_by_error(fit)]
-    half = NORMAL * math.sqrt(sum(move * move for move in moved)) if moved else math.nan
+    value, half = evaluate(fit.solid), NORMAL * _propagate_error(fit, evaluate)
     low, high, remedy = value - half, value + half, ""
-    spread: Spread = "random" if moved else "unknown"
+    spread: Spread = "unknown" if math.isnan(half) else "random"
     end = fit.evidence.end_of_hold
     if end is not None and not end.is_frequency and end.test_kind != "creep":
-        held = end.compute_stiffness(fit.solid)
-        here = float(fit.solid.relaxation(t))
-        (least, most), last = end.k_end, end.end_time
+        remedy = end.remedy
+        held, last = end.compute_stiffness(fit.solid), end.end_time
+        least, most = end.k_end
         if t > last * (1 + _NEAR):
             # the stiffness falls with time, so its upper limit at the end holds later, too
             least = end.k_3end[0] if t <= 3 * last else end.k_inf[0]
-            held = here
-        wider = value * least / held, value * most / held
-        if not (wider[0] >= low and wider[1] <= high):
-            low, high = min(*wider, low), max(*wider, high)
-            spread, remedy = "bound", end.remedy
+            held = float(fit.solid.relaxation(t))
+        wide = value * least / held, value * most / held
+        if not wide[1] - wide[0] <= _WIDER * (high - low):
+            spread = "bound"
+        if abs(t - last) <= _NEAR * last or math.isnan(half):
+            low, high = wide  # the interval that every output has
+        else:
+            low, high = min(low, wide[0]), max(high, wide[1])
     words = f"{what} after {_time(t)}"
     fact = ReportedValue(name.word, value, min(low, value), max(high, value), unit, words=words)
-    return FoundValue(name.column, fact, spread, remedy)
+    return FoundValue(name.column, fact, spread, remedy, _noise_share(fit, evaluate))
 
 
 def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
@@ -309,19 +351,22 @@ def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
     hertz = name.place_in("frequency")
     low_band, high_band = fit.band
     if not low_band <= hertz <= high_band:
-        return _at_frequency(fit, name, hertz, math.nan, math.nan, "bound")
+        beyond = f"It lies outside the valid band of the test, {format_band(fit.band)}."
+        value = _at_frequency(fit, name, hertz, math.nan, math.nan, "bound")
+        return value._replace(remedy=beyond)
     bounds = parameter_band(fit, [hertz])
     low, high = (float(edge[0]) for edge in getattr(bounds, name.word))
     error = fit.evidence.band_error
+    share = _noise_share(fit, partial(_evaluate_at, part=name.word, hertz=hertz))
     if error is None:
-        return _at_frequency(fit, name, hertz, low, high, "random")
+        return _at_frequency(fit, name, hertz, low, high, "random")._replace(noise_share=share)
     errors = error.stiffness if name.word == "storage" else error.loss_factor
     factor = 1 + float(np.interp(np.log(hertz), np.log(error.frequency), errors))
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
-    if value / factor >= low and value * factor <= high:
-        return _at_frequency(fit, name, hertz, low, high, "random")
+    is_wider = value * factor - value / factor > _WIDER * (high - low)
+    spread: Spread = "bound" if is_wider else "random"
     ends = min(low, value / factor), max(high, value * factor)
-    return _at_frequency(fit, name, hertz, *ends, "bound")
+    return _at_frequency(fit, name, hertz, *ends, spread)._replace(noise_share=share)
 
 
 def _at_frequency(

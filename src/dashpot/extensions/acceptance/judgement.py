@@ -11,8 +11,6 @@ Outcome = Literal["met", "missed", "open"]
 
 POWER = 1.281552
 """Normal quantile of 0.9: the chance of the larger number of tests."""
-MOST_TESTS = 1000
-"""A larger number of further tests is no advice."""
 
 
 def judge_interval(lower: float | None, upper: float | None, low: float, high: float) -> Outcome:
@@ -48,16 +46,18 @@ def count_further_tests(
     low: float,
     high: float,
     *,
+    noise_share: float = 1.0,
     quantile: float = 0.0,
 ) -> int | None:
-    r"""Return how many more tests like this one would decide an open limit.
+    r"""Return how many more tests like this one would decide an open limit; None if no number does.
 
-    The mean of n tests has half of the interval's width times :math:`1/\sqrt n`. With the
-    half width h of one test towards a limit at the distance d from the value,
+    Of the half width h towards a limit at the distance d from the value, a share q is of noise
+    and shrinks by :math:`1/\sqrt n` in the mean of n tests. The rest, of the rig that makes them all,
+    does not. The limit is decided from
 
-    .. math:: n = \left\lceil \left(\frac hd \,\Bigl(1 + \frac{z}{1.96}\Bigr)\right)^2 \right\rceil
+    .. math:: h^2 (1 - q^2) + \frac{h^2 q^2}{n} \le \left(\frac{d}{1 + z / 1.96}\right)^2
 
-    of which one is done. At z = 0 the mean stays where the value is; with z a quantile of the
+    on, of which n one is done. At z = 0 the mean stays where the value is; with z a quantile of the
     normal distribution the mean of so many tests decides with that probability, if the value is
     true.
 
@@ -66,30 +66,26 @@ def count_further_tests(
     lower, upper : float or None
     value, low, high : float
         Value and 95 % interval of one test.
+    noise_share : float
+        q, the standard error of noise over that of noise and rig, from 0 to 1.
     quantile : float
         z.
-
-    Returns
-    -------
-    int or None
-        None where the value lies on a limit, or more than `MOST_TESTS` were needed.
 
     Examples
     --------
     >>> count_further_tests(3.0, None, 3.5, 2.5, 4.5)
     3
+    >>> count_further_tests(3.0, None, 3.5, 2.5, 4.5, noise_share=0.8)
     """
-    needed = 1
+    needed = 1.0
     for limit in (lower, upper):
         if limit is None or not low < limit < high:
             continue
         half = high - value if limit > value else value - low
-        distance = abs(limit - value)
-        if not distance > 0:
+        goal = abs(limit - value) / (1 + quantile / NORMAL)
+        noise, rig = half * noise_share, half * math.sqrt(1 - noise_share**2)
+        if not goal > rig:
             return None
-        tests = (half / distance * (1 + quantile / NORMAL)) ** 2
-        if not tests <= MOST_TESTS:
-            return None
-        # a share of a test that rounding made is none
-        needed = max(needed, math.ceil(tests * (1 - 1e-12)))
-    return needed - 1
+        needed = max(needed, noise**2 / (goal**2 - rig**2))
+    # a share of a test that rounding made is none
+    return math.ceil(needed * (1 - 1e-12)) - 1 if math.isfinite(needed) else None

@@ -181,7 +181,13 @@ def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
     elif match is not None and (unit := find_unit(match[2], "strain")) is not None:
         number = float(match[1]) * unit.factor
     else:
-        number = float(str(value))
+        try:
+            number = float(str(value))
+        except ValueError:
+            usual = f" or with {quantity.unit}" if quantity.unit not in {"", "%"} else ""
+            raise DataError(
+                f"'{value}' is no plain number; expected such as 0.03 or 3%{usual}"
+            ) from None
     if not math.isfinite(number):
         raise ValueError(f"{value} is no limit; expected a finite number")
     return number

@@ -5,7 +5,7 @@ from dashpot.registry.row import Extension
 EXTENSION = Extension(
     "acceptance",
     handlers={
-        "options": {"limits": "dashpot.extensions.acceptance.command_options:list_options"},
+        "options": {"limits": "dashpot.extensions.acceptance.command_options:OPTIONS"},
         "read limits": {"file": "dashpot.extensions.acceptance.limit_files:read_limits"},
         "judge interval": {"limits": "dashpot.extensions.acceptance.judgement:judge_interval"},
         "judge limits": {"page": "dashpot.extensions.acceptance.page:render_judged_section"},
