@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,6 @@ from dashpot.extensions.acceptance.limit_files import (
     LimitEntry,
     is_expression,
     parse_expression,
-    refuse_repeated,
     split_expression,
 )
 from dashpot.extensions.acceptance.limit_files import read_limits as read_limit_file
@@ -51,15 +51,17 @@ class AcceptanceLimits:
             If the result has no such value, or a limit has no or another unit.
         """
         find_quantity = partial(find_value, result)
-        entries: list[LimitEntry[FoundValue]] = []
+        entries: dict[str, LimitEntry[FoundValue]] = {}
         for source in self.sources:
             if isinstance(source, str) and is_expression(source):
-                entries.append(parse_expression(source, find_quantity))
+                stated: Iterable[LimitEntry[FoundValue]] = [parse_expression(source, find_quantity)]
             else:
-                entries += read_limit_file(source, find_quantity)
-        refuse_repeated(entries, "limits of {} are given twice; keep one")
+                stated = read_limit_file(source, find_quantity)
+            for entry in stated:
+                column = entry.quantity.column
+                entries[column] = _combine_limits(entries.get(column), entry)
         use = result.verdict.use
-        judged = tuple(_judge_entry(entry, is_usable=use != "do not use") for entry in entries)
+        judged = tuple(_judge_entry(entry, is_usable=use != "do not use") for entry in entries.values())
         return Acceptance(result, use, judged)
 
 
@@ -90,6 +92,29 @@ def read_limits(*sources: str | Path) -> AcceptanceLimits:
         if isinstance(source, str) and is_expression(source):
             split_expression(source)
     return AcceptanceLimits(sources)
+
+
+def _combine_limits(
+    first: LimitEntry[FoundValue] | None, other: LimitEntry[FoundValue]
+) -> LimitEntry[FoundValue]:
+    """Return the limits of one quantity that were stated in two places.
+
+    Raises
+    ------
+    DataError
+        If both state the same one, or the lower one is not below the upper one.
+    """
+    if first is None:
+        return other
+    ends = []
+    for side in ("lower", "upper"):
+        values = [getattr(entry, side) for entry in (first, other)]
+        if None not in values:
+            raise DataError(f"the {side} limit of {first.quantity.column} is given twice; keep one")
+        ends.append(values[0] if values[1] is None else values[1])
+    if not ends[0] < ends[1]:
+        raise DataError(f"the lower limit of {first.quantity.column} is not below the upper one")
+    return LimitEntry(other.quantity, *ends, other.cpk)
 
 
 def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLimit:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
@@ -92,20 +92,10 @@ def read_limits(
             entries.append(_parse_entry(find_quantity(name), section.entries))
         except (DashpotError, TypeError, ValueError) as error:
             raise ReadError(f"{section.where}: {error}") from None
-    refuse_repeated(entries, f"{path}: limits of {{}} stand there twice, by two names; keep one")
-    return tuple(entries)
-
-
-def refuse_repeated(entries: Iterable[LimitEntry[Any]], message: str) -> None:
-    """Refuse two limits of one quantity.
-
-    Raises
-    ------
-    ReadError
-    """
     column, times = Counter(entry.quantity.column for entry in entries).most_common(1)[0]
     if times > 1:
-        raise ReadError(message.format(column))
+        raise ReadError(f"{path}: limits of {column} stand there twice, by two names; keep one")
+    return tuple(entries)
 
 
 def split_expression(text: str) -> tuple[str, dict[str, str]]:
