@@ -67,8 +67,12 @@ simulate relaxation --hold 4s --gauges --misaligned 2deg -o gauges.csv
 
 That of the paper makes figure_2.svg, figure_4.svg and figure_6.svg.
 """
-PRINTED = "fit seal_8mm.csv"
-"""The command whose output is shown as a shell shows it."""
+PRINTED = {
+    "shell": "fit seal_8mm.csv",
+    "limits": "fit seal_8mm.csv --limit 'k_end >= 0.18N/mm' --limit 'k_end <= 0.22N/mm' "
+    "--limit 'loss factor at 0.3Hz >= 15%' --limit 'stiffness at 1s <= 0.21N/mm'",
+}
+"""Commands whose output is shown as a shell shows it, by the name of the picture."""
 WINDOW = {"width": 1366, "height": 768}
 """Of the app, px."""
 STATE = {"x": 188, "y": 44, "width": 834, "height": 460}
@@ -98,8 +102,9 @@ def gallery() -> None:
             shutil.copy(path, GALLERY)
         for name, picture in (_drawn() | {"lot": _lot()}).items():
             dp.plot.save(picture, GALLERY / f"{name}.svg")
-        shown = _in_a_shell(f"$ dashpot {PRINTED}\n{_printed(PRINTED)}")
-        (GALLERY / "shell.svg").write_text(shown, encoding="utf-8")
+        for name, line in PRINTED.items():
+            shown = _in_a_shell(f"$ dashpot {line}\n{_printed(line)}")
+            (GALLERY / f"{name}.svg").write_text(shown, encoding="utf-8")
 
 
 def _printed(line: str) -> str:

@@ -61,7 +61,9 @@ class AcceptanceLimits:
                 column = entry.quantity.column
                 entries[column] = _combine_limits(entries.get(column), entry)
         use = result.verdict.use
-        judged = tuple(_judge_entry(entry, is_usable=use != "do not use") for entry in entries.values())
+        judged = tuple(
+            _judge_entry(entry, is_usable=use != "do not use") for entry in entries.values()
+        )
         return Acceptance(result, use, judged)
 
 
@@ -114,7 +116,8 @@ def _combine_limits(
         ends.append(values[0] if values[1] is None else values[1])
     if not ends[0] < ends[1]:
         raise DataError(f"the lower limit of {first.quantity.column} is not below the upper one")
-    return LimitEntry(other.quantity, *ends, other.cpk)
+    lower, upper = ends
+    return LimitEntry(other.quantity, lower, upper, other.cpk)
 
 
 def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLimit:
@@ -122,17 +125,27 @@ def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLim
     fact = value.fact
     low, high = _get_ends(fact)
     outcome = judge_interval(lower, upper, low, high) if is_usable else "open"
-    counts: list[int | None] = [None, None]
+    now: int | None = None
+    likely: int | None = None
     if outcome == "open" and is_usable and value.spread == "random":
-        counts = [
+        now, likely = (
             count_further_tests(
                 lower, upper, fact.value, low, high,
                 noise_share=value.noise_share, quantile=quantile,
             )
             for quantile in (0.0, POWER)
-        ]  # fmt: skip
+        )  # fmt: skip
     return JudgedLimit(
-        value.column, fact, lower, upper, outcome, value.spread, *counts, value.remedy, is_usable
+        value.column,
+        fact,
+        lower,
+        upper,
+        outcome,
+        value.spread,
+        now,
+        likely,
+        value.remedy,
+        is_usable,
     )
 
 

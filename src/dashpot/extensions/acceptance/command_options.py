@@ -8,9 +8,6 @@ from dashpot.cli._command import group, opt
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import File
 
-_SOURCES = "dashpot.limits"
-"""Where files and expressions of limits are kept."""
-
 
 def note_limits(source: str) -> str:
     """Keep a file or an expression, and what judges the result by it, for the end of the command.
@@ -18,18 +15,13 @@ def note_limits(source: str) -> str:
     As the type of an option it runs only where the option is typed.
     """
     from dashpot.extensions.acceptance.accept import read_limits
-    from dashpot.extensions.acceptance.command_result import judge_result, render_page
+    from dashpot.extensions.acceptance.command_result import SOURCES, judge_result, render_page
 
     read_limits(source)
     meta = click.get_current_context().meta
-    meta.setdefault(_SOURCES, []).append(source)
+    meta.setdefault(SOURCES, []).append(source)
     meta |= {"dashpot.judge": judge_result, "dashpot.page": render_page}
     return source
-
-
-def get_sources(context: click.Context) -> tuple[str, ...]:
-    """Return the files and expressions that were typed."""
-    return tuple(context.meta[_SOURCES])
 
 
 OPTIONS = group(

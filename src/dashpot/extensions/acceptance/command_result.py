@@ -11,10 +11,12 @@ from dashpot.base import dataclass
 from dashpot.base.serialisation import DIGEST, Serialisable, compute_document_digest
 from dashpot.cli._command_result import CommandResult
 from dashpot.extensions.acceptance.accept import read_limits
-from dashpot.extensions.acceptance.command_options import get_sources
 from dashpot.extensions.acceptance.datamodel import Acceptance
 from dashpot.extensions.acceptance.page import render_section
 from dashpot.extensions.acceptance.text import render_acceptance
+
+SOURCES = "dashpot.limits"
+"""Where the files and expressions of limits that were typed are kept."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class JudgedResult(Serialisable):
 
 def judge(result: Any) -> Acceptance:
     """Return what the limits of the running command make of a result."""
-    return read_limits(*get_sources(click.get_current_context())).judge(result)
+    return read_limits(*click.get_current_context().meta[SOURCES]).judge(result)
 
 
 def judge_result(outcome: CommandResult) -> CommandResult:

@@ -100,13 +100,10 @@ class JudgedLimit(Serialisable):
         if self.further_tests is None:
             return f"{sentence(_NO_NUMBER)} {self.remedy or _OF_RIG}"
         count = format_count(self.further_tests, "further test")
+        text = f"{sentence(count)[:-1]} would decide it if the mean stays here"
         if self.further_tests_90 is None:
-            rest = self.remedy or _OF_RIG
-            return f"{sentence(count)[:-1]} would decide it if the mean stays here. {rest}"
-        return (
-            f"{sentence(count)[:-1]} would decide it if the mean stays here, {self.further_tests_90} with a "
-            "chance of 90 %."
-        )
+            return f"{text}. {self.remedy or _OF_RIG}"
+        return f"{text}, {self.further_tests_90} with a chance of 90 %."
 
 
 @dataclass(frozen=True)

@@ -224,7 +224,7 @@ def _(study: Study, name: _Name) -> FoundValue | None:
                 float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
                 for edge in getattr(wide, name.word)
             )
-            return _at_frequency(found.solid, name, hertz, low, high, "bound")
+            return _at_frequency(found.solid, name, hertz, (low, high), "bound")
     return _find(found.solid, name)
 
 
@@ -296,7 +296,7 @@ def _find_at_time(fit: Fit, name: _Name, t: float) -> FoundValue:
     """Return the relaxation function at a time after the ramp, N/m."""
     what = "modulus" if fit.unit == "Pa" else "stiffness"
     return _interval_at_time(
-        fit, name, t, lambda solid: float(solid.relaxation(t)), fit.unit, what
+        fit, name, t, lambda solid: float(solid.relaxation(t)), unit=fit.unit, what=what
     )
 
 
@@ -310,11 +310,11 @@ def _find_force(study: Study, fit: Fit, name: _Name) -> FoundValue:
         return float(force)
 
     what = f"force at {format_quantity(test.depth, 'mm', '.3g')}"
-    return _interval_at_time(fit, name, t, compute_force, "N", what)
+    return _interval_at_time(fit, name, t, compute_force, unit="N", what=what)
 
 
 def _interval_at_time(
-    fit: Fit, name: _Name, t: float, evaluate: Callable[[Solid], float], unit: str, what: str
+    fit: Fit, name: _Name, t: float, evaluate: Callable[[Solid], float], *, unit: str, what: str
 ) -> FoundValue:
     """Return a value at a time with the wider of two intervals, each relative to the value.
 
@@ -352,28 +352,31 @@ def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
     low_band, high_band = fit.band
     if not low_band <= hertz <= high_band:
         beyond = f"It lies outside the valid band of the test, {format_band(fit.band)}."
-        value = _at_frequency(fit, name, hertz, math.nan, math.nan, "bound")
-        return value._replace(remedy=beyond)
+        unknown = _at_frequency(fit, name, hertz, (math.nan, math.nan), "bound")
+        return unknown._replace(remedy=beyond)
     bounds = parameter_band(fit, [hertz])
     low, high = (float(edge[0]) for edge in getattr(bounds, name.word))
     error = fit.evidence.band_error
     share = _noise_share(fit, partial(_evaluate_at, part=name.word, hertz=hertz))
     if error is None:
-        return _at_frequency(fit, name, hertz, low, high, "random")._replace(noise_share=share)
+        return _at_frequency(fit, name, hertz, (low, high), "random")._replace(noise_share=share)
     errors = error.stiffness if name.word == "storage" else error.loss_factor
     factor = 1 + float(np.interp(np.log(hertz), np.log(error.frequency), errors))
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
     is_wider = value * factor - value / factor > _WIDER * (high - low)
     spread: Spread = "bound" if is_wider else "random"
     ends = min(low, value / factor), max(high, value * factor)
-    return _at_frequency(fit, name, hertz, *ends, spread)._replace(noise_share=share)
+    return _at_frequency(fit, name, hertz, ends, spread)._replace(noise_share=share)
 
 
 def _at_frequency(
-    fit: Fit, name: _Name, hertz: float, low: float, high: float, spread: Spread
+    fit: Fit, name: _Name, hertz: float, ends: tuple[float, float], spread: Spread
 ) -> FoundValue:
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
     words = f"{_WORDS[name.word]} at {round_to_error(hertz)} Hz"
     unit = "" if name.word == "loss_factor" else fit.unit
-    ends = (low, high) if math.isnan(low) else (min(low, value), max(high, value))
-    return FoundValue(name.column, ReportedValue(name.word, value, *ends, unit, words=words), spread)
+    low, high = ends
+    ends = ends if math.isnan(low) else (min(low, value), max(high, value))
+    return FoundValue(
+        name.column, ReportedValue(name.word, value, *ends, unit, words=words), spread
+    )

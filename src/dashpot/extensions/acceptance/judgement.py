@@ -52,8 +52,8 @@ def count_further_tests(
     r"""Return how many more tests like this one would decide an open limit; None if no number does.
 
     Of the half width h towards a limit at the distance d from the value, a share q is of noise
-    and shrinks by :math:`1/\sqrt n` in the mean of n tests. The rest, of the rig that makes them all,
-    does not. The limit is decided from
+    and shrinks by :math:`1/\sqrt n` in the mean of n tests. The rest, of the rig that makes them
+    all, does not. The limit is decided from
 
     .. math:: h^2 (1 - q^2) + \frac{h^2 q^2}{n} \le \left(\frac{d}{1 + z / 1.96}\right)^2
 

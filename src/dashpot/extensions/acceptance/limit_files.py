@@ -37,10 +37,10 @@ class LimitedQuantity(Protocol):
         ...
 
 
-Q_co = TypeVar("Q_co", bound=LimitedQuantity, covariant=True)
+Q = TypeVar("Q", bound=LimitedQuantity)
 
 
-class LimitEntry(NamedTuple, Generic[Q_co]):
+class LimitEntry(NamedTuple, Generic[Q]):
     """Limits of one quantity as stated, SI.
 
     Attributes
@@ -51,7 +51,7 @@ class LimitEntry(NamedTuple, Generic[Q_co]):
         The least capability that is asked of a lot.
     """
 
-    quantity: Q_co
+    quantity: Q
     lower: float | None
     upper: float | None
     cpk: float | None
@@ -66,9 +66,7 @@ def is_expression(text: str) -> bool:
     return re.search("[<>=≤≥]", text) is not None
 
 
-def read_limits(
-    path: str | Path, find_quantity: Callable[[str], Q_co]
-) -> tuple[LimitEntry[Q_co], ...]:
+def read_limits(path: str | Path, find_quantity: Callable[[str], Q]) -> tuple[LimitEntry[Q], ...]:
     """Return the limits that a TOML file states, each a table named for a quantity.
 
     Parameters
@@ -131,7 +129,7 @@ def split_expression(text: str) -> tuple[str, dict[str, str]]:
     return parts[place], limits
 
 
-def parse_expression(text: str, find_quantity: Callable[[str], Q_co]) -> LimitEntry[Q_co]:
+def parse_expression(text: str, find_quantity: Callable[[str], Q]) -> LimitEntry[Q]:
     """Return the limits of an expression such as ``"damping >= 3%"``.
 
     Raises
@@ -146,7 +144,7 @@ def parse_expression(text: str, find_quantity: Callable[[str], Q_co]) -> LimitEn
         raise DataError(f"'{text}': {error}") from None
 
 
-def _parse_entry(quantity: Q_co, table: Mapping[str, Any]) -> LimitEntry[Q_co]:
+def _parse_entry(quantity: Q, table: Mapping[str, Any]) -> LimitEntry[Q]:
     lower, upper = (_parse_number(table.get(text), quantity) for text in ("lower", "upper"))
     cpk = float(table["cpk"]) if "cpk" in table else None
     ends = [end for end in (lower, upper) if end is not None]

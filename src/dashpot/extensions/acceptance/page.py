@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from dashpot import workflow
 from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
@@ -53,13 +53,6 @@ def render_section(acceptance: Acceptance) -> str:
     return str(template.render(acceptance=acceptance, rows=rows, colour=colour, width=WIDTH))
 
 
-def render_judged_section(result: Any, sources: tuple[str, ...]) -> str:
-    """Return the section of limits, given as files and expressions, held against a result."""
-    from dashpot.extensions.acceptance.accept import read_limits
-
-    return render_section(read_limits(*sources).judge(result))
-
-
 def write_page(acceptance: Acceptance) -> str:
     """Return the page of the result that was judged, with the section of its limits."""
     return workflow.html(acceptance.result, limits=render_section(acceptance))
@@ -75,9 +68,7 @@ def _draw_bar(limit: JudgedLimit) -> Bar:
     """Return the bar: an axis that holds value, interval and limits, open ends at its edges."""
     fact = limit.value
     limits = [end for end in (limit.lower, limit.upper) if end is not None]
-    known = [
-        end for end in (fact.value, fact.low, fact.high, *limits) if math.isfinite(end)
-    ]
+    known = [end for end in (fact.value, fact.low, fact.high, *limits) if math.isfinite(end)]
     least, most = min(known), max(known)
     margin = 0.15 * ((most - least) or abs(most) or 1.0)
     least, most = least - margin, most + margin

@@ -8,7 +8,6 @@ EXTENSION = Extension(
         "options": {"limits": "dashpot.extensions.acceptance.command_options:OPTIONS"},
         "read limits": {"file": "dashpot.extensions.acceptance.limit_files:read_limits"},
         "judge interval": {"limits": "dashpot.extensions.acceptance.judgement:judge_interval"},
-        "judge limits": {"page": "dashpot.extensions.acceptance.page:render_judged_section"},
         "text": {
             "dashpot.extensions.acceptance.datamodel:Acceptance": "dashpot.extensions.acceptance.text:render_acceptance",
         },
