@@ -121,6 +121,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/batch/lot_output.py": (),
     "extensions/systems/door/predict_handler.py": (),
     "extensions/materials/cld/fit_handler.py": (),
+    "extensions/acceptance/command_options.py": (),
     "extensions/materials/fit_options.py": (),
     "extensions/materials/hyperelastic/fit_handler.py": (),
     "extensions/materials/indentation/fit_handler.py": (),
