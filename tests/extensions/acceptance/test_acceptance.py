@@ -90,7 +90,7 @@ def test_a_bound_is_open_to_no_number_of_tests(fit: dp.Fit) -> None:
     assert below.outcome == "met"
 
 
-def test_beyond_the_valid_band_a_limit_is_open(fit: dp.Fit) -> None:
+def test_a_limit_is_open_outside_the_valid_band(fit: dp.Fit) -> None:
     (limit,) = _judge(fit, "loss factor at 500Hz <= 5").limits
     assert limit.outcome == "open"
     assert "valid band" in limit.explanation

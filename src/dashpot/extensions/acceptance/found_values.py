@@ -168,10 +168,10 @@ def _find(result: Any, name: _Name) -> FoundValue | None:
     """Return a value that a result reports; None where it reports none of that name."""
     facts: Iterable[ReportedValue] = getattr(result, "facts", ())
     matches = [fact for fact in facts if _column(fact) == name.column]
-    return _reported(name.column, matches[0]) if matches else None
+    return _make_reported_value(name.column, matches[0]) if matches else None
 
 
-def _reported(column: str, fact: ReportedValue) -> FoundValue:
+def _make_reported_value(column: str, fact: ReportedValue) -> FoundValue:
     """Return a reported value; one that is at most so much is bounded by 0 from below."""
     if fact.is_at_most:
         fact = _with_ends(fact, 0.0, fact.high)
@@ -195,7 +195,7 @@ def _(result: Modes, name: _Name) -> FoundValue | None:
         return None
     frequency, damping, _ = result[0].facts
     fact = frequency if name.word == "frequency" else damping
-    return _reported(name.word, fact)
+    return _make_reported_value(name.word, fact)
 
 
 @_find.register
@@ -215,7 +215,7 @@ def _(study: Study, name: _Name) -> FoundValue | None:
     if answer is not None and not name.place:
         answers = (*found.under_mass, *found.one_seal)
         items = (item for item in answers if item.quantity == answer)
-        return next((_answered(name, item, found) for item in items), None)
+        return next((_make_answer_value(name, item, found) for item in items), None)
     wide = study.unmeasured
     if not found.joint and wide is not None and name.word in {"storage", "loss_factor"}:
         hertz = name.place_in("frequency")
@@ -224,11 +224,11 @@ def _(study: Study, name: _Name) -> FoundValue | None:
                 float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
                 for edge in getattr(wide, name.word)
             )
-            return _at_frequency(found.solid, name, hertz, (low, high), "bound")
+            return _make_frequency_value(found.solid, name, hertz, (low, high), "bound")
     return _find(found.solid, name)
 
 
-def _answered(name: _Name, answer: Answer, found: Recommendation) -> FoundValue:
+def _make_answer_value(name: _Name, answer: Answer, found: Recommendation) -> FoundValue:
     """Return a value that a recommendation holds.
 
     As there, a frequency goes with the stiffness at the peak, damping and height with the loss
@@ -352,24 +352,26 @@ def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
     low_band, high_band = fit.band
     if not low_band <= hertz <= high_band:
         beyond = f"It lies outside the valid band of the test, {format_band(fit.band)}."
-        unknown = _at_frequency(fit, name, hertz, (math.nan, math.nan), "bound")
+        unknown = _make_frequency_value(fit, name, hertz, (math.nan, math.nan), "bound")
         return unknown._replace(remedy=beyond)
     bounds = parameter_band(fit, [hertz])
     low, high = (float(edge[0]) for edge in getattr(bounds, name.word))
     error = fit.evidence.band_error
     share = _noise_share(fit, partial(_evaluate_at, part=name.word, hertz=hertz))
     if error is None:
-        return _at_frequency(fit, name, hertz, (low, high), "random")._replace(noise_share=share)
+        return _make_frequency_value(fit, name, hertz, (low, high), "random")._replace(
+            noise_share=share
+        )
     errors = error.stiffness if name.word == "storage" else error.loss_factor
     factor = 1 + float(np.interp(np.log(hertz), np.log(error.frequency), errors))
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
     is_wider = value * factor - value / factor > _WIDER * (high - low)
     spread: Spread = "bound" if is_wider else "random"
     ends = min(low, value / factor), max(high, value * factor)
-    return _at_frequency(fit, name, hertz, ends, spread)._replace(noise_share=share)
+    return _make_frequency_value(fit, name, hertz, ends, spread)._replace(noise_share=share)
 
 
-def _at_frequency(
+def _make_frequency_value(
     fit: Fit, name: _Name, hertz: float, ends: tuple[float, float], spread: Spread
 ) -> FoundValue:
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
