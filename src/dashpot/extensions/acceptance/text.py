@@ -11,7 +11,7 @@ def render_acceptance(acceptance: Acceptance) -> Text:
     """Return the seal's word, and a line for each limit."""
     rows = [["limit", "found", "95 % from", "to", ""]]
     for limit in acceptance.limits:
-        value, low, high = (ascii_only(cell) for cell in limit.value.ends)
+        value, low, high = (ascii_only(cell) for cell in limit.value.cell_texts)
         found = f"{value} {ascii_only(limit.value.word)}".rstrip()
         rows.append([ascii_only(limit.request), found, low, high, limit.outcome])
     lines = [f"Seal: {acceptance.headline}", *table(rows)]
