@@ -44,6 +44,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         r"linalg\.pinv\(|linalg\.inv\(",
         ("numerics/", "extensions/batch/arrays/"),
         {
+            "extensions/materials/csr/aging_information.py": "an expected covariance of a plan",
             "fitting/valid_band.py": "a posterior of unit priors, sixty times a fit",
             "extensions/systems/free_modes.py": "a change of coordinates",
             "extensions/paper/exponential_sum.py": "errors of a sum of exponentials of arrays",

@@ -59,7 +59,9 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "--phase-error": ("2deg",), "--glue-error": ("3%",),
     "--radius-error": ("1%",), "--density": ("1000",), "--compression-limits": ("4:8mm",),
     "--force-limits": ("1:2N",), "--temperature": ("30degC",), "--length": ("50mm",),
-    "--height": ("20mm",), "--label": ("name=door",), "--no-joint": ("",), "--title": ("X",),
+    "--height": ("20mm",), "--label": ("name=door",),
+    "--use-at": ("60degC",), "--spring-stiffness": ("2N/mm",), "--spring-error": ("1%",),
+    "--role": ("stop",), "--no-joint": ("",), "--title": ("X",),
 }  # fmt: skip
 """Of every option that states a choice, values other than its default."""
 NO_CHOICE = {

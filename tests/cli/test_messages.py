@@ -83,6 +83,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "registry/core.py": ("batch",),
     "extensions/materials/registration.py": ("batch",),
     "extensions/solver_inputs/": ("export",),
+    "extensions/curves/temperatures/deck_lines.py": ("export",),
     "extensions/solver_inputs/cards/": ("import",),
     "extensions/solver_inputs/cards/command.py:_format_next": ("predict",),
     "extensions/materials/cld/": ("fit",),

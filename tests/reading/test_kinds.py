@@ -266,6 +266,6 @@ def test_inspect_file_explains_a_sweep_with_frequency_in_its_header(
     assert inspect_file(path).kind == "strain-sweep"
 
 
-def test_former_name_of_a_kind_is_accepted_and_not_listed():
+def test_old_name_of_a_kind_is_accepted_and_not_shown():
     assert parse_file_kind("slam") == parse_file_kind("drop")
     assert "slam" not in RECOGNISED

@@ -131,7 +131,7 @@ _OPTIONS = (
         options.piece(flag=True),
     ),
     options.reading(),
-    options.result("Keep the result: .json, .html; of hits .csv or .uff."),
+    options.result("Keep it as .json, .html; of hits .csv or .uff."),
     find_handler("options", "limits"),
 )  # fmt: skip
 for _one in chain.from_iterable(_OPTIONS):

@@ -59,7 +59,7 @@ def _judge(result: object, *limits: str) -> Acceptance:
 def test_stiffness_at_a_time_has_the_error_of_the_closed_form(fit: dp.Fit) -> None:
     """To first order: g' C g with g = (1, exp(-t/tau), k t/tau exp(-t/tau)), by hand."""
     small = 1e-4 * fit.covariance
-    estimate = replace(fit.estimate, covariance=small, of_noise=0.36 * small, profiles=())
+    estimate = replace(fit.estimate, covariance=small, noise_covariance=0.36 * small, profiles=())
     # without limits at the end of the hold the covariance is all that is known
     evidence = replace(fit.evidence, end_of_hold=None)
     bare = replace(fit, estimate=estimate, evidence=evidence)
@@ -98,7 +98,7 @@ def test_a_limit_is_open_outside_the_valid_band(fit: dp.Fit) -> None:
 
 def test_further_tests_follow_from_the_interval(fit: dp.Fit) -> None:
     """A limit at half the distance of the upper end: four tests in all, of noise alone."""
-    estimate = replace(fit.estimate, of_noise=None)
+    estimate = replace(fit.estimate, noise_covariance=None)
     noisy = replace(fit, estimate=estimate)
     fact = find_value(noisy, "k_1").fact
     middle = fact.value + 0.5001 * (fact.high - fact.value)

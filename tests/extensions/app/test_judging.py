@@ -68,8 +68,9 @@ def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkey
 
 def test_every_kind_of_the_register_has_a_place_on_the_page():
     nowhere = {name for name, one in KINDS.items() if not one.app_section}
-    # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
-    assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in"}
+    # a sweep over temperature and one frequency are fitted by no command; a plug-in and blank
+    # tests are typed
+    assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in", "blank"}
 
 
 def test_app_asks_for_missing_input_in_words_of_the_page(store):

@@ -164,7 +164,7 @@ def test_a_file_that_is_gone_has_no_verdict(browser, files):
         page.close()
 
 
-def test_refused_file_has_its_own_page_and_blocks_no_other(page, files):
+def test_refused_file_has_a_page_and_blocks_no_other_file(page, files):
     pick(page, files / "seal_8mm.csv", files / "noise.csv")
     page.done()
     page.at.locator("#verdict.good").wait_for()

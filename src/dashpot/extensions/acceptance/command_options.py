@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from dashpot.cli._command import group, opt
+from dashpot.cli._command import group, mark_advanced, opt
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import File
 
@@ -26,9 +26,11 @@ def note_limits(source: str) -> str:
 
 OPTIONS = group(
     RESULT,
-    opt("--limits", type=note_limits, metavar="FILE", multiple=True, expose_value=False,
-        shell_complete=File().shell_complete, help="Acceptance limits (.toml)."),
-    opt("--limit", type=note_limits, metavar="TEXT", multiple=True, expose_value=False,
+    mark_advanced(opt(
+        "--limits", type=note_limits, metavar="FILE", multiple=True, expose_value=False,
+        shell_complete=File().shell_complete, help="Acceptance limits (.toml).",
+    )),
+    opt("--limit", type=note_limits, metavar="LIMIT", multiple=True, expose_value=False,
         help="One limit, e.g. 'damping >= 3%'."),
 )  # fmt: skip
 """Options that ask for limits."""

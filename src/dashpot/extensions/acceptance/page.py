@@ -15,7 +15,7 @@ _MARKS = {"met": "good", "missed": "bad", "open": "care"}
 _COLOURS = {"meets": "good", "misses": "bad", "open": "care"}
 
 
-class Bar(NamedTuple):
+class IntervalBar(NamedTuple):
     """Interval and limits along one axis, px.
 
     Attributes
@@ -42,7 +42,7 @@ class LimitRow(NamedTuple):
     high: str
     unit: str
     mark: str
-    bar: Bar
+    bar: IntervalBar
 
 
 def render_section(acceptance: Acceptance) -> str:
@@ -64,7 +64,7 @@ def _make_row(limit: JudgedLimit) -> LimitRow:
     return LimitRow(limit, value, low, high, unit, _MARKS[limit.outcome], _draw_bar(limit))
 
 
-def _draw_bar(limit: JudgedLimit) -> Bar:
+def _draw_bar(limit: JudgedLimit) -> IntervalBar:
     """Return the bar: an axis that holds value, interval and limits, open ends at its edges."""
     fact = limit.value
     limits = [end for end in (limit.lower, limit.upper) if end is not None]
@@ -79,7 +79,7 @@ def _draw_bar(limit: JudgedLimit) -> Bar:
         return round(WIDTH * (value - least) / (most - least), 1)
 
     start, stop = place(fact.low, 0.0), place(fact.high, WIDTH)
-    return Bar(
+    return IntervalBar(
         start,
         max(round(stop - start, 1), 2.0),
         place(fact.value, math.nan),

@@ -102,8 +102,8 @@ def draw_hits(
     for name, one in sorted(single.items(), key=lambda pair: pair[0] not in accepted):
         pen = SINGLE if name in accepted else OFF
         label = "each hit" if name in accepted else f"hit {name}, rejected"
-        marks.append(Line(*_seen(one, view), pen, label))
-    marks.append(Line(*_seen(frf, view), MEASURED, "average"))
+        marks.append(Line(*_select_view(one, view), pen, label))
+    marks.append(Line(*_select_view(frf, view), MEASURED, "average"))
     tops = [mark.y for mark in marks if isinstance(mark, Line)]
     axis = Scale("frequency, Hz", view, log=True)
     above = Panel(axis, Scale("accelerance, 1/kg", compute_padded_log_limits(*tops), log=True),
@@ -113,7 +113,7 @@ def draw_hits(
     return {"hit-frf": view_models.render_panels("hit-frf", panels, sizes, title=title)}
 
 
-def _seen(frf: FRF, view: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+def _select_view(frf: FRF, view: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     inside = (frf.frequency >= view[0]) & (frf.frequency <= view[1])
     return frf.frequency[inside], np.abs(frf.value[inside])
 

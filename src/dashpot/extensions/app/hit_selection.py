@@ -107,7 +107,7 @@ def propose_hits(frf: FRF, single: Mapping[str, FRF]) -> HitSelection:
     ends = [peak * ABOUT, *(float(single[name].frequency[-1]) for name in names)]
     near = (frf.frequency > peak / ABOUT) & (frf.frequency < min(ends))
     lines, whole = frf.frequency[near], frf.value[near]
-    rows = {name: _oriented(_on_lines(single[name], lines), whole) for name in names}
+    rows = {name: _align_phase(_on_lines(single[name], lines), whole) for name in names}
     deviations = {name: _deviation(rows, name, names) for name in names}
     keep = list(names)
     while len(keep) > FEWEST:
@@ -128,7 +128,7 @@ def _on_lines(frf: FRF, lines: FloatArray) -> ComplexArray:
     return np.interp(lines, f, value.real) + 1j * np.interp(lines, f, value.imag)
 
 
-def _oriented(value: ComplexArray, whole: ComplexArray) -> ComplexArray:
+def _align_phase(value: ComplexArray, whole: ComplexArray) -> ComplexArray:
     """Return an FRF with the sign of the average: one hit alone may be turned by its own."""
     return -value if np.vdot(whole, value).real < 0 else value
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import FloatArray, IndexArray, slices
 from dashpot.base.errors import ReadError
 from dashpot.reading.columns import vocabulary

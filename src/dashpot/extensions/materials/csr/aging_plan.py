@@ -11,11 +11,10 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.checks import Check, HasChecks, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
 from dashpot.base.reported_values import NORMAL, ReportedValue
-from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import (
     Quantity,
@@ -76,7 +75,7 @@ class PlannedOven(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Alternative(Serialisable):
+class AgingAlternative(Serialisable):
     """Expected standard deviation of the ln life for another test.
 
     Attributes
@@ -96,7 +95,7 @@ class Alternative(Serialisable):
 
 
 @dataclass(frozen=True, repr=False)
-class AgingPlan(HasVerdict, Serialisable):
+class AgingPlan(HasChecks, Serialisable):
     """Planned compression stress relaxation test, and how well it will know a life.
 
     Attributes
@@ -123,7 +122,7 @@ class AgingPlan(HasVerdict, Serialisable):
     scatter, oven_sd, drift : float
         Standard deviations: of a reading, in parts of F0; of an oven, K; of the load cell, in parts
         of F0 in 1000 h.
-    alternatives : tuple of Alternative
+    alternatives : tuple of AgingAlternative
     checks : tuple of Check
     """
 
@@ -144,7 +143,7 @@ class AgingPlan(HasVerdict, Serialisable):
     scatter: float
     oven_sd: float
     drift: float
-    alternatives: tuple[Alternative, ...]
+    alternatives: tuple[AgingAlternative, ...]
     checks: tuple[Check, ...] = ()
 
     @property
@@ -384,13 +383,13 @@ def _choose(
 
 def _list_alternatives(
     test: AgingTest, kelvin: float, part: float, hot: float, best: _Design
-) -> Iterator[Alternative]:
+) -> Iterator[AgingAlternative]:
     """Iterate over what another test with the same number of specimens would give."""
 
-    def compare(change: str, other: AgingTest, design: _Design = best) -> Alternative:
+    def compare(change: str, other: AgingTest, design: _Design = best) -> AgingAlternative:
         gradient = other.compute_life_gradient(kelvin, part)
         sd = PlannedOvens(other, design.temperatures).compute_life_sd(design.specimens, gradient)
-        return Alternative(change, sum(design.specimens), sd)
+        return AgingAlternative(change, sum(design.specimens), sd)
 
     doubled = best._replace(specimens=tuple(2 * n for n in best.specimens))
     yield compare("twice as many specimens", test, doubled)

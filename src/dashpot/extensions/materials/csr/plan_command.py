@@ -9,7 +9,7 @@ import click
 
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import celsius, convert_to_unit, format_quantity
-from dashpot.cli._command import CommandOption, group, opt
+from dashpot.cli._command import CommandOption, group, mark_advanced, opt
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli._param_types import File, WithUnit
 from dashpot.datamodel.machine import Machine
@@ -30,40 +30,44 @@ def list_groups() -> list[list[CommandOption]]:
                 metavar="TEMPERATURE",
                 help="Plan ovens for the life here, e.g. 70degC.",
             ),
-            opt(
-                "--aging",
-                type=File(),
-                metavar="FIT",
-                help="Fit of an aging test: its law is supposed.",
-            ),
-            opt(
-                "--longest",
-                type=WithUnit("time"),
-                default="1000h",
-                metavar="TIME",
-                help="Time in the ovens (1000h).",
-            ),
-            opt(
-                "--hottest",
-                type=WithUnit("temperature"),
-                metavar="TEMPERATURE",
-                help="Hottest oven (150degC, or that of the fit).",
-            ),
-            opt("--ovens", type=click.IntRange(3, 5), default=3, metavar="N", help="Ovens (3)."),
-            opt("--end", default="50%", type=str, metavar="PART", help="F/F0 at the end (50%)."),
-            opt(
-                "--scatter",
-                type=WithUnit("strain"),
-                metavar="PART",
-                help="Of a reading, in parts of F0 (1%).",
-            ),
-            opt(
-                "--life-within",
-                "within",
-                type=float,
-                default=1.5,
-                metavar="FACTOR",
-                help="Wanted 95% interval of the life (1.5).",
+            mark_advanced(
+                opt(
+                    "--aging",
+                    type=File(),
+                    metavar="FIT",
+                    help="Fit of an aging test: its law is supposed.",
+                ),
+                opt(
+                    "--longest",
+                    type=WithUnit("time"),
+                    default="1000h",
+                    metavar="TIME",
+                    help="Time in the ovens (1000h).",
+                ),
+                opt(
+                    "--hottest",
+                    type=WithUnit("temperature"),
+                    metavar="TEMPERATURE",
+                    help="Hottest oven (150degC, or that of the fit).",
+                ),
+                opt(
+                    "--ovens", type=click.IntRange(3, 5), default=3, metavar="N", help="Ovens (3)."
+                ),
+                opt("--end", default="50%", type=str, metavar="END", help="F/F0 at the end (50%)."),
+                opt(
+                    "--scatter",
+                    type=WithUnit("strain"),
+                    metavar="PART",
+                    help="Scatter of a reading over F0 (1%).",
+                ),
+                opt(
+                    "--life-within",
+                    "within",
+                    type=float,
+                    default=1.5,
+                    metavar="FACTOR",
+                    help="Wanted 95% interval of the life (1.5).",
+                ),
             ),
         )
     ]
