@@ -96,7 +96,7 @@ def compute_band_means(
         First line of each group; a group ends where the next begins.
     random : array, shape (n,)
         Standard deviation of the real and of the imaginary part of :math:`d\ln k`.
-    common : complex array, shape (errors, n)
+    common : complex array, shape (m, n)
         What one standard error of each common cause does to :math:`\ln k`.
     quantile : float
         Half width of the limits, standard errors.

@@ -110,8 +110,7 @@ def transfer_stiffness(
     ----------
     measured : FRF, ShakenTest or Fit
         Force over motion, or its inverse: direct. A transmissibility, or a record of base and
-        mass: indirect. A fit: predicted. A :class:`~dashpot.DynamicTest` of
-        a part, N/m: direct.
+        mass: indirect. A fit: predicted. A dynamic test of a part, N/m: direct.
     mass : float or str, optional
         Blocking mass :math:`m_2`, kg; of a fit, that of a planned indirect test.
     flange_mass : float or str

@@ -94,11 +94,11 @@ def _evaluate_retention(state: LeakState) -> Interval:
         return Interval(
             state.retained, max(state.retained - half, 0.0), min(state.retained + half, 1.0)
         )
-    document = read_json_document(aging.path)
+    document = read_json_document(aging.law_path)
     predict = find_handler("retained force", document)
     if predict is None:
         raise DataError(
-            f"{aging.path} holds no aging law; expected a fit of compression stress relaxation "
+            f"{aging.law_path} holds no aging law; expected a fit of compression stress relaxation "
             "(dashpot fit ovens.csv -o csr.json)"
         )
     predicted = predict(document, temperature=aging.temperature, until=f"{aging.time!r}s")

@@ -28,13 +28,13 @@ class AgingChoice:
 
     Attributes
     ----------
-    path : str
+    law_path : str
         Of the law, a fit of compression stress relaxation.
     time, temperature : float
         s and K.
     """
 
-    path: str
+    law_path: str
     time: float
     temperature: float
 
