@@ -14,12 +14,14 @@ from kit.structure import (
     FILES_NOT_ENTERED,
     FIT_COMMAND,
     REPORT_COMMAND,
+    count_package_tokens,
     count_tokens,
     list_extension_imports,
     list_files_not_entered,
     measure_main_commands,
     read_linter_exceptions,
     read_rows,
+    read_tree_sizes,
     select_core,
     trace_files,
     write_example_files,
@@ -78,3 +80,14 @@ def test_every_file_that_is_not_entered_has_a_reason():
     assert sorted(rows.keys() - core) == []
     assert [path for path, reason in rows.items() if len(reason.split()) < 2] == []
     assert len(rows) <= MOST_FILES_NOT_ENTERED
+
+
+def test_tree_page_states_the_sizes_of_its_packages():
+    counts, stated = count_package_tokens(), read_tree_sizes()
+    wrong = {
+        package: (size, counts[package])
+        for package, size in stated.items()
+        if abs(counts[package] / 1000 - size) > max(1.0, 0.15 * size)
+    }
+    assert not wrong, "just structure --write-lists"
+    assert {name for name in counts if "/" in name} <= stated.keys() | {"extensions/__init__"}

@@ -467,6 +467,39 @@ def shorten_lists(*, admit_new: bool = False) -> None:
     write_rows(FILES_NOT_ENTERED, (f"{path}: {reasons[path]}" for path in reasons if path in core))
 
 
+# sizes of packages in docs/architecture.md
+
+TREE = ROOT / "docs" / "architecture.md"
+SIZE_ROW = re.compile(r"^\| `(?P<package>[\w/]+)/` \| (?P<size>\d+) \|", re.MULTILINE)
+
+
+def count_package_tokens() -> Counter[str]:
+    """Return the tokens of each package of the core and of each extension, by its path."""
+    counts: Counter[str] = Counter()
+    for file in read_source():
+        parents = file.path.removesuffix(".py").split("/")
+        length = 2 if parents[0] == EXTENSIONS.rpartition(".")[2] else 1
+        counts["/".join(parents[:length])] += count_tokens([file])
+    return counts
+
+
+def read_tree_sizes() -> dict[str, int]:
+    """Return the sizes that the page of the tree states, thousands of tokens."""
+    text = TREE.read_text("utf-8")
+    return {row["package"]: int(row["size"]) for row in SIZE_ROW.finditer(text)}
+
+
+def write_tree_sizes() -> None:
+    """Write the sizes of the packages into the page of the tree."""
+    counts = count_package_tokens()
+
+    def fill_row(row: re.Match[str]) -> str:
+        package = row["package"]
+        return f"| `{package}/` | {round(counts[package] / 1000)} |"
+
+    TREE.write_text(SIZE_ROW.sub(fill_row, TREE.read_text("utf-8")), "utf-8")
+
+
 def print_figures() -> None:
     """Print every figure that the tests hold, and a few beside them."""
     functions, core = list_functions(), select_core()
@@ -503,6 +536,7 @@ def main(words: list[str]) -> None:
             run_traced(Path(trace), command)
         case ["--write-lists"] | ["--write-lists", "--admit-new"]:
             shorten_lists(admit_new="--admit-new" in words)
+            write_tree_sizes()
         case _:
             sys.exit(__doc__)
 
