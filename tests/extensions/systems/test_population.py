@@ -242,3 +242,17 @@ def test_a_lot_that_does_not_suit_is_refused(folder):
         predict_population(folder / "soft.toml", lot=make_lot(seals=3))
     with pytest.raises(DataError, match="the folder holds 2 lots"):
         predict_population(folder / "soft.toml", lot=make_lot(lots=2))
+
+
+def test_text_of_many_cars_separates_scatter_from_error(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    limits = ("--limit", "mode 1 >= 1Hz")
+    done = ran("predict", "soft.toml", "--spread", "4%", *limits)
+    assert done.exit_code == 0, done.output
+    lines = done.stdout.splitlines()
+    (head,) = [line for line in lines if "median door" in line]
+    assert "95 % of the cars" in head
+    assert "SE" not in head
+    (share,) = [line for line in lines if "mode 1 below 1 Hz" in line and "SD" not in line][-1:]
+    assert "below 0.1 %" in share
+    assert all(len(line) <= 100 for line in lines)

@@ -41,6 +41,7 @@ EXTENSION = Extension(
         },
         "mounts": {"dashpot.extensions.systems.door.seal_line:SealLine": "dashpot.extensions.systems.door.mounts:line_mounts"},
         "text": {
+            "dashpot.extensions.systems.door.population:DoorPopulation": "dashpot.extensions.systems.door.population_text:render_population",
             "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_text:render_leak",
             "dashpot.extensions.systems.door.closing_result:ClosingResult": "dashpot.extensions.systems.door.closing_text:render_closing",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.text:door",

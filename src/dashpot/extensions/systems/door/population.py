@@ -65,6 +65,10 @@ _MODES = 6
 """Modes that are listed at most, if no limit names a higher one."""
 _ALIKE = 1.5
 """Ratio of the stiffness of a lot and of the fit beyond which they are other seals."""
+LEAST_SHARE = 1e-3
+"""Share of the cars below which the distribution is not known."""
+LEAST_SD = 1e-6
+"""Relative standard deviation below which the seal does not move a quantity."""
 _FEWEST = 4
 """Specimens of a lot of which a scatter is taken."""
 CLOSING = "closing"
@@ -223,7 +227,7 @@ class DoorPopulation(HasVerdict, Serialisable):
                     one.low,
                     one.high,
                     one.unit,
-                    one.sd * one.value,
+                    None,  # the range is the scatter of the cars, not an error of the value
                     one.unit,
                     f"{one.label}, 95 % of the cars",
                 )
@@ -249,11 +253,9 @@ class DoorPopulation(HasVerdict, Serialisable):
         limited = [one for one in self.quantities if one.share_beyond is not None]
         if limited:
             one = limited[0]
-            low, share, high = (
-                round_to_error(100 * (value or 0.0), digits=2)
-                for value in (one.share_low, one.share_beyond, one.share_high)
-            )
-            words = f"{share} % of the cars ({low} to {high}) have the {one.label} "
+            low, share, high = map(format_share, (one.share_low, one.share_beyond, one.share_high))
+            interval = low if low == high else f"{low} to {high}"
+            words = f"{share} % of the cars (95 % interval {interval}) have the {one.label} "
             return verdict(self.checks, headline=words + format_limit(one))
         one = self.quantities[0]
         words = (
@@ -261,6 +263,15 @@ class DoorPopulation(HasVerdict, Serialisable):
             f"of {100 * one.sd:.2g} %"
         )
         return verdict(self.checks, headline=words)
+
+
+def format_share(share: float | None) -> str:
+    """Return a share of the cars in per cent; one that no lot could show is below a limit."""
+    if share is None:
+        return ""
+    if share < LEAST_SHARE:
+        return f"below {100 * LEAST_SHARE:g}"
+    return round_to_error(100 * share, digits=2)
 
 
 def format_limit(quantity: DoorQuantity) -> str:

@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.number_format import round_to_error
-from dashpot.extensions.systems.door.population import DoorPopulation, DoorQuantity
+from dashpot.extensions.systems.door.population import LEAST_SD, DoorPopulation, DoorQuantity
 from dashpot.plot.picture import FIT, REJECTED, Area, Line, Mark, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.report.result_page import KindPage, Topic, group, lights
 
 _SHOWN, _WIDE, _POINTS = 4, 4.0, 241
 """Panels at most, standard deviations to both sides, points of a curve."""
-_STILL = 1e-6
-"""Relative standard deviation below which a quantity is drawn only for its limit."""
 
 
 def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
@@ -25,7 +23,7 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    moved = [one for one in population.quantities if one.limit or one.between_sd > _STILL]
+    moved = [one for one in population.quantities if one.limit or one.between_sd > LEAST_SD]
     chosen = sorted(moved or population.quantities, key=lambda one: one.limit is None)[:_SHOWN]
     panels = [_draw_quantity(one, population.spread.mean) for one in chosen]
     caption = (
@@ -42,7 +40,10 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
     spread = population.spread
     tested = "stated" if spread.specimens is None else f"{spread.specimens} of the lot"
     limited = tuple(fact for fact in population.facts if fact.name.endswith("_beyond"))
-    others = tuple(fact for fact in population.facts if fact not in limited)
+    scattered = {
+        one.name.replace(" ", "_") for one in population.quantities if one.between_sd > LEAST_SD
+    }
+    others = tuple(fact for fact in population.facts if fact.name in scattered)
     groups = [group("95 % of the cars lie from, to", others)]
     if limited:
         groups.insert(0, group("Share beyond a limit, with its 95 % interval", limited))
