@@ -139,7 +139,8 @@ def test_parse_expression_reads_units(text: str, lower: float) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("damping >= 3mm", "no plain number"),
+        ("damping >= 3mm", "is no limit of damping"),
+        ("peak <= 13Hz", "Is the frequency meant: 'frequency <= 13Hz'"),
         ("frequency >= 12", "no unit"),
         ("frequency >= 12mm", "12mm"),
         ("5Hz <= frequency <= 4Hz", "exchange"),

@@ -15,6 +15,8 @@ from dashpot.reading.toml import Section, tables_of
 
 _KNOWN = ("lower", "upper", "cpk")
 _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)"
+_QUANTITIES: Mapping[str, str] = {"frequency": "frequency", "stiffness": "stiffness"}
+"""Quantity of a dimension that a user may have meant."""
 _SPELLINGS = str.maketrans({"≤": "<=", "≥": ">="})
 
 
@@ -173,8 +175,12 @@ def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
             number = float(str(value))
         except ValueError:
             usual = f" or with {quantity.unit}" if quantity.unit not in {"", "%"} else ""
+            unit = None if match is None else find_unit(match[2])
+            other = "" if unit is None else _QUANTITIES.get(unit.dimension, "")
+            hint = f". Is the {other} meant: '{other} <= {value}'?" if other else ""
             raise DataError(
-                f"'{value}' is no plain number; expected such as 0.03 or 3%{usual}"
+                f"'{value}' is no limit of {quantity.column}; expected a number such as 0.03 or "
+                f"3%{usual}{hint}"
             ) from None
     if not math.isfinite(number):
         raise ValueError(f"{value} is no limit; expected a finite number")
