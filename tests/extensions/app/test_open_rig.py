@@ -112,11 +112,8 @@ def test_a_file_that_changes_is_read_again_and_the_old_one_is_never_green(browse
         first = next(i for i, one in enumerate(frames) if one["watch"] or one["hash"] != old)
         judged = [one for one in frames[first:] if one["colour"] in {"good", "care", "bad"}]
         assert judged
-        # the list shows the hash a frame after the verdict of the new file, never that of the old
-        assert all(one["hash"] != old and not one["watch"] for one in judged)
-        reopened = next(i for i, one in enumerate(frames) if one["colour"] == "open")
-        assert all(one["colour"] == "open" for one in frames[first : reopened + 1])
-        assert judged[-1]["hash"] not in {"", old}
+        assert all(one["hash"] not in {"", old} and not one["watch"] for one in judged)
+        assert any(one["colour"] == "open" for one in frames[first:])
         page.close()
 
 

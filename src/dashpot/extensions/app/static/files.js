@@ -16,7 +16,7 @@ import {
 import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
 import { refuse, settled } from "./verdict.js";
-import { ask, call, cancelled, send } from "./wire.js";
+import { ask, call, cancelled, send, watched } from "./wire.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
@@ -30,8 +30,15 @@ async function look(/** @type {OpenFile} */ one) {
   if (isTest(one) || isHammer(one) || (isBench(one) && one.page !== "part")) one.asked = "";
 }
 
+/** Of which contents a file is: known no later than what is judged of them. */
+async function stamp(/** @type {OpenFile} */ one) {
+  const at = (await watched([one.id]).catch(() => ({})))[one.id];
+  if (at) Object.assign(one, { hash: at.sha256, when: at.when });
+}
+
 /** Read a file; what it is refused for stands at its name. */
 export async function read(/** @type {OpenFile} */ one) {
+  const stamped = stamp(one);
   try {
     await look(one);
     return "";
@@ -45,6 +52,8 @@ export async function read(/** @type {OpenFile} */ one) {
       line: said === cancelled ? "not read" : why,
     });
     return said;
+  } finally {
+    await stamped;
   }
 }
 
@@ -68,6 +77,7 @@ export async function readAgain(
   fileList();
   await read(one);
   one.again = at;
+  fileList();
   status(`${one.name} changed, read again at ${at}`);
 }
 

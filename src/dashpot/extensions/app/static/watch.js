@@ -5,6 +5,7 @@ import { readsOnly, state } from "./job.js";
 import { settle } from "./questions.js";
 import { fileList } from "./shown.js";
 import { refuse, render } from "./verdict.js";
+import { watched } from "./wire.js";
 
 /** Between two looks, ms. */
 const PERIOD = 1000;
@@ -19,14 +20,12 @@ async function isStale(/** @type {string} */ id) {
 
 let missed = 0;
 
-/** Ask of all open files, without a sign that an answer is awaited. */
+/** Ask of all open files. */
 async function asked() {
-  const files = state.files.map((one) => one.id);
-  const how = { method: "POST", body: JSON.stringify({ files }) };
   try {
-    const answer = await fetch("/api/watch", { credentials: "same-origin", ...how });
+    const seen = await watched(state.files.map((one) => one.id));
     missed = 0;
-    return answer.ok ? await answer.json() : {};
+    return seen;
   } catch {
     missed += 1;
     return null;

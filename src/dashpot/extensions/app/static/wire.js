@@ -51,6 +51,13 @@ export async function send(/** @type {string} */ verb, /** @type {any} */ reques
   return { head, arrays };
 }
 
+/** What open files are on disk, without a sign that an answer is awaited; fails without a server. */
+export async function watched(/** @type {string[]} */ files) {
+  const how = { method: "POST", body: JSON.stringify({ files }) };
+  const answer = await fetch("/api/watch", { credentials: "same-origin", ...how });
+  return answer.ok ? await answer.json() : {};
+}
+
 /** @type {Record<string, {busy: boolean, next: (() => void) | null, replaced: () => void}>} */
 const lanes = {};
 // an answer that is no longer asked for would flicker; a curve that follows should move
