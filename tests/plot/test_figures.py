@@ -428,7 +428,7 @@ def test_a_joint_solid_shows_on_both_sides_of_the_measured_line_that_it_lies_und
 def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
     panel = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
     order = [line.label for line in lines(panel) if line.label]
-    assert order == ["predicted from relaxation", "joint fit, failed", "measured"]
+    assert order == ["predicted from relaxation", "joint model, failed", "measured"]
     assert len(marks(panel, Tag)) == 2
 
 
@@ -464,13 +464,13 @@ def test_a_joint_fit_that_fails_looks_failed():
     bad = Check("peak_agrees", False, "misses", grade="stop")
     failed = replace(S.joint_comparison, checks=(bad,))
     panel = plot.comparison(S.comparison, joint=failed).panels[0]
-    curve = first(panel, "joint fit, failed")
+    curve = first(panel, "joint model, failed")
     assert curve.pen.colour == "bad"
     assert curve.pen.dashes
     sound = plot.comparison(S.comparison, joint=replace(failed, checks=())).panels[0]
     assert first(sound, "joint model").pen.colour == "joint"
     told = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
-    assert first(told, "joint fit, failed").pen.colour == "bad"
+    assert first(told, "joint model, failed").pen.colour == "bad"
     lame = altered(S.joint, checks=(bad,))
     for picture in (
         plot.spectrum(S.fit, joint=lame),
@@ -479,7 +479,7 @@ def test_a_joint_fit_that_fails_looks_failed():
         plot.hero(replace(S, joint=lame)),
     ):
         labels = {mark.label for mark in picture.key}
-        assert "joint fit, failed" in labels
+        assert "joint model, failed" in labels
         assert "joint model" not in labels
 
 

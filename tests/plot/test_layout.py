@@ -114,7 +114,7 @@ def ends_of(word):
 
 
 def test_a_note_that_is_wider_than_its_axes_stands_above_their_name():
-    note = "informed from 0.004 to 0.32 Hz: all of this is extrapolated"
+    note = "valid from 0.004 to 0.32 Hz: all of this is extrapolated"
     panel = Panel(
         WIDE, Scale("accelerance, 1/kg", (1.0, 100.0), log=True), (), note=note, height=100
     )

@@ -211,7 +211,7 @@ def test_paper_has_all_that_is_folded(browser, page, script):
     # the script opens the folds, too
     text = page if script else re.sub(r"<script.*</script>", "", page, flags=re.DOTALL)
     words = " ".join(sheets(browser, text))
-    for part in ("Use with care", "Recommended: model of relaxation and hammer test",
+    for part in ("Use with care", "Recommended: joint model",
                  "Tested by, date",
                  "How many arms", "The numbers to take along", "residual of two arms, mN",
                  "measured 12.71"):  # fmt: skip

@@ -253,7 +253,7 @@ def _shade_valid_band(panel: Panel, band: tuple[float, float]) -> Panel:
     """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
     low, high = panel.x.limits
     if not band[0] < band[1] or band[1] < low or band[0] > high:
-        text = f"informed {format_band(band)}: all of this is extrapolated"
+        text = f"valid {format_band(band)}: all of this is extrapolated"
         return replace(panel, note=text)
     shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
     return replace(panel, marks=(shade, *panel.marks))

@@ -57,7 +57,7 @@ REJECTED = Pen("bad", 1.4, (5, 3))
 
 def joint_pen(*, failed: bool) -> tuple[Pen, str]:
     """Return pen and name of a joint model, or of one that failed."""
-    return (REJECTED, "joint fit, failed") if failed else (JOINT, "joint model")
+    return (REJECTED, "joint model, failed") if failed else (JOINT, "joint model")
 
 
 @dataclass(frozen=True, eq=False)

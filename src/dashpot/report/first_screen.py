@@ -240,21 +240,19 @@ def heading(recommendation: Recommendation) -> str:
     """Return which solid to take, or that none is recommended."""
     if not recommendation.recommended:
         return "No model is recommended"
-    return (
-        f"Recommended: model of {source(recommendation)}, {get_model_label(recommendation.solid)}"
-    )
+    return f"Recommended: {source(recommendation)}, {get_model_label(recommendation.solid)}"
 
 
 def source(recommendation: Recommendation) -> str:
-    """Return which data the solid comes from."""
-    return "relaxation and hammer test" if recommendation.joint else "the relaxation test"
+    """Return what the solid is called, by the data that it comes from."""
+    return "joint model" if recommendation.joint else "model of the relaxation test"
 
 
 def solid_heading(recommendation: Recommendation) -> str:
     """Return the heading of the table of the solid's parameters."""
     if not recommendation.recommended:
         return "Model of the relaxation test, not recommended, one seal"
-    return f"The recommended model, of {source(recommendation)}, one seal"
+    return f"The recommended {source(recommendation)}, one seal"
 
 
 def band_row(recommendation: Recommendation) -> Row:
@@ -400,9 +398,9 @@ def _solid(recommendation: Recommendation) -> str:
     if isinstance(fit.solid, FractionalZener):
         arms = f"a springpot of slope {round_to_error(fit.solid.alpha)} beside it"
     return (
-        f"One seal behaves as a spring of {_format_k_inf(fit)} with {arms}. Its "
+        f"One seal behaves as a spring of {_format_k_inf(fit)}, with {arms}. Its "
         f"instantaneous stiffness is {format_with_error(fit.model.k_0, 'N/mm')}. The valid band "
-        f"of {source(recommendation)} is {hertz(fit.band)}."
+        f"of the {source(recommendation)} is {hertz(fit.band)}."
     )
 
 
@@ -468,14 +466,8 @@ def _joint(study: Study) -> str:
             "is taken."
         )
     return (
-        f"Fitted to relaxation and hammer test together, {_format_model_name(joint)} "
-        f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
-    )
-
-
-def _format_model_name(fit: Fit) -> str:
-    return (
-        "a fractional model" if fit.family == "fractional" else f"a model of {get_model_label(fit)}"
+        f"The joint model {_meets(after)} in frequency and "
+        f"{max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
 
 

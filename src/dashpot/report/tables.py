@@ -42,7 +42,7 @@ from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
-MENDED = "failed: mended by the joint fit"
+MENDED = "failed: mended by the joint model"
 VALUE = ("", "value ± standard error", "unit")
 
 
@@ -306,7 +306,7 @@ def peaks(study: Study) -> TextTable | None:
         *_make_prediction_columns(c),
     ]
     if joint is not None:
-        head += ["after the joint fit", "difference"]
+        head += ["after the joint model", "difference"]
         columns += _make_prediction_columns(joint)
     return TextTable(tuple(head), tuple(zip(*columns, strict=True)))
 

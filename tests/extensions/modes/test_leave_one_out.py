@@ -69,7 +69,7 @@ def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
     assert (check.passed, check.grade) == (False, "note")
     names = [curves_of(one.comparison, None)[1].label for one in (own, other, fresh)]
     assert names == [
-        "fitted to these hits", "predicted from relaxation", "predicted by the joint fit",
+        "fitted to these hits", "predicted from relaxation", "predicted by the joint model",
     ]  # fmt: skip
 
 

@@ -180,7 +180,7 @@ def _legend(fit: Fit | None, measured: FRF) -> str:
     }:
         return "fitted to these hits"
     single = fit.method in get_choice_values(Method)
-    return "predicted from relaxation" if single else "predicted by the joint fit"
+    return "predicted from relaxation" if single else "predicted by the joint model"
 
 
 def _on_lines(predicted: FRF, measured: FRF) -> FRF:
