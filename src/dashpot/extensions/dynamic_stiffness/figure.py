@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dashpot.base import replace
 from dashpot.extensions.dynamic_stiffness.prediction import StiffnessPrediction
-from dashpot.plot.picture import Picture
+from dashpot.plot.picture import REF, Panel, Picture, Rule
 
 
 def draw_stiffness_prediction(prediction: StiffnessPrediction, *, stamp: str = "") -> Picture:
-    """Return stiffness and loss factor of the fit over frequency.
+    """Return stiffness and loss factor of the fit over frequency, and where they were asked.
 
     Parameters
     ----------
@@ -17,4 +17,14 @@ def draw_stiffness_prediction(prediction: StiffnessPrediction, *, stamp: str = "
         Origin of the figure; by default the files of the fit.
     """
     picture: Picture = prediction.fit.plot()
-    return replace(picture, stamp=stamp) if stamp else picture
+    strips = tuple(
+        tuple(_mark_asked(panel, prediction.frequencies) for panel in strip)
+        for strip in picture.strips
+    )
+    return replace(picture, strips=strips, stamp=stamp or picture.stamp)
+
+
+def _mark_asked(panel: Panel, frequencies: tuple[float, ...]) -> Panel:
+    low, high = panel.x.limits
+    rules = tuple(Rule(f, REF, "asked") for f in frequencies if low <= f <= high)
+    return replace(panel, marks=(*panel.marks, *rules))

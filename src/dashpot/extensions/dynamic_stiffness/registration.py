@@ -11,6 +11,9 @@ EXTENSION = Extension(
         "predict with option": {
             "frequency": "dashpot.extensions.dynamic_stiffness.prediction:predict_stiffness",
         },
+        "page": {
+            "dashpot.extensions.dynamic_stiffness.prediction:StiffnessPrediction": "dashpot.extensions.dynamic_stiffness.page:lay_out_stiffness",
+        },
         "figure": {
             "dashpot.extensions.dynamic_stiffness.prediction:StiffnessPrediction": "dashpot.extensions.dynamic_stiffness.figure:draw_stiffness_prediction",
         },

@@ -1,0 +1,38 @@
+"""Page of stiffness and loss factor at frequencies."""
+
+from __future__ import annotations
+
+from dashpot.base.number_format import hertz
+from dashpot.extensions.dynamic_stiffness.figure import draw_stiffness_prediction
+from dashpot.extensions.dynamic_stiffness.prediction import StiffnessPrediction
+from dashpot.report.result_page import (
+    Group,
+    KindPage,
+    Topic,
+    format_specimen_header,
+    lights,
+    row,
+)
+
+
+def lay_out_stiffness(prediction: StiffnessPrediction) -> KindPage:
+    """Return the page of stiffness and loss factor at the frequencies asked."""
+    fit = prediction.fit
+    values = tuple(
+        row(value, value.symbol.replace("''", "\N{DOUBLE PRIME}").replace("'", "\N{PRIME}"))
+        for value in prediction.values
+    )
+    return KindPage(
+        about="stiffness at frequencies",
+        strip=(
+            *format_specimen_header(fit.specimen),
+            ("Valid band", hertz(fit.band)),
+        ),
+        lights=lights(prediction.checks, Topic("Checks")),
+        answers="Stiffness and loss factor over frequency",
+        picture=draw_stiffness_prediction(prediction),
+        told="At the frequencies asked",
+        groups=(Group("", values),),
+        sources=prediction.sources,
+        note="From and to are the 95 % interval; where they are empty nothing bounds the value.",
+    )
