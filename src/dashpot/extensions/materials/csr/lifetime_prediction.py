@@ -290,8 +290,17 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
         below = (
             f"the same, if Ea were {format_quantity(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
         )
-        short = flat.life(temperature, part)
-        facts.append(ReportedValue("life_if_Ea_falls", short, unit="s", read="h", words=below))
+
+        def log_life(aging_law: AgingLaw) -> float:
+            lowered = apply_lower_energy(replace(aging, law=aging_law), temperature)
+            return math.log((aging_law if lowered is None else lowered).life(temperature, part))
+
+        facts.append(
+            ReportedValue.from_error(
+                "life_if_Ea_falls", flat.life(temperature, part), law.error_of(log_life),
+                law.quantile, of_log=True, unit="s", read="h", words=below,
+            )
+        )  # fmt: skip
     return facts
 
 
