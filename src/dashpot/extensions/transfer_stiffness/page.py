@@ -50,17 +50,22 @@ def page(sheet: TransferStiffness) -> KindPage:
         groups=(group("", sheet.facts),),
         sources=sheet.source,
         folds=(
-            CollapsibleSection("Third octaves", "level, loss factor, validity", _bands(sheet)),
+            CollapsibleSection("Third octaves", _bands_note(sheet), _bands(sheet)),
             CollapsibleSection("Lines", _line_note(sheet), _lines(sheet)),
         ),
         name="transfer-stiffness",
     )  # fmt: skip
 
 
+def _bands_note(sheet: TransferStiffness) -> str:
+    return "level, loss factor" + ("" if sheet.method == "predicted" else ", validity")
+
+
 def _bands(sheet: TransferStiffness) -> TextTable:
+    judged = sheet.method != "predicted"
     head = (
         "Hz", "lines", "dB re 1 N/m", "from", "to", "loss factor", "from", "to",
-        "blocked by, dB", "indirect formula, dB", "valid",
+        "blocked by, dB", "indirect formula, dB", *(("valid",) if judged else ()),
     )  # fmt: skip
     rows = []
     for band in sheet.bands:
@@ -72,7 +77,7 @@ def _bands(sheet: TransferStiffness) -> TextTable:
             *(round_to_error(end, digits=3) for end in band.loss_factor_limits),
             "" if gap is None else f"{gap:.1f}",
             "" if formula is None else f"{formula:.2f}",
-            "yes" if band.valid else "no",
+            *(("yes" if band.valid else "no",) if judged else ()),
         ))  # fmt: skip
     return TextTable(
         head, tuple(rows), tuple("" if band.valid else "doubt" for band in sheet.bands)

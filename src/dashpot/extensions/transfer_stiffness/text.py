@@ -18,8 +18,10 @@ def transfer_stiffness(sheet: TransferStiffness) -> Text:
         where = "nowhere" if start is None else f"from {start:.4g} Hz on"
         lines.append(f"  the output moves 20 dB less than the input {where}")
     gaps = sheet.transmissibility is not None
-    head = [*_HEAD, *(["blocked, dB", "valid"] if gaps else [])]
-    lines += table([head, *(_row(band, gaps=gaps) for band in sheet.bands)])
+    # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
+    judged = gaps and sheet.method != "predicted"
+    head = [*_HEAD, *(["blocked, dB"] if gaps else []), *(["valid"] if judged else [])]
+    lines += table([head, *(_row(band, gaps=gaps, judged=judged) for band in sheet.bands)])
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
     details += [
         [
@@ -53,7 +55,7 @@ def describe_method(sheet: TransferStiffness) -> str:
     return ", ".join(parts)
 
 
-def _row(band: BandStiffness, *, gaps: bool) -> list[str]:
+def _row(band: BandStiffness, *, gaps: bool, judged: bool) -> list[str]:
     low, high = (format_rounded(convert_to_unit(end, "N/mm")) for end in band.limits)
     cells = [
         f"{band.centre:g}",
@@ -65,5 +67,7 @@ def _row(band: BandStiffness, *, gaps: bool) -> list[str]:
     ]
     if gaps:
         gap = band.level_difference
-        cells += ["" if gap is None else f"{gap:.1f}", "yes" if band.valid else "no"]
+        cells.append("" if gap is None else f"{gap:.1f}")
+    if judged:
+        cells.append("yes" if band.valid else "no")
     return cells
