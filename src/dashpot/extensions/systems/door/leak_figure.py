@@ -11,8 +11,8 @@ from dashpot.plot.picture import REF, Area, Line, Mark, Panel, Pen, Picture, Rul
 from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
-_HALF = 0.3
-"""Of a bar, its rows being 1 apart."""
+_HALF, _ABOVE = 0.2, 0.75
+"""Of a bar, its rows being 1 apart, and where its name begins above it."""
 _COLOURS = ("fit", "joint", "measured", "ref", "bad")
 _DASHES: tuple[tuple[float, ...], ...] = ((), (7, 4), (2, 3))
 
@@ -47,7 +47,7 @@ def states_panel(result: LeakResult) -> Panel:
         marks += [
             Area(ends, across - _HALF, across + _HALF, "fit", "95 % limits"),
             Line(np.array([value, value]), np.array([y - _HALF, y + _HALF]), Pen("ink", 2.4)),
-            Tag(0.0, y + _HALF, f"{state.name}: {value:.0f}", "ink"),
+            Tag(0.0, y + _ABOVE, f"{state.name}: {value:.0f}", "ink"),
         ]
     limit = result.setup.limit
     if limit is not None:

@@ -91,7 +91,7 @@ def _step(result: LeakResult) -> int:
 
 def _note(result: LeakResult) -> str:
     step, count = _step(result), len(result.arc_length)
-    return f"{count} stations" if step == 1 else f"one of {step} of {count} stations"
+    return f"{count} stations" if step == 1 else f"one in {step} of {count} stations"
 
 
 def _stations(result: LeakResult) -> TextTable:

@@ -57,6 +57,8 @@ from dashpot.extensions.systems.door.modes import (
 from dashpot.extensions.systems.door.mounts import SEAL
 from dashpot.registry import find_handler
 
+_SAME = 1e-9
+"""Scatter of ln at which the cars do not differ."""
 _REACH, _NODES, _DEGREE = 5.0, 11, 4
 """Standard deviations on both sides at which a quantity is computed, how often, and the degree of
 the polynomial of its logarithm."""
@@ -220,12 +222,13 @@ class DoorPopulation(HasVerdict, Serialisable):
         """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
         facts = []
         for one in self.quantities:
+            scatters = one.sd > _SAME  # of a mode that holds no seal nothing is left but rounding
             facts.append(
                 ReportedValue(
                     one.name.replace(" ", "_"),
                     one.value,
-                    one.low,
-                    one.high,
+                    one.low if scatters else math.nan,
+                    one.high if scatters else math.nan,
                     one.unit,
                     None,  # the range is the scatter of the cars, not an error of the value
                     one.unit,
@@ -237,8 +240,7 @@ class DoorPopulation(HasVerdict, Serialisable):
                     ReportedValue(
                         f"{one.name.replace(' ', '_')}_beyond",
                         one.share_beyond,
-                        math.nan if one.share_low is None else one.share_low,
-                        math.nan if one.share_high is None else one.share_high,
+                        *_share_limits(one),
                         "1",
                         None,
                         "%",
@@ -272,6 +274,14 @@ def format_share(share: float | None) -> str:
     if share < LEAST_SHARE:
         return f"below {100 * LEAST_SHARE:g}"
     return round_to_error(100 * share, digits=2)
+
+
+def _share_limits(quantity: DoorQuantity) -> tuple[float, float]:
+    """Return the interval of a share beyond; nan of one that every draw has the same."""
+    low, high = quantity.share_low, quantity.share_high
+    if low is None or high is None or low == high:
+        return math.nan, math.nan
+    return low, high
 
 
 def format_limit(quantity: DoorQuantity) -> str:
