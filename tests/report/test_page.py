@@ -205,8 +205,8 @@ def test_the_answer_comes_first(whole):
     places = [
         whole.index(part)
         for part in ('<dl class="who">', 'class="verdict', 'id="figure-lead"',
-                     "Recommended: joint model", 'class="button main"', '<section id="weighty">', '<section id="summary">',
-                     "<details")
+                     "Recommended: joint model", 'class="button main"',
+                     '<section id="weighty">', '<section id="summary">', "<details")
     ]  # fmt: skip
     assert places == sorted(places)
 

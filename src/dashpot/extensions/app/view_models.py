@@ -93,7 +93,8 @@ SHORT = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
-    "predicted from relaxation": "predicted", "95 % bounds over all spectra": "bound",
+    "predicted from relaxation": "predicted",
+    "95 % bounds over all spectra": "bounds over all spectra",
     "unresolved range": "out of reach", "other family from relaxation": "other family",
     "band that every accepted hit excites": "excited by all",
     "mode found": "mode", "new at its order": "new", "stable in frequency": "stable in frequency",
@@ -103,7 +104,8 @@ SHORT = {
 OF_STIFFNESS = {
     "relaxation fit": "valid band", "relaxation fit, extrapolated": "extrapolated",
     "fit, extrapolated": "extrapolated", "fit": "valid band",
-    "95 % interval of the parameters": "95 % interval", "95 % bounds over all spectra": "bound",
+    "95 % interval of the parameters": "95 % interval",
+    "95 % bounds over all spectra": "bounds over all spectra",
 }  # fmt: skip
 """What the key of a stiffness over frequency calls a mark."""
 Sizes = Mapping[str, tuple[float, float]]
