@@ -306,7 +306,7 @@ def peaks(study: Study) -> TextTable | None:
         *_make_prediction_columns(c),
     ]
     if joint is not None:
-        head += ["after the joint model", "difference"]
+        head += ["joint model", "difference"]
         columns += _make_prediction_columns(joint)
     return TextTable(tuple(head), tuple(zip(*columns, strict=True)))
 

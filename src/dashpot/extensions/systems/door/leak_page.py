@@ -7,10 +7,15 @@ from dashpot.extensions.systems.door.leak_figure import along_panel, door_panel,
 from dashpot.extensions.systems.door.leak_result import LeakResult, format_speed
 from dashpot.extensions.systems.door.leak_text import describe_states
 from dashpot.plot.picture import Picture
+from dashpot.plot.plotted_data import stamp
 from dashpot.report.first_screen import NOT_GIVEN, Light
 from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
 from dashpot.report.tables import TextTable
 
+_CAPTION = (
+    "Speed of the car at which the pressure lifts the seal: of the first station in every state "
+    "with its 95 % limits, and along the line."
+)
 _ROWS = 60
 """Stations in the table, at most; every one stands in the document."""
 
@@ -33,7 +38,8 @@ def leak_page(result: LeakResult) -> KindPage:
         lights=tuple(_lights(result)),
         answers="Speed of the car at which the seal lifts",
         picture=Picture(
-            "leak", result.plot().caption, ((states_panel(result),), (along_panel(result),)), 2
+            "leak", _CAPTION, ((states_panel(result),), (along_panel(result),)), 2,
+            stamp(result.sources),
         ),
         told="The first station lifts at",
         groups=(group("", result.facts),),
@@ -41,7 +47,8 @@ def leak_page(result: LeakResult) -> KindPage:
         folds=(
             CollapsibleSection(
                 "On the door", "leak speed of every station as described", None,
-                Picture("leak-door", "Leak speed on the door", ((door_panel(result),),)),
+                Picture("leak-door", "Leak speed of every station, seen from outside.",
+                        ((door_panel(result),),), stamp=stamp(result.sources)),
             ),
             CollapsibleSection("States", "what each is, and where it leaks first", _states(result)),
             CollapsibleSection("Stations", _note(result), _stations(result)),

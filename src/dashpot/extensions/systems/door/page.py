@@ -329,7 +329,7 @@ def _folds(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[
         and result.stations is not None
         and result.stations.compression is not None
     ):
-        picture = Picture("pressed", "Compression along the line", ((pressed_panel(result),),),
+        picture = Picture("pressed", "Compression along the line.", ((pressed_panel(result),),),
                           stamp=stamp(result.sources))  # fmt: skip
         yield CollapsibleSection("Along the line", _line_line(result), None, picture)
     if result is not None and result.modes:
