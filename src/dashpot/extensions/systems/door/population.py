@@ -222,7 +222,9 @@ class DoorPopulation(HasVerdict, Serialisable):
         """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
         facts = []
         for one in self.quantities:
-            scatters = one.sd > _SAME  # of a mode that holds no seal nothing is left but rounding
+            scatters = (
+                one.between_sd > LEAST_SD
+            )  # of a mode that holds no seal nothing is left but rounding
             facts.append(
                 ReportedValue(
                     one.name.replace(" ", "_"),
