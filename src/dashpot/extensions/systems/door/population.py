@@ -57,8 +57,6 @@ from dashpot.extensions.systems.door.modes import (
 from dashpot.extensions.systems.door.mounts import SEAL
 from dashpot.registry import find_handler
 
-_SAME = 1e-9
-"""Scatter of ln at which the cars do not differ."""
 _REACH, _NODES, _DEGREE = 5.0, 11, 4
 """Standard deviations on both sides at which a quantity is computed, how often, and the degree of
 the polynomial of its logarithm."""
