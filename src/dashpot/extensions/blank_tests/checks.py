@@ -13,36 +13,36 @@ from dashpot.base.units import convert_to_unit, format_quantity, parse_quantity
 if TYPE_CHECKING:
     from dashpot.extensions.blank_tests.estimation import Blanks, EmptyRun, Press
 
-SOFTEST = parse_quantity("200um/N", "compliance")
+MOST_COMPLIANCE = parse_quantity("200um/N", "compliance")
 """Compliance beyond which no machine is rigid enough for a seal."""
-CREEPS = parse_quantity("30um", "length")
+MOST_CREEP = parse_quantity("30um", "length")
 """Creep in a factor e of time beyond which no crosshead settles."""
-_CLEAR = 3.0
+_CLEAR_ERRORS = 3.0
 """Standard errors beyond which a departure is no chance."""
-_SAME_DELAY = parse_quantity("0.2ms", "time")
-_SAME_CREEP = parse_quantity("1.5um", "length")
+_DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
+_CREEP_TOLERANCE = parse_quantity("1.5um", "length")
 """What two records of one machine may differ by besides their errors."""
 
 
 def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, ...]:
     """Return every check of blank tests."""
-    found = {value.name: value for value in values}
+    facts = {value.name: value for value in values}
     stops, springs, empties = blanks.stops, blanks.springs, blanks.empties
     stop, spring = next(iter(stops), None), next(iter(springs), None)
     empty = next(iter(empties), None)
     return (
         blank_tests_complete(bool(stops), bool(springs), bool(empties)),
-        stop_rigid(None if stop is None else found["compliance"].value),
-        stop_force_straight(_find_worst(stops, _bend)),
-        stop_force_returns(_find_worst(stops, _return)),
+        stop_rigid(None if stop is None else facts["compliance"].value),
+        stop_force_straight(_find_worst(stops, _measure_bend)),
+        stop_force_returns(_find_worst(stops, lambda press: press.hysteresis)),
         stop_follows_machine(_find_worst(stops, lambda press: press.misfit)),
         crosshead_creep_plausible(_find_worst(blanks.presses, lambda press: press.creep.value)),
-        spring_force_straight(_find_worst(springs, _bend)),
-        spring_force_returns(_find_worst(springs, _return)),
+        spring_force_straight(_find_worst(springs, _measure_bend)),
+        spring_force_returns(_find_worst(springs, lambda press: press.hysteresis)),
         spring_follows_machine(_find_worst(springs, lambda press: press.misfit)),
-        stop_and_spring_creep_agree(*_compare(stop, spring, "creep", _SAME_CREEP)),
-        stop_and_spring_delay_agree(*_compare(stop, spring, "delay", _SAME_DELAY)),
-        gain_plausible(found["gain"].value if "gain" in found else None),
+        stop_and_spring_creep_agree(*_compare_estimates(stop, spring, "creep", _CREEP_TOLERANCE)),
+        stop_and_spring_delay_agree(*_compare_estimates(stop, spring, "delay", _DELAY_TOLERANCE)),
+        gain_plausible(facts["gain"].value if "gain" in facts else None),
         empty_run_force_free_of_motion(empty),
         empty_run_plate_steady(None if empty is None else empty.wander),
         empty_run_force_steady(empty),
@@ -50,28 +50,28 @@ def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, 
 
 
 def _find_worst(records: Sequence[Press], measure: Callable[[Press], float]) -> float | None:
-    """Return the largest of what some records measure, with its sign; None where none does."""
+    """Return the measure of largest size over some records; None where it is nan in all."""
     values = [value for value in map(measure, records) if not math.isnan(value)]
     return max(values, key=abs, default=None)
 
 
-def _bend(press: Press) -> float:
+def _measure_bend(press: Press) -> float:
+    """Return the curvature of a force, over its peak, less three of its standard errors."""
     value, error = press.curvature
-    return math.copysign(max(abs(value) - _CLEAR * error, 0.0), value)
+    return math.copysign(max(abs(value) - _CLEAR_ERRORS * error, 0.0), value)
 
 
-def _return(press: Press) -> float:
-    return press.hysteresis
-
-
-def _compare(
-    stop: Press | None, spring: Press | None, name: str, same: float
+def _compare_estimates(
+    stop: Press | None, spring: Press | None, name: str, tolerance: float
 ) -> tuple[float | None, float, float]:
-    """Return by how much two records differ in their errors, and what each gives."""
+    """Return the difference of two records in standard errors, and the value of each.
+
+    Errors are at least those of a repeat, `tolerance` at three standard errors.
+    """
     if stop is None or spring is None:
         return None, 0.0, 0.0
     first, second = getattr(stop, name), getattr(spring, name)
-    spread = math.hypot(first.error, second.error, same / _CLEAR)
+    spread = math.hypot(first.error, second.error, tolerance / _CLEAR_ERRORS)
     return (first.value - second.value) / spread, first.value, second.value
 
 
@@ -80,12 +80,12 @@ def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
     """There are a stop, a spring and an empty run."""
     missing = [
         text
-        for text, there in (
+        for text, is_recorded in (
             ("A rigid stop gives compliance and creep", stop),
             ("A spring gives gain and delay", spring),
             ("An empty run gives noise, drift and hum", empty),
         )
-        if not there
+        if not is_recorded
     ]
     return Finding(
         "A rigid stop, a spring and an empty run were recorded",
@@ -95,7 +95,7 @@ def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
     )
 
 
-@criterion("m/N", "<=", SOFTEST, "our choice: four times a usual machine")
+@criterion("m/N", "<=", MOST_COMPLIANCE, "our choice: four times a usual machine")
 def stop_rigid(compliance: float | None) -> Finding:
     """The stop is as stiff as a machine."""
     if compliance is None:
@@ -114,7 +114,7 @@ def stop_force_straight(bend: float | None) -> Finding:
     if bend is None:
         return Finding("No stop was pressed, so its force is not judged")
     return Finding(
-        f"At half its load the stop's force is {_percent(bend)} off a straight line",
+        f"At half its load the stop's force is {_format_percent(bend)} off a straight line",
         bend,
         "The machine has no single compliance, or the stop touches with a corner",
         "Press on a flat and level stop.",
@@ -122,9 +122,9 @@ def stop_force_straight(bend: float | None) -> Finding:
 
 
 @criterion("part of the largest force", "|x| <=", 0.02, "our choice: play of a crosshead")
-def stop_force_returns(lost: float | None) -> Finding:
+def stop_force_returns(difference: float | None) -> Finding:
     """The stop gives the same force on the way back."""
-    return _judge_return("stop", lost, "It is rubber, or the crosshead has play")
+    return _judge_return("stop", difference, "It is rubber, or the crosshead has play")
 
 
 @criterion("part of the largest force", "<=", 0.005, "our choice")
@@ -133,7 +133,7 @@ def stop_follows_machine(misfit: float | None) -> Finding:
     return _judge_misfit("stop", misfit, "It relaxes as rubber does, or it slipped")
 
 
-@criterion("m", "|x| <=", CREEPS, "three usual standard deviations at 8 mm")
+@criterion("m", "|x| <=", MOST_CREEP, "three usual standard deviations at 8 mm")
 def crosshead_creep_plausible(creep: float | None) -> Finding:
     """The crosshead settles as a crosshead does."""
     if creep is None:
@@ -152,7 +152,7 @@ def spring_force_straight(bend: float | None) -> Finding:
     if bend is None:
         return Finding("No spring was pressed, so its force is not judged")
     return Finding(
-        f"At half its load the spring's force is {_percent(bend)} off a straight line",
+        f"At half its load the spring's force is {_format_percent(bend)} off a straight line",
         bend,
         "The spring has no single stiffness, so the gain is off by as much",
         "Use a spring with ground ends, and press it from a small force on.",
@@ -160,9 +160,9 @@ def spring_force_straight(bend: float | None) -> Finding:
 
 
 @criterion("part of the largest force", "|x| <=", 0.003, "our choice: friction of a good spring")
-def spring_force_returns(lost: float | None) -> Finding:
+def spring_force_returns(difference: float | None) -> Finding:
     """The spring gives the same force on the way back."""
-    return _judge_return("spring", lost, "It rubs or is no steel, so gain and delay are off")
+    return _judge_return("spring", difference, "It rubs or is no steel, so gain and delay are off")
 
 
 @criterion("part of the largest force", "<=", 0.002, "our choice")
@@ -171,29 +171,29 @@ def spring_follows_machine(misfit: float | None) -> Finding:
     return _judge_misfit("spring", misfit, "It relaxes, rubs, or left its seat")
 
 
-@criterion("difference / standard error", "|x| <=", _CLEAR, "chance, once in 370")
-def stop_and_spring_creep_agree(apart: float | None, stop: float, spring: float) -> Finding:
+@criterion("difference / standard error", "|x| <=", _CLEAR_ERRORS, "chance, once in 370")
+def stop_and_spring_creep_agree(difference: float | None, stop: float, spring: float) -> Finding:
     """Stop and spring show the same creep of the crosshead."""
-    if apart is None:
+    if difference is None:
         return Finding("One of stop and spring is missing, so their creep is not compared")
     return Finding(
         f"The crosshead creeps by {format_quantity(stop, 'um', '.2g')} on the stop and "
         f"{format_quantity(spring, 'um', '.2g')} on the spring",
-        apart,
+        difference,
         "One of them relaxes itself, or the load cell creeps",
         "Press steel without a pad. Check the load cell with a dead weight.",
     )
 
 
-@criterion("difference / standard error", "|x| <=", _CLEAR, "chance, once in 370")
-def stop_and_spring_delay_agree(apart: float | None, stop: float, spring: float) -> Finding:
+@criterion("difference / standard error", "|x| <=", _CLEAR_ERRORS, "chance, once in 370")
+def stop_and_spring_delay_agree(difference: float | None, stop: float, spring: float) -> Finding:
     """Stop and spring show the same delay between the channels."""
-    if apart is None:
+    if difference is None:
         return Finding("One of stop and spring is missing, so their delay is not compared")
     return Finding(
         f"The force is late by {format_quantity(stop, 'ms', '.2g')} on the stop and "
         f"{format_quantity(spring, 'ms', '.2g')} on the spring",
-        apart,
+        difference,
         "The delay changes from record to record, or one of them rubs",
         "Start both channels by one clock, and repeat.",
     )
@@ -236,7 +236,7 @@ def empty_run_plate_steady(wander: float | None) -> Finding:
     if wander is None:
         return Finding("No empty run was recorded, so its plate is not judged")
     return Finding(
-        f"For {_percent(wander)} of the empty run the plate neither rests nor travels",
+        f"For {_format_percent(wander)} of the empty run the plate neither rests nor travels",
         wander,
         "Its sensor moves by itself",
         "Repeat with the displacement sensor fastened.",
@@ -257,12 +257,12 @@ def empty_run_force_steady(run: EmptyRun | None) -> Finding:
     )
 
 
-def _judge_return(name: str, lost: float | None, reason: str) -> Finding:
-    if lost is None:
+def _judge_return(name: str, difference: float | None, reason: str) -> Finding:
+    if difference is None:
         return Finding(f"No {name} was released in its record, so its way back is not judged")
     return Finding(
-        f"On the way back the {name}'s force is {_percent(lost)} of the largest off",
-        lost,
+        f"On the way back the {name}'s force is {_format_percent(difference)} of the largest off",
+        difference,
         reason,
         f"Use a {'steel block' if name == 'stop' else 'calibrated steel spring'}.",
     )
@@ -272,12 +272,12 @@ def _judge_misfit(name: str, misfit: float | None, reason: str) -> Finding:
     if misfit is None:
         return Finding(f"No {name} was pressed, so it is not compared with the machine's model")
     return Finding(
-        f"The {name}'s force departs from the machine's model by {_percent(misfit)}",
+        f"The {name}'s force departs from the machine's model by {_format_percent(misfit)}",
         misfit,
         reason,
         "Look at the figure, and repeat.",
     )
 
 
-def _percent(part: float) -> str:
+def _format_percent(part: float) -> str:
     return f"{convert_to_unit(part, '%'):.2g} %"

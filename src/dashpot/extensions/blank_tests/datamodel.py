@@ -24,6 +24,8 @@ from dashpot.datamodel.machine import Machine, MachineCalibration
 
 Role: TypeAlias = Literal["", "stop", "spring", "empty"]
 """What a blank test pressed; empty where the record is to show it."""
+CREEP_REPEATABILITY = 0.1
+"""Part of a creep by which that of another press may differ: it depends on load and rest."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,8 +72,6 @@ class BlankTest(EqualByValue, HasSummary):
         return describe_record_source(self.source, len(self.time)), ROLE_LABELS[self.role]
 
 
-REPEATS = 0.1
-"""Part of a creep by which that of another press may differ: it depends on load and rest."""
 ROLE_LABELS: dict[str, str] = {
     "": "not said what was pressed",
     "stop": "rigid stop",
@@ -144,23 +144,27 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     @property
     def machine(self) -> Machine:
         """The machine that fits take: ``dp.fit(test, machine=found.machine)``."""
-        found = {value.name: value for value in self.found}
-        give, creep, delay, gain = (
-            found.get(name) for name in ("compliance", "creep", "delay", "gain")
+        facts = {value.name: value for value in self.found}
+        compliance, creep, delay, gain = (
+            facts.get(name) for name in ("compliance", "creep", "delay", "gain")
         )
         calibration = MachineCalibration(
             delay=delay.value if delay else 0.0,
             gain=gain.value if gain else 1.0,
             gain_error=(gain.error or 0.0) if gain else 0.0,
-            compliance_error=math.hypot(give.error or 0.0, self.bend * give.value) if give else 0.0,
+            compliance_error=math.hypot(compliance.error or 0.0, self.bend * compliance.value)
+            if compliance
+            else 0.0,
             settling=creep.value if creep else 0.0,
             source=f"blank tests {', '.join(record.file for record in self.records)}",
         )
         return Machine(
             sync=delay.error if delay else None,
             drift=self.drift_sd,
-            compliance=give.value if give else None,
-            creep=math.hypot(creep.error or 0.0, REPEATS * creep.value) if creep else None,
+            compliance=compliance.value if compliance else None,
+            creep=math.hypot(creep.error or 0.0, CREEP_REPEATABILITY * creep.value)
+            if creep
+            else None,
             calibration=calibration,
         )
 

@@ -29,25 +29,35 @@ from dashpot.signals.segments import find_segments
 
 LOADED = 0.05
 """Part of the largest force from which a part is in contact all over."""
-_TOUCHED = 0.01
+_CONTACT_SHARE = 0.01
 """Part of the largest force that a contact begins with."""
-_ROUNDS, _SETTLED = 8, 1e-7
+_MOST_SHIFTS, _DELAY_TOLERANCE = 8, 1e-7
 """Shifts of the motion at most, and a step of the delay that ends them, s."""
 _FEWEST = 20
 """Samples of a baseline or of a press that an estimate needs."""
 _PEAK_SHARE = 0.05
 """Part of a record's samples, the most loaded, by which its largest force is measured."""
-_AT_REST, _TRAVELS = 0.05, 0.5
+_REST_SPEED, _TRAVEL_SPEED = 0.05, 0.5
 """Parts of the largest speed: below the first a plate rests, above the second it travels."""
-_SPEED_SHARE, _MOST_SPAN, _CLEAR = 0.01, 0.25, 50.0
+_LEAST_SPAN, _LARGEST_SPAN, _SPEED_OVER_NOISE = 0.01, 0.25, 50.0
 """Parts of a ramp over which a speed is taken, at least and at most, and how many times its noise
 it is to be."""
-_DETERMINED = 1e-13
+_LEAST_EIGENVALUE = 1e-13
 """Least eigenvalue of a Gram matrix of columns of size 1."""
-_BLOCKS = 32
+_MISFIT_BLOCKS = 32
 """Means of residuals that show a misfit."""
-_CHANCE = 3.5
+_CHANCE_ERRORS = 3.5
 """Standard errors that such a mean may have by chance."""
+_DELAY_COLUMN, _OFFSET_COLUMN = 4, 5
+"""Columns of delay and offset; before them line, stiffness, creep and drift."""
+_GAP_ERRORS = 3.0
+"""Standard errors by which a contact is off the rest of the plate."""
+_MOTION_OVER_NOISE = 20.0
+"""Scatter of a displacement beyond which a plate moved."""
+_SLOW_BLOCKS = 20
+"""Parts of an empty run whose means show a slow wander."""
+_MAINS_SEARCH = 0.5
+"""Hz either way of the mains at which a weak line is looked for."""
 
 
 class RigEstimate(NamedTuple):
@@ -199,11 +209,11 @@ def solve_regression(
     DataError
         If the columns cannot be told apart.
     """
-    read = 0.0 if noisy is None else float(noise) ** 2
-    touched = 0.0
+    variance = 0.0 if noisy is None else float(noise) ** 2
+    weight = 0.0
     if noisy is not None:
         rows = columns[:, noisy] != 0
-        touched = float(np.count_nonzero(rows) if weights is None else (weights[rows] ** 2).sum())
+        weight = float(np.count_nonzero(rows) if weights is None else (weights[rows] ** 2).sum())
     if weights is not None:
         columns, values = columns * weights[:, None], values * weights
     scale = np.sqrt((columns**2).sum(axis=0))
@@ -212,20 +222,20 @@ def solve_regression(
     basis, triangle = np.linalg.qr(scaled)
     gram = triangle.T @ triangle
     if noisy is not None:
-        gram[noisy, noisy] -= touched * read / scale[noisy] ** 2
-    empty = ~columns.any(axis=0)
-    gram[empty, empty] = 1.0
-    if np.linalg.eigvalsh(gram)[0] < _DETERMINED:
+        gram[noisy, noisy] -= weight * variance / scale[noisy] ** 2
+    is_empty = ~columns.any(axis=0)
+    gram[is_empty, is_empty] = 1.0
+    if np.linalg.eigvalsh(gram)[0] < _LEAST_EIGENVALUE:
         raise DataError(
             "a blank test does not determine the machine: its motion and its time cannot be told "
             "apart. Record a rest, a ramp and a hold"
         )
     inverse = np.linalg.inv(gram)
-    found = inverse @ (scaled.T @ values)
-    residual = values - scaled @ found
-    power = noise_of(residual, basis)
-    errors = np.sqrt(power.power * np.diag(inverse))
-    return Regression(found / scale, errors / scale, residual, power)
+    scaled_values = inverse @ (scaled.T @ values)
+    residual = values - scaled @ scaled_values
+    residual_noise = noise_of(residual, basis)
+    errors = np.sqrt(residual_noise.power * np.diag(inverse))
+    return Regression(scaled_values / scale, errors / scale, residual, residual_noise)
 
 
 def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
@@ -246,22 +256,23 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
     """
     history = read_press_history(record)
     fit, shift, ramp_time, columns, weights = _solve_press(history)
-    if spring and len(fit.values) > _OFFSET and abs(fit.values[0]) <= _CLEAR_GAP * fit.errors[0]:
-        fit, shift, ramp_time, columns, weights = _solve_press(history, held=True)
+    has_offset = len(fit.values) > _OFFSET_COLUMN
+    if spring and has_offset and abs(fit.values[0]) <= _GAP_ERRORS * fit.errors[0]:
+        fit, shift, ramp_time, columns, weights = _solve_press(history, rests_at_contact=True)
     n, stiffness = len(history.time), float(fit.values[1])
-    moved = _shift_motion(history, shift)
-    pressed = fit.values[0] + stiffness * moved
-    pressed += fit.values[2] * _settle(history, ramp_time, shift)
-    model = fit.values[3] * history.time + np.maximum(pressed, 0.0)
-    model += fit.values[_OFFSET] if len(fit.values) > _OFFSET else 0.0
-    fitted, used = np.full(n, np.nan), np.concatenate((history.before, history.pressed))
-    fitted[used] = model[used]
-    curvature = _estimate_curvature(history, columns, pressed, weights)
-    error = fit.errors / stiffness
+    motion = _shift_motion(history, shift)
+    response = fit.values[0] + stiffness * motion
+    response += fit.values[2] * _compute_settlement(history, ramp_time, shift)
+    model = fit.values[3] * history.time + np.maximum(response, 0.0)
+    model += fit.values[_OFFSET_COLUMN] if len(fit.values) > _OFFSET_COLUMN else 0.0
+    fitted, samples = np.full(n, np.nan), np.concatenate((history.before, history.pressed))
+    fitted[samples] = model[samples]
+    curvature = _estimate_curvature(history, columns, response, weights)
+    relative_errors = fit.errors / stiffness
     return Press(
         RigEstimate(stiffness, float(fit.errors[1])),
-        RigEstimate(float(fit.values[2]) / stiffness, float(error[2])),
-        RigEstimate(shift, float(error[_DELAY])),
+        RigEstimate(float(fit.values[2]) / stiffness, float(relative_errors[2])),
+        RigEstimate(shift, float(relative_errors[_DELAY_COLUMN])),
         RigEstimate(float(fit.values[3]), float(fit.errors[3])),
         history.peak,
         ramp_time,
@@ -273,12 +284,6 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
         fitted,
         history.force,
     )
-
-
-_DELAY, _OFFSET = 4, 5
-"""Columns of delay and offset; before them line, stiffness, creep and drift."""
-_CLEAR_GAP = 3.0
-"""Standard errors by which a contact is off the rest of the plate."""
 
 
 class PressHistory(NamedTuple):
@@ -350,15 +355,15 @@ def name_record(record: BlankTest) -> str:
 
 def orient_channels(record: BlankTest) -> tuple[FloatArray, FloatArray]:
     """Return displacement and force, both rising as the plate presses, from their rest."""
-    start = max(len(record.time) // 50, 1)
+    count = max(len(record.time) // 50, 1)
     force = without_spikes(record.time, record.force)
-    force = force - median(force[:start])
+    force = force - median(force[:count])
     force = force if force[np.argmax(np.abs(force))] >= 0 else -force
-    x = record.displacement - median(record.displacement[:start])
-    top = force > 0.5 * force.max()
-    if top.all() or not top.any():
+    x = record.displacement - median(record.displacement[:count])
+    is_loaded = force > 0.5 * force.max()
+    if is_loaded.all() or not is_loaded.any():
         return x, force
-    return (x if float(x[top].mean()) >= float(x[~top].mean()) else -x), force
+    return (x if float(x[is_loaded].mean()) >= float(x[~is_loaded].mean()) else -x), force
 
 
 def _find_ramp_and_hold(record: BlankTest, time: FloatArray, x: FloatArray) -> tuple[int, int]:
@@ -381,42 +386,42 @@ def _find_ramp_and_hold(record: BlankTest, time: FloatArray, x: FloatArray) -> t
 def _find_contact(force: FloatArray, noise: float, peak: float) -> int:
     """Return the last sample before the force leaves its baseline for good."""
     loaded = int(np.argmax(force > 0.5 * peak))
-    below = np.flatnonzero(force[:loaded] < max(8 * noise, _TOUCHED * peak))
+    below = np.flatnonzero(force[:loaded] < max(8 * noise, _CONTACT_SHARE * peak))
     return int(below[-1]) if len(below) else 0
 
 
 def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -> int:
     """Return over how many samples either way the speed of a ramp stands out of its noise."""
     samples, travel = max(ramp - first, 1), abs(float(x[ramp] - x[first]))
-    clear = _CLEAR * scatter(time, x) / np.sqrt(2) * samples / max(travel, 1e-12)
-    return int(np.clip(max(clear, _SPEED_SHARE * samples), 1, max(_MOST_SPAN * samples, 1)))
+    clear = _SPEED_OVER_NOISE * scatter(time, x) / np.sqrt(2) * samples / max(travel, 1e-12)
+    return int(np.clip(max(clear, _LEAST_SPAN * samples), 1, max(_LARGEST_SPAN * samples, 1)))
 
 
-def compute_speed(time: FloatArray, x: FloatArray, few: int) -> FloatArray:
-    """Return the speed over `few` samples either way, m/s; 0 where it is no more than noise."""
-    padded = np.pad(x, few, mode="edge")
-    clock = np.pad(time, few, mode="reflect", reflect_type="odd")
-    span = clock[2 * few :] - clock[: -2 * few]
-    speed = (padded[2 * few :] - padded[: -2 * few]) / span
+def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
+    """Return the speed over `half_span` samples either way, m/s; 0 where it is within noise."""
+    padded = np.pad(x, half_span, mode="edge")
+    clock = np.pad(time, half_span, mode="reflect", reflect_type="odd")
+    span = clock[2 * half_span :] - clock[: -2 * half_span]
+    speed = (padded[2 * half_span :] - padded[: -2 * half_span]) / span
     noise = 5 * np.sqrt(2) * scatter(time, x) / span
     return np.where(np.abs(speed) > noise, speed, 0.0)
 
 
 def _shift_motion(history: PressHistory, delay: float) -> FloatArray:
-    """Return the displacement that the force of each sample answers, m."""
+    """Return the displacement at the time of each sample less the delay, s, in m."""
     return np.interp(history.time - delay, history.time, history.displacement)
 
 
-def _share_noise(history: PressHistory, delay: float) -> float:
-    """Return the part of a reading's noise that is left between two readings."""
+def _compute_noise_share(history: PressHistory, delay: float) -> float:
+    """Return the noise of a displacement interpolated at a delay over that of a reading."""
     place = delay / float(np.median(np.diff(history.time))) % 1.0
     return float(np.hypot(place, 1 - place))
 
 
-def _settle(history: PressHistory, ramp_time: float, delay: float) -> FloatArray:
+def _compute_settlement(history: PressHistory, ramp_time: float, delay: float) -> FloatArray:
     """Return how far the crosshead has settled, for 1 m in a factor e of time."""
-    since = np.maximum(history.time - delay - history.stop, 0.0)
-    return np.log1p(since / ramp_time)
+    elapsed = np.maximum(history.time - delay - history.stop, 0.0)
+    return np.log1p(elapsed / ramp_time)
 
 
 class _PressFit(NamedTuple):
@@ -429,83 +434,83 @@ class _PressFit(NamedTuple):
     weights: FloatArray
 
 
-def _solve_press(history: PressHistory, *, held: bool = False) -> _PressFit:
+def _solve_press(history: PressHistory, *, rests_at_contact: bool = False) -> _PressFit:
     """Return the fit at the delay that it finds.
 
-    Samples under load bear the noise of the displacement besides, times K. A spring that is `held`
-    touches where the plate rests.
+    Samples under load also have the noise of the displacement times K. With `rests_at_contact`
+    the contact is held at the rest of the plate, and its column is zero.
     """
-    used, zero = np.concatenate((history.before, history.pressed)), len(history.before)
-    contact = np.ones(len(used))
-    contact[:zero] = 0.0
-    offset = [np.ones(len(used))] if zero >= _FEWEST else []
+    samples, baseline_count = np.concatenate((history.before, history.pressed)), len(history.before)
+    contact = np.ones(len(samples))
+    contact[:baseline_count] = 0.0
+    offset = [np.ones(len(samples))] if baseline_count >= _FEWEST else []
     shift, ramp_time = 0.0, max(history.stop - float(history.time[history.first]), 1e-6)
-    top = slice(history.first, int(history.pressed[-1]) + 1)
-    stiffness = history.peak / max(float(np.ptp(history.displacement[top])), 1e-12)
-    for i in range(_ROUNDS):
+    loaded_span = slice(history.first, int(history.pressed[-1]) + 1)
+    stiffness = history.peak / max(float(np.ptp(history.displacement[loaded_span])), 1e-12)
+    for i in range(_MOST_SHIFTS):
         speed = np.interp(history.time - shift, history.time, history.speed)
         columns = np.column_stack((
-            0.0 * contact if held else contact,
-            contact * _shift_motion(history, shift)[used],
-            contact * _settle(history, ramp_time, shift)[used],
-            history.time[used],
-            contact * speed[used],
+            0.0 * contact if rests_at_contact else contact,
+            contact * _shift_motion(history, shift)[samples],
+            contact * _compute_settlement(history, ramp_time, shift)[samples],
+            history.time[samples],
+            contact * speed[samples],
             *offset,
         ))  # fmt: skip
-        noise = history.displacement_noise * _share_noise(history, shift)
-        loaded = np.hypot(history.noise, stiffness * noise)
-        weights = np.where(contact > 0, 1 / loaded, 1 / history.noise)
-        fit = solve_regression(columns, history.force[used], weights, noisy=1, noise=noise)
+        noise = history.displacement_noise * _compute_noise_share(history, shift)
+        loaded_noise = np.hypot(history.noise, stiffness * noise)
+        weights = np.where(contact > 0, 1 / loaded_noise, 1 / history.noise)
+        fit = solve_regression(columns, history.force[samples], weights, noisy=1, noise=noise)
         stiffness = float(fit.values[1])
         if not stiffness > 0:
             raise DataError(
                 "the force does not rise with the displacement. Check the columns of the blank "
                 "tests, and their signs"
             )
-        step = -float(fit.values[_DELAY]) / stiffness
-        if abs(step) < _SETTLED and i:
+        step = -float(fit.values[_DELAY_COLUMN]) / stiffness
+        if abs(step) < _DELAY_TOLERANCE and i:
             break
         shift += step
         ramp_time = _measure_ramp_time(history, -float(fit.values[0]) / stiffness, ramp_time)
     return _PressFit(fit, shift, ramp_time, columns, weights)
 
 
-def _measure_ramp_time(history: PressHistory, contact: float, before: float) -> float:
+def _measure_ramp_time(history: PressHistory, contact: float, previous: float) -> float:
     """Return the time from the contact at a displacement, m, to the end of the ramp, s."""
     ramp = slice(0, int(np.searchsorted(history.time, history.stop)) + 1)
-    over = np.flatnonzero(history.displacement[ramp] < contact)
-    if not len(over):
-        return before
-    return max(history.stop - float(history.time[over[-1]]), 1e-6)
+    below = np.flatnonzero(history.displacement[ramp] < contact)
+    if not len(below):
+        return previous
+    return max(history.stop - float(history.time[below[-1]]), 1e-6)
 
 
 def _estimate_curvature(
     history: PressHistory, columns: FloatArray, pressed: FloatArray, weights: FloatArray
 ) -> RigEstimate:
     """Return by how much the force at half the load lies off the straight line, N."""
-    used = np.concatenate((history.before, history.pressed))
-    load = np.clip(pressed[used] / history.peak, 0.0, 1.5) * (columns[:, 1] != 0)
-    bent = solve_regression(
-        np.column_stack((columns, 4 * load * (1 - load))), history.force[used], weights, noisy=1,
+    samples = np.concatenate((history.before, history.pressed))
+    load = np.clip(pressed[samples] / history.peak, 0.0, 1.5) * (columns[:, 1] != 0)
+    fit = solve_regression(
+        np.column_stack((columns, 4 * load * (1 - load))), history.force[samples], weights, noisy=1,
         noise=history.displacement_noise,
     )  # fmt: skip
-    return RigEstimate(float(bent.values[-1]), float(bent.errors[-1]))
+    return RigEstimate(float(fit.values[-1]), float(fit.errors[-1]))
 
 
 def _measure_misfit(residual: FloatArray, noise: Noise) -> float:
     """Return the largest mean of neighbouring residuals beyond chance, N."""
-    count = max(len(residual) // _BLOCKS, 1)
+    count = max(len(residual) // _MISFIT_BLOCKS, 1)
     means = np.abs(block_means(residual, count))
-    return max(float(means.max()) - _CHANCE * float(np.sqrt(noise.power / count)), 0.0)
+    return max(float(means.max()) - _CHANCE_ERRORS * float(np.sqrt(noise.power / count)), 0.0)
 
 
 def _measure_hysteresis(history: PressHistory, model: FloatArray) -> float:
     """Return the force on the way back less that of the model at half the load, over the peak."""
-    after = np.arange(len(model)) >= history.end
-    half = after & (model > 0.3 * history.peak) & (model < 0.7 * history.peak)
-    if np.count_nonzero(half) < 5:
+    is_return = np.arange(len(model)) >= history.end
+    is_half_loaded = is_return & (model > 0.3 * history.peak) & (model < 0.7 * history.peak)
+    if np.count_nonzero(is_half_loaded) < 5:
         return float("nan")
-    return float((history.force[half] - model[half]).mean()) / history.peak
+    return float((history.force[is_half_loaded] - model[is_half_loaded]).mean()) / history.peak
 
 
 def estimate_empty_run(record: BlankTest) -> EmptyRun:
@@ -515,55 +520,47 @@ def estimate_empty_run(record: BlankTest) -> EmptyRun:
     force = force - median(force)
     x = record.displacement - median(record.displacement)
     columns = [np.ones(len(time)), time]
-    moves = float(np.ptp(x)) > _MOVED * max(scatter(time, x), 1e-12)
-    few = max(len(time) // 500, 1)
-    speed = compute_speed(time, x, few) if moves else np.zeros(len(time))
-    moving = []
-    if moves:
-        pull = np.gradient(speed, time)
-        moving = [column for column in (x, speed, pull) if np.ptp(column) > 0]
-    plain = solve_regression(np.column_stack((*columns, *moving)), force)
+    is_moving = float(np.ptp(x)) > _MOTION_OVER_NOISE * max(scatter(time, x), 1e-12)
+    half_span = max(len(time) // 500, 1)
+    speed = compute_speed(time, x, half_span) if is_moving else np.zeros(len(time))
+    motions = []
+    if is_moving:
+        acceleration = np.gradient(speed, time)
+        motions = [column for column in (x, speed, acceleration) if np.ptp(column) > 0]
+    first_fit = solve_regression(np.column_stack((*columns, *motions)), force)
     lines, _, _ = hum_lines(
-        time, plain.residual, slice(0, len(time)), noise=scatter(time, plain.residual)
+        time, first_fit.residual, slice(0, len(time)), noise=scatter(time, first_fit.residual)
     )
-    frequency = lines[0].frequency if lines else _find_mains(time, plain.residual)
-    turn = 2 * np.pi * frequency * time
-    others = [
+    frequency = lines[0].frequency if lines else _find_mains(time, first_fit.residual)
+    phase = 2 * np.pi * frequency * time
+    other_hum = [
         line(2 * np.pi * hum.frequency * time) for hum in lines[1:] for line in (np.cos, np.sin)
     ]
     fit = solve_regression(
-        np.column_stack((*columns, *moving, np.cos(turn), np.sin(turn), *others)), force
+        np.column_stack((*columns, *motions, np.cos(phase), np.sin(phase), *other_hum)), force
     )
-    at = len(columns) + len(moving)
-    hum = float(np.hypot(*fit.values[at : at + 2]))
-    by_motion = (
-        np.column_stack(moving) @ fit.values[2 : 2 + len(moving)] if moving else np.zeros(len(time))
-    )
+    hum_column = len(columns) + len(motions)
+    hum = float(np.hypot(*fit.values[hum_column : hum_column + 2]))
+    by_motion = np.zeros(len(time))
+    if motions:
+        by_motion = np.column_stack(motions) @ fit.values[2 : 2 + len(motions)]
     errors = [
         float(np.abs(column).max()) * float(error)
-        for column, error in zip(moving, fit.errors[2:], strict=False)
+        for column, error in zip(motions, fit.errors[2:], strict=False)
     ]
     noise = float(np.sqrt(fit.noise.autocovariance[0]))
     return EmptyRun(
         RigEstimate(noise, noise * _compute_relative_error(fit.noise)),
         RigEstimate(float(fit.values[1]), float(fit.errors[1])),
-        RigEstimate(hum, float(fit.errors[at : at + 2].max())),
+        RigEstimate(hum, float(fit.errors[hum_column : hum_column + 2].max())),
         frequency if lines else float("nan"),
         float(np.abs(by_motion - median(by_motion)).max()),
         float(np.linalg.norm(errors)),
-        _measure_wander(speed) if moves else 0.0,
-        float(block_means(fit.residual, max(len(time) // _SLOW, 1)).std()),
-        np.column_stack((*columns, *moving)) @ fit.values[:at],
+        _measure_wander(speed) if is_moving else 0.0,
+        float(block_means(fit.residual, max(len(time) // _SLOW_BLOCKS, 1)).std()),
+        np.column_stack((*columns, *motions)) @ fit.values[:hum_column],
         force,
     )
-
-
-_MOVED = 20.0
-"""Scatter of a displacement beyond which a plate moved."""
-_SLOW = 20
-"""Parts of an empty run whose means show a slow wander."""
-_MAINS_SEARCH = 0.5
-"""Hz either way of the mains at which a weak line is looked for."""
 
 
 def _find_mains(time: FloatArray, residual: FloatArray) -> float:
@@ -572,8 +569,8 @@ def _find_mains(time: FloatArray, residual: FloatArray) -> float:
     padded = 4 * len(time)
     power = np.abs(np.fft.rfft(residual, padded)) ** 2
     frequency = np.fft.rfftfreq(padded, step)
-    near = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS]
-    mask = np.logical_or.reduce(near)
+    bands = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS]
+    mask = np.logical_or.reduce(bands)
     if not mask.any():
         return float(frequency[len(frequency) // 2])
     return float(frequency[mask][np.argmax(power[mask])])
@@ -592,4 +589,4 @@ def _compute_relative_error(noise: Noise) -> float:
 def _measure_wander(speed: FloatArray) -> float:
     """Return the part of a record in which the plate neither rests nor travels."""
     share = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
-    return float(np.mean((share > _AT_REST) & (share < _TRAVELS)))
+    return float(np.mean((share > _REST_SPEED) & (share < _TRAVEL_SPEED)))

@@ -16,13 +16,13 @@ from dashpot.solids.demo_seals import PAPER
 
 Part: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 
-_GIVE, _SETTLES = parse_quantity("45um/N", "compliance"), parse_quantity("5um", "length")
+_COMPLIANCE, _CREEP = parse_quantity("45um/N", "compliance"), parse_quantity("5um", "length")
 _SPRING, _DELAY = parse_quantity("1N/mm", "stiffness"), parse_quantity("4ms", "time")
 _GAIN = 1.008
 _REST, _RAMP, _HOLD, _STEP = 10.0, 1.0, 40.0, 0.01
 
 
-def _record(gap: float, depth: float, seed: int, part: Part) -> str:
+def _render_record(gap: float, depth: float, seed: int, part: Part) -> str:
     """Return a press by `depth` beyond a gap, m, and back; `part` gives the force of its time, s,
     and of the way that part and machine are pressed by, m.
     """
@@ -35,10 +35,10 @@ def _record(gap: float, depth: float, seed: int, part: Part) -> str:
     def move(at: FloatArray) -> FloatArray:
         return np.interp(at, corners, (0.0, 0.0, gap + depth, gap + depth, 0.0, 0.0))
 
-    late = time - _DELAY
-    way = move(late) - gap + _SETTLES * np.log1p(np.maximum(late - stop, 0.0) / _RAMP)
+    delayed = time - _DELAY
+    path = move(delayed) - gap + _CREEP * np.log1p(np.maximum(delayed - stop, 0.0) / _RAMP)
     random = np.random.default_rng(seed)
-    force = _GAIN * part(time, np.maximum(way, 0.0)) + 2e-4 * time
+    force = _GAIN * part(time, np.maximum(path, 0.0)) + 2e-4 * time
     force += 4e-3 * np.sin(2 * np.pi * 20.3 * time) + 4e-3 * random.standard_normal(len(time))
     x = convert_to_unit(move(time) + 3e-7 * random.standard_normal(len(time)), "mm")
     lines = [f"# {byline('simulated test on one machine')}", "# simulated"]
@@ -51,32 +51,36 @@ def _press_seal(time: FloatArray, way: FloatArray) -> FloatArray:
     """Return the force of the paper's seal, less what the machine gives under it."""
     force = np.zeros(len(time))
     for _ in range(4):  # the give is a hundredth of the way
-        force = PAPER.force(time, way - _GIVE * force)
+        force = PAPER.force(time, way - _COMPLIANCE * force)
     return force
 
 
-def _stop() -> str:
-    return _record(5e-4, 25 * _GIVE, 1, lambda _, way: way / _GIVE)
+def _render_stop() -> str:
+    return _render_record(5e-4, 25 * _COMPLIANCE, 1, lambda _, way: way / _COMPLIANCE)
 
 
-def _spring() -> str:
-    return _record(1e-3, 8e-3, 2, lambda _, way: way / (1 / _SPRING + _GIVE))
+def _render_spring() -> str:
+    return _render_record(1e-3, 8e-3, 2, lambda _, way: way / (1 / _SPRING + _COMPLIANCE))
 
 
-def _empty() -> str:
-    return _record(1e-3, 8e-3, 3, lambda _, way: 0 * way)
+def _render_empty() -> str:
+    return _render_record(1e-3, 8e-3, 3, lambda _, way: 0 * way)
 
 
-def _seal() -> str:
-    return _record(1e-3, 8e-3, 4, _press_seal)
+def _render_seal() -> str:
+    return _render_record(1e-3, 8e-3, 4, _press_seal)
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
-        "rig_stop.csv": Example("", "a testing machine pressed on a rigid stop", _stop),
-        "rig_spring.csv": Example("", "the same machine on a steel spring of 1 N/mm", _spring),
-        "rig_empty.csv": Example("", "the same machine without a specimen", _empty),
-        "rig_seal.csv": Example("relaxation", "a seal of the paper on the same machine", _seal),
+        "rig_stop.csv": Example("", "a testing machine pressed on a rigid stop", _render_stop),
+        "rig_spring.csv": Example(
+            "", "the same machine on a steel spring of 1 N/mm", _render_spring
+        ),
+        "rig_empty.csv": Example("", "the same machine without a specimen", _render_empty),
+        "rig_seal.csv": Example(
+            "relaxation", "a seal of the paper on the same machine", _render_seal
+        ),
     }
 )
 """By their names."""

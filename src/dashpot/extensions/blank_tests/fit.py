@@ -29,7 +29,7 @@ from dashpot.extensions.blank_tests.roles import AssignedRole, assign_roles
 
 SPRING_ERROR = 1e-3
 """Relative standard error of a spring's stiffness, where none is stated: a calibrated one."""
-_POINTS = 600
+_FIGURE_SAMPLES = 600
 """Samples of a record that its figure shows."""
 
 
@@ -63,31 +63,31 @@ def fit_blank_tests(
         If the role of a record is open, or a record does not hold what its role needs.
     """
     stiffness = convert_to_si(spring_stiffness, "stiffness")
-    relative = convert_to_si(spring_error, "strain")
+    relative_error = convert_to_si(spring_error, "strain")
     if stiffness is not None and not 0 < stiffness < math.inf:
         raise DataError(
             f"spring stiffness = {stiffness:.4g} N/m; expected a number above 0, such as 1N/mm"
         )
-    if relative is not None and not 0 <= relative < 0.5:
+    if relative_error is not None and not 0 <= relative_error < 0.5:
         raise DataError(
-            f"uncertainty of the spring = {relative:.4g}; expected 0 to 0.5, such as 0.1%"
+            f"uncertainty of the spring = {relative_error:.4g}; expected 0 to 0.5, such as 0.1%"
         )
-    if relative is not None and stiffness is None:
+    if relative_error is not None and stiffness is None:
         raise DataError(
             "an uncertainty of the spring is given without its stiffness. Give it: "
             "--spring-stiffness 1N/mm"
         )
-    relative = SPRING_ERROR if relative is None else relative
+    relative_error = SPRING_ERROR if relative_error is None else relative_error
     roles = assign_roles(records, stiffness)
     blanks = estimate_blanks(records, roles)
-    values = report_values(blanks, stiffness, relative)
-    sprung = stiffness is not None and bool(blanks.springs)
+    values = report_values(blanks, stiffness, relative_error)
+    has_spring = stiffness is not None and bool(blanks.springs)
     sources = sources_of(records)
     return MachineFit(
         values,
         tuple(map(_thin_record, records, roles, blanks.series)),
-        stiffness if sprung else None,
-        relative if sprung else None,
+        stiffness if has_spring else None,
+        relative_error if has_spring else None,
         predict_drift(blanks),
         max((abs(press.curvature.value) for press in blanks.stops), default=0.0),
         (*checks.run_checks(blanks, values), *caution_checks(sources)),
@@ -105,11 +105,11 @@ def estimate_blanks(records: Sequence[BlankTest], roles: Sequence[AssignedRole])
     """
     series = tuple(map(_estimate_record, records, roles))
     pairs = list(zip(series, roles, strict=True))
-    presses = [(found, role.role) for found, role in pairs if isinstance(found, Press)]
+    presses = [(estimate, role.role) for estimate, role in pairs if isinstance(estimate, Press)]
     return Blanks(
-        tuple(found for found, role in presses if role == "stop"),
-        tuple(found for found, role in presses if role == "spring"),
-        tuple(found for found in series if isinstance(found, EmptyRun)),
+        tuple(estimate for estimate, role in presses if role == "stop"),
+        tuple(estimate for estimate, role in presses if role == "spring"),
+        tuple(estimate for estimate in series if isinstance(estimate, EmptyRun)),
         series,
     )
 
@@ -140,26 +140,26 @@ def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
 
 
 def report_values(
-    blanks: Blanks, stiffness: float | None, relative: float
+    blanks: Blanks, stiffness: float | None, relative_error: float
 ) -> tuple[ReportedValue, ...]:
     """Return the numbers of the machine that these records give, each with its 95 % interval."""
-    rigid = combine_estimates([press.stiffness for press in blanks.stops])
-    sprung = combine_estimates([press.stiffness for press in blanks.springs])
-    give = None if rigid is None else RigEstimate(1 / rigid.value, rigid.error / rigid.value**2)
+    stop = combine_estimates([press.stiffness for press in blanks.stops])
+    spring = combine_estimates([press.stiffness for press in blanks.springs])
+    compliance = None if stop is None else RigEstimate(1 / stop.value, stop.error / stop.value**2)
     gain = None
-    if give is not None and sprung is not None and stiffness is not None:
-        gain = _compute_gain(give, sprung, stiffness, relative)
+    if compliance is not None and spring is not None and stiffness is not None:
+        gain = _compute_gain(compliance, spring, stiffness, relative_error)
         if gain is not None:
             # m in a newton of force, not of its reading
-            error = np.hypot(gain.value * give.error, give.value * gain.error)
-            give = RigEstimate(give.value * gain.value, float(error))
+            error = np.hypot(gain.value * compliance.error, compliance.value * gain.error)
+            compliance = RigEstimate(compliance.value * gain.value, float(error))
     creep = combine_estimates([press.creep for press in blanks.stops or blanks.springs])
     delay = combine_estimates([press.delay for press in blanks.springs or blanks.stops])
     noise = combine_estimates([run.noise for run in blanks.empties])
     drift = combine_estimates([run.drift for run in blanks.empties])
     rows = (
-        ("compliance", give, "m/N", "um/N"), ("creep", creep, "m", "um"), ("gain", gain, "", ""),
-        ("delay", delay, "s", "ms"), ("noise", noise, "N", "mN"),
+        ("compliance", compliance, "m/N", "um/N"), ("creep", creep, "m", "um"),
+        ("gain", gain, "", ""), ("delay", delay, "s", "ms"), ("noise", noise, "N", "mN"),
         ("drift", drift, "N/s", "mN/s"),
     )  # fmt: skip
     return (
@@ -173,15 +173,15 @@ def report_values(
 
 
 def _compute_gain(
-    give: RigEstimate, sprung: RigEstimate, stiffness: float, relative: float
+    compliance: RigEstimate, spring: RigEstimate, stiffness: float, relative_error: float
 ) -> RigEstimate | None:
     """Return the gain of the force over the displacement; None where no spring is left."""
-    soft = 1 / sprung.value - give.value
-    if not soft > 0:
+    spring_compliance = 1 / spring.value - compliance.value
+    if not spring_compliance > 0:
         return None
-    gain = 1 / (stiffness * soft)
-    error = math.hypot(sprung.error / sprung.value**2, give.error) / soft
-    return RigEstimate(gain, gain * math.hypot(error, relative))
+    gain = 1 / (stiffness * spring_compliance)
+    error = math.hypot(spring.error / spring.value**2, compliance.error) / spring_compliance
+    return RigEstimate(gain, gain * math.hypot(error, relative_error))
 
 
 def _report_hum(empties: Sequence[EmptyRun]) -> tuple[ReportedValue, ...]:
@@ -214,15 +214,15 @@ def predict_drift(blanks: Blanks) -> float | None:
     return size * t_quantile(0.95, len(seen)) / NORMAL
 
 
-def _thin_record(record: BlankTest, role: AssignedRole, found: Press | EmptyRun) -> BlankCurve:
+def _thin_record(record: BlankTest, role: AssignedRole, estimate: Press | EmptyRun) -> BlankCurve:
     """Return a record as its figure shows it."""
-    count = max(len(record.time) // _POINTS, 1)
+    count = max(len(record.time) // _FIGURE_SAMPLES, 1)
     time, x = record.time - record.time[0], record.displacement
 
     def thin(values: FloatArray) -> FloatArray:
         return np.ascontiguousarray(values[::count])
 
     return BlankCurve(
-        role.role, name_record(record), role.reason, thin(time), thin(x - x[0]), thin(found.force),
-        thin(found.fitted),
+        role.role, name_record(record), role.reason, thin(time), thin(x - x[0]),
+        thin(estimate.force), thin(estimate.fitted),
     )  # fmt: skip

@@ -19,13 +19,13 @@ from dashpot.datamodel.machine import Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import MachineFit
 from dashpot.reading.toml import Section, tables_of
 
-_MEASURED: Mapping[str, Dimension] = {
+_DIMENSIONS: Mapping[str, Dimension] = {
     "delay": "time",
     "compliance_error": "compliance",
     "settling": "length",
 }
-_PLAIN = ("gain", "gain_error")
-_READ = {
+_RATIOS = ("gain", "gain_error")
+_FILE_UNITS = {
     "sync": "ms", "delay": "ms", "drift": "mN/s", "compliance": "um/N", "compliance_error": "um/N",
     "creep": "um", "settling": "um",
 }  # fmt: skip
@@ -48,10 +48,10 @@ def render_machine_file(fit: MachineFit, *, date: str = "") -> str:
     machine = fit.machine
     calibration = machine.calibration or MachineCalibration()
     stated = {field.name: getattr(machine, field.name) for field in iterate_option_fields(machine)}
-    stated |= {name: getattr(calibration, name) for name in (*_MEASURED, *_PLAIN)}
+    stated |= {name: getattr(calibration, name) for name in (*_DIMENSIONS, *_RATIOS)}
     lines = [f"# {byline('machine file, from blank tests')}", "", "[machine]"]
     lines += [
-        f"{name.replace('_', '-')} = {_render(name, value)}"
+        f"{name.replace('_', '-')} = {_render_value(name, value)}"
         for name, value in stated.items()
         if value is not None
     ]
@@ -71,10 +71,10 @@ def render_machine_file(fit: MachineFit, *, date: str = "") -> str:
     return "\n".join([*lines, ""])
 
 
-def _render(name: str, value: float) -> str:
-    if name in _PLAIN:
+def _render_value(name: str, value: float) -> str:
+    if name in _RATIOS:
         return f"{value:.8g}"
-    return json.dumps(f"{convert_to_unit(value, _READ[name]):.7g} {_READ[name]}")
+    return json.dumps(f"{convert_to_unit(value, _FILE_UNITS[name]):.7g} {_FILE_UNITS[name]}")
 
 
 def _render_interval(value: ReportedValue) -> str:
@@ -103,22 +103,22 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
         if name not in {"machine", "blank"}:
             raise ReadError(f"{where}: [{name}] is unknown; known are [machine] and [blank]")
     options = {field.name: field for field in iterate_option_fields(Machine())}
-    names = (*options, *_MEASURED, *_PLAIN)
+    names = (*options, *_DIMENSIONS, *_RATIOS)
     section = _open_section(f"{where}, [machine]", tables["machine"], names)
     values: dict[str, Any] = {
         name: section.quantity(name, field.metadata["unit"]) for name, field in options.items()
     }
-    measured: dict[str, Any] = {
-        name: section.quantity(name, dimension) for name, dimension in _MEASURED.items()
+    calibration: dict[str, Any] = {
+        name: section.quantity(name, dimension) for name, dimension in _DIMENSIONS.items()
     }
-    measured |= {name: section.number(name) for name in _PLAIN}
-    measured = {name: value for name, value in measured.items() if value is not None}
-    _refuse_gain(where, measured)
+    calibration |= {name: section.number(name) for name in _RATIOS}
+    calibration = {name: value for name, value in calibration.items() if value is not None}
+    _refuse_gain(where, calibration)
     source = _describe_origin(
         where, _open_section(f"{where}, [blank]", tables.get("blank", {}), _ORIGIN)
     )
-    if measured:
-        values["calibration"] = MachineCalibration(**measured, source=source)
+    if calibration:
+        values["calibration"] = MachineCalibration(**calibration, source=source)
     try:
         return Machine(**values)
     except DataError as error:
@@ -156,30 +156,37 @@ def _open_section(where: str, entries: Any, names: tuple[str, ...]) -> Section:
     return Section(where, entries, names)
 
 
-def _refuse_gain(where: str, measured: Mapping[str, float]) -> None:
-    gain = measured.get("gain", 1.0)
+def _refuse_gain(where: str, calibration: Mapping[str, float]) -> None:
+    gain = calibration.get("gain", 1.0)
     if not 0.1 < gain < 10:
         raise ReadError(f"{where}: gain = {gain:.4g}; expected 0.1 to 10, such as 1.002")
     for name in ("gain_error", "compliance_error"):
-        if measured.get(name, 0.0) < 0:
+        if calibration.get(name, 0.0) < 0:
             raise ReadError(
-                f"{where}: {name.replace('_', '-')} = {measured[name]:.4g}; expected a number >= 0"
+                f"{where}: {name.replace('_', '-')} = {calibration[name]:.4g}; expected a number "
+                ">= 0"
             )
 
 
 def _describe_origin(where: str, origin: Section) -> str:
-    """Return what the file is and how old, for people."""
+    """Return the name of a machine file with the date, age and verdict of its tests.
+
+    Raises
+    ------
+    ReadError
+        If its date is none.
+    """
     date = origin.word("date")
     text = f"machine file {where}"
     if date is None:
         return text
     try:
-        made = dt.date.fromisoformat(date)
+        day = dt.date.fromisoformat(date)
     except ValueError:
         raise ReadError(
             f"{where}: date = {date!r}; expected year-month-day, such as 2026-11-21"
         ) from None
-    age = (dt.datetime.now(dt.UTC).date() - made).days
+    age = (dt.datetime.now(dt.UTC).date() - day).days
     text += f", measured {date} ({format_count(age, 'day') + ' ago' if age > 0 else 'today'})"
     verdict = origin.word("verdict")
     return text if verdict in {None, "use"} else f"{text}, verdict of its tests: {verdict}"

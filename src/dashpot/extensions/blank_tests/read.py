@@ -41,6 +41,8 @@ def read_blank_test(
     return BlankTest(time, displacement, force, role, source, units="SI")
 
 
-def read_stated_role(path: str | Path, given: dict[str, Any], how: Mapping[str, Any]) -> BlankTest:
+def read_stated_role(
+    path: str | Path, options: dict[str, Any], choices: Mapping[str, Any]
+) -> BlankTest:
     """Return a blank test whose role may be stated: ``dp.read(path, kind="blank", role=...)``."""
-    return read_blank_test(path, role=how.get("role", ""), **given)
+    return read_blank_test(path, role=choices.get("role", ""), **options)

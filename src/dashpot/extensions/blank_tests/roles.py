@@ -15,16 +15,16 @@ from dashpot.extensions.blank_tests.datamodel import ROLE_LABELS, BlankTest
 from dashpot.extensions.blank_tests.estimation import name_record, orient_channels
 from dashpot.signals.noise import scatter
 
-STIFFER = 4.0
+STOP_RATIO = 4.0
 """Times a spring's stiffness from which a part is a rigid stop."""
-SPRING = (0.6, 1.5)
+SPRING_RATIOS = (0.6, 1.5)
 """Stiffness of a spring in its machine, over what is stated of it."""
-_EMPTY, _LOADED = 0.02, 0.1
+_EMPTY_SHARE, _LOADED_SHARE = 0.02, 0.1
 """Parts of the largest force of all records: below the first a run is empty, above the second
 something was pressed."""
-_NOISY = 12.0
+_NOISE_SPAN = 12.0
 """Scatter of a force that a run without a specimen may span."""
-_MEANS = 400
+_BLOCKS = 400
 
 
 class AssignedRole(NamedTuple):
@@ -43,21 +43,21 @@ class Load(NamedTuple):
 
 
 def measure_load(record: BlankTest) -> Load:
-    """Return how much a record loads, and how stiff what it pressed is."""
+    """Return the largest force of a record, its scatter, and the stiffness of what it pressed."""
     x, force = orient_channels(record)
-    few = max(len(force) // _MEANS, 1)
-    means, places = block_means(force, few), block_means(x, few)
+    count = max(len(force) // _BLOCKS, 1)
+    means, motion = block_means(force, count), block_means(x, count)
     peak = float(means.max())
     loaded = means > 0.2 * peak
-    spans = float(np.ptp(places[loaded])) if loaded.any() else 0.0
-    stiffness = float(np.ptp(means[loaded])) / spans if spans > 0 else float("inf")
+    span = float(np.ptp(motion[loaded])) if loaded.any() else 0.0
+    stiffness = float(np.ptp(means[loaded])) / span if span > 0 else float("inf")
     return Load(float(np.abs(means).max()), scatter(record.time, record.force), stiffness)
 
 
 def assign_roles(
     records: Sequence[BlankTest], spring_stiffness: float | None = None
 ) -> tuple[AssignedRole, ...]:
-    """Return what each record pressed.
+    """Return the role of each record, with the reason.
 
     A run is empty whose force is below 2 % of the largest of all, or within its own noise. A part
     is the spring if its stiffness is .6 to 1.5 of the one stated, and a rigid stop from 4 times
@@ -92,52 +92,59 @@ def _is_loaded(record: BlankTest, load: Load, largest: float) -> bool:
         If that is open.
     """
     share = load.force / largest if largest > 0 else 0.0
-    if load.force <= _NOISY * load.noise or share < _EMPTY:
+    if load.force <= _NOISE_SPAN * load.noise or share < _EMPTY_SHARE:
         return False
-    if share > _LOADED:
+    if share > _LOADED_SHARE:
         return True
     raise DataError(
         f"{name_record(record)} rises to {format_quantity(load.force, 'N', '.3g')}, "
         f"{100 * share:.2g} % of the largest force of these tests: neither an empty run nor a "
-        f"press for certain. {_ask(record)}"
+        f"press for certain. {_format_role_request(record)}"
     )
 
 
 def _assign_role(
-    record: BlankTest, load: Load, largest: float, stated: float | None, pressed: Sequence[float]
+    record: BlankTest,
+    load: Load,
+    largest: float,
+    spring_stiffness: float | None,
+    pressed: Sequence[float],
 ) -> AssignedRole:
     if not _is_loaded(record, load, largest):
-        return AssignedRole("empty", f"its force stays within {_say_force(load.force)}")
-    shown = f"{format_quantity(load.stiffness, 'N/mm', '.3g')}"
-    if stated is not None:
-        ratio = load.stiffness / stated
-        if ratio >= STIFFER:
-            return AssignedRole("stop", f"{shown}, {ratio:.3g} times the stated spring")
-        if SPRING[0] <= ratio <= SPRING[1]:
-            return AssignedRole("spring", f"{shown}, near the stated spring")
+        return AssignedRole("empty", f"its force stays within {_format_force(load.force)}")
+    text = f"{format_quantity(load.stiffness, 'N/mm', '.3g')}"
+    if spring_stiffness is not None:
+        ratio = load.stiffness / spring_stiffness
+        if ratio >= STOP_RATIO:
+            return AssignedRole("stop", f"{text}, {ratio:.3g} times the stated spring")
+        if SPRING_RATIOS[0] <= ratio <= SPRING_RATIOS[1]:
+            return AssignedRole("spring", f"{text}, near the stated spring")
         raise DataError(
-            f"{name_record(record)} has {shown}, {ratio:.2g} times the stated spring: neither that "
-            f"spring nor a rigid stop for certain. Check the spring's stiffness. {_ask(record)}"
+            f"{name_record(record)} has {text}, {ratio:.2g} times the stated spring: neither that "
+            "spring nor a rigid stop for certain. Check the spring's stiffness. "
+            f"{_format_role_request(record)}"
         )
     softest, stiffest = min(pressed), max(pressed)
-    if stiffest < STIFFER * softest:
+    if stiffest < STOP_RATIO * softest:
         raise DataError(
-            f"{name_record(record)} has {shown}, and {format_count(len(pressed), 'record')} of "
+            f"{name_record(record)} has {text}, and {format_count(len(pressed), 'record')} of "
             "these press a part: nothing shows whether it is a rigid stop or a spring. State the "
-            f"spring's stiffness (--spring-stiffness 1N/mm). {_ask(record)}"
+            f"spring's stiffness (--spring-stiffness 1N/mm). {_format_role_request(record)}"
         )
-    if load.stiffness * STIFFER > stiffest * np.sqrt(STIFFER):
-        return AssignedRole("stop", f"{shown}, the stiffest")
-    if load.stiffness <= softest * np.sqrt(STIFFER):
-        return AssignedRole("spring", f"{shown}, the softest")
-    raise DataError(f"{name_record(record)} has {shown}, between two others. {_ask(record)}")
+    if load.stiffness * STOP_RATIO > stiffest * np.sqrt(STOP_RATIO):
+        return AssignedRole("stop", f"{text}, the stiffest")
+    if load.stiffness <= softest * np.sqrt(STOP_RATIO):
+        return AssignedRole("spring", f"{text}, the softest")
+    raise DataError(
+        f"{name_record(record)} has {text}, between two others. {_format_role_request(record)}"
+    )
 
 
-def _say_force(force: float) -> str:
+def _format_force(force: float) -> str:
     return format_quantity(force, "mN", ".2g")
 
 
-def _ask(record: BlankTest) -> str:
+def _format_role_request(record: BlankTest) -> str:
     roles = [role for role in ROLE_LABELS if role]
     name = name_record(record)
     return (
