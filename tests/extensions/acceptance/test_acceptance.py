@@ -15,7 +15,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import main
 from dashpot.extensions.acceptance.datamodel import Acceptance
-from dashpot.extensions.acceptance.found_values import find_value
+from dashpot.extensions.acceptance.result_values import find_value
 from dashpot.workflow.recommendation import recommendation
 
 K_INF, K, TAU, DEPTH, RAMP = 200.0, 60.0, 2.0, 4e-3, 0.1

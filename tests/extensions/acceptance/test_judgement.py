@@ -10,7 +10,7 @@ import pytest
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.extensions.acceptance.found_values import FoundValue
+from dashpot.extensions.acceptance.result_values import ResultValue
 from dashpot.extensions.acceptance.judgement import POWER, count_further_tests, judge_interval
 from dashpot.extensions.acceptance.limit_files import (
     parse_expression,
@@ -119,12 +119,12 @@ def test_split_expression_refuses_what_is_no_limit(text: str) -> None:
         split_expression(text)
 
 
-def _find_damping(name: str) -> FoundValue:
+def _find_damping(name: str) -> ResultValue:
     units = {"damping": ("1", "%"), "frequency": ("Hz", ""), "peak": ("1/kg", "")}
     if name not in units:
         raise DataError(f"{name} is unknown")
     unit, read = units[name]
-    return FoundValue(name, ReportedValue(name, 1.0, unit=unit, read=read), "random")
+    return ResultValue(name, ReportedValue(name, 1.0, unit=unit, read=read), "random")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
-from dashpot.extensions.acceptance.found_values import FoundValue, find_value
 from dashpot.extensions.acceptance.judgement import POWER, count_further_tests, judge_interval
 from dashpot.extensions.acceptance.limit_files import (
     LimitEntry,
@@ -21,6 +20,7 @@ from dashpot.extensions.acceptance.limit_files import (
     split_expression,
 )
 from dashpot.extensions.acceptance.limit_files import read_limits as read_limit_file
+from dashpot.extensions.acceptance.result_values import ResultValue, find_value
 
 
 @dataclass(frozen=True)
@@ -51,20 +51,22 @@ class AcceptanceLimits:
             If the result has no such value, or a limit has no or another unit.
         """
         find_quantity = partial(find_value, result)
-        entries: dict[str, LimitEntry[FoundValue]] = {}
+        entries: dict[str, LimitEntry[ResultValue]] = {}
         for source in self.sources:
             if isinstance(source, str) and is_expression(source):
-                stated: Iterable[LimitEntry[FoundValue]] = [parse_expression(source, find_quantity)]
+                stated: Iterable[LimitEntry[ResultValue]] = [
+                    parse_expression(source, find_quantity)
+                ]
             else:
                 stated = read_limit_file(source, find_quantity)
             for entry in stated:
                 column = entry.quantity.column
                 entries[column] = _combine_limits(entries.get(column), entry)
         use = result.verdict.use
-        judged = tuple(
+        limits = tuple(
             _judge_entry(entry, is_usable=use != "do not use") for entry in entries.values()
         )
-        return Acceptance(result, use, judged)
+        return Acceptance(result, use, limits)
 
 
 def read_limits(*sources: str | Path) -> AcceptanceLimits:
@@ -97,8 +99,8 @@ def read_limits(*sources: str | Path) -> AcceptanceLimits:
 
 
 def _combine_limits(
-    first: LimitEntry[FoundValue] | None, other: LimitEntry[FoundValue]
-) -> LimitEntry[FoundValue]:
+    first: LimitEntry[ResultValue] | None, other: LimitEntry[ResultValue]
+) -> LimitEntry[ResultValue]:
     """Return the limits of one quantity that were stated in two places.
 
     Raises
@@ -120,15 +122,15 @@ def _combine_limits(
     return LimitEntry(other.quantity, lower, upper, other.cpk)
 
 
-def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLimit:
+def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLimit:
     value, lower, upper = entry.quantity, entry.lower, entry.upper
     fact = value.fact
-    low, high = _get_ends(fact)
+    low, high = _get_interval(fact)
     outcome = judge_interval(lower, upper, low, high) if is_usable else "open"
-    now: int | None = None
-    likely: int | None = None
+    further_tests: int | None = None
+    further_tests_90: int | None = None
     if outcome == "open" and is_usable and value.spread == "random":
-        now, likely = (
+        further_tests, further_tests_90 = (
             count_further_tests(
                 lower, upper, fact.value, low, high,
                 noise_share=value.noise_share, quantile=quantile,
@@ -142,15 +144,18 @@ def _judge_entry(entry: LimitEntry[FoundValue], *, is_usable: bool) -> JudgedLim
         upper,
         outcome,
         value.spread,
-        now,
-        likely,
+        further_tests,
+        further_tests_90,
         value.remedy,
         is_usable,
     )
 
 
-def _get_ends(fact: ReportedValue) -> tuple[float, float]:
-    """Return the interval; that of a value that was given is the value, of others unlimited."""
+def _get_interval(fact: ReportedValue) -> tuple[float, float]:
+    """Return the interval of a value.
+
+    Without one it is the value alone where its error is 0, else unlimited.
+    """
     if fact.has_interval:
         low = -math.inf if math.isnan(fact.low) else fact.low
         return low, math.inf if math.isnan(fact.high) else fact.high

@@ -1,4 +1,4 @@
-"""Options for acceptance limits: data alone, so that a command that is given none runs nothing."""
+"""Options for acceptance limits; what judges is imported where an option is typed."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from dashpot.cli._param_types import File
 
 
 def note_limits(source: str) -> str:
-    """Keep a file or an expression, and what judges the result by it, for the end of the command.
+    """Store a file or an expression of limits in the context of the command, and return it.
 
+    With it are stored the functions that judge and render the result at the end of the command.
     As the type of an option it runs only where the option is typed.
     """
     from dashpot.extensions.acceptance.accept import read_limits

@@ -16,32 +16,32 @@ from dashpot.extensions.acceptance.page import render_section
 from dashpot.extensions.acceptance.text import render_acceptance
 
 SOURCES = "dashpot.limits"
-"""Where the files and expressions of limits that were typed are kept."""
+"""Key of the context under which files and expressions of limits are kept."""
 
 
 @dataclass(frozen=True)
 class JudgedResult(Serialisable):
-    """Result and what its limits make of it, as one document.
+    """Result of a command with its acceptance, as one document.
 
     Attributes
     ----------
-    found : Serialisable
+    result : Serialisable
     acceptance : Acceptance
     """
 
-    found: Serialisable
+    result: Serialisable
     acceptance: Acceptance
 
     def to_dict(self) -> dict[str, Any]:
         """Return the document of the result, with the key ``"acceptance"``."""
-        entries = self.found.to_dict()
+        entries = self.result.to_dict()
         digested = entries.pop(DIGEST, None) is not None
         entries["acceptance"] = self.acceptance.to_dict()
         return {**entries, DIGEST: compute_document_digest(entries)} if digested else entries
 
 
 def judge(result: Any) -> Acceptance:
-    """Return what the limits of the running command make of a result."""
+    """Return the acceptance of a result by the limits of the running command."""
     return read_limits(*click.get_current_context().meta[SOURCES]).judge(result)
 
 

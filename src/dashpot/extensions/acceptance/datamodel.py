@@ -12,8 +12,8 @@ from dashpot.base.plain_text import sentence
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Printable
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.extensions.acceptance.found_values import Spread
 from dashpot.extensions.acceptance.judgement import Outcome
+from dashpot.extensions.acceptance.result_values import Spread
 
 SealWord = Literal["meets", "misses", "open"]
 

@@ -13,7 +13,7 @@ from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.units import Dimension, find_unit, parse_quantity
 from dashpot.reading.toml import Section, tables_of
 
-_KNOWN = ("lower", "upper", "cpk")
+_KEYS = ("lower", "upper", "cpk")
 _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)"
 _QUANTITIES: Mapping[str, str] = {"frequency": "frequency", "stiffness": "stiffness"}
 """Quantity of a dimension that a user may have meant."""
@@ -87,7 +87,7 @@ def read_limits(path: str | Path, find_quantity: Callable[[str], Q]) -> tuple[Li
         raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
     entries = []
     for name, table in tables.items():
-        section = Section(f"{path}, [{name}]", table, _KNOWN)
+        section = Section(f"{path}, [{name}]", table, _KEYS)
         try:
             entries.append(_parse_entry(find_quantity(name), section.entries))
         except (DashpotError, TypeError, ValueError) as error:
@@ -137,7 +137,7 @@ def parse_expression(text: str, find_quantity: Callable[[str], Q]) -> LimitEntry
     Raises
     ------
     DataError
-        If it is none, or names no known quantity.
+        If it is no expression, or names no known quantity.
     """
     name, limits = split_expression(text)
     try:

@@ -68,8 +68,8 @@ def _draw_bar(limit: JudgedLimit) -> IntervalBar:
     """Return the bar: an axis that holds value, interval and limits, open ends at its edges."""
     fact = limit.value
     limits = [end for end in (limit.lower, limit.upper) if end is not None]
-    known = [end for end in (fact.value, fact.low, fact.high, *limits) if math.isfinite(end)]
-    least, most = min(known), max(known)
+    finite = [end for end in (fact.value, fact.low, fact.high, *limits) if math.isfinite(end)]
+    least, most = min(finite), max(finite)
     margin = 0.15 * ((most - least) or abs(most) or 1.0)
     least, most = least - margin, most + margin
 

@@ -12,8 +12,8 @@ def render_acceptance(acceptance: Acceptance) -> Text:
     rows = [["limit", "found", "95 % from", "to", ""]]
     for limit in acceptance.limits:
         value, low, high = (ascii_only(cell) for cell in limit.value.cell_texts)
-        found = f"{value} {ascii_only(limit.value.word)}".rstrip()
-        rows.append([ascii_only(limit.request), found, low, high, limit.outcome])
+        value_text = f"{value} {ascii_only(limit.value.word)}".rstrip()
+        rows.append([ascii_only(limit.request), value_text, low, high, limit.outcome])
     lines = [f"Seal: {acceptance.headline}", *table(rows)]
     lines += [
         f"  {ascii_only(limit.value.label)}: {ascii_only(limit.explanation)}"

@@ -112,8 +112,8 @@ def predict_stiffness(
     DataError
         If a number is not > 0, or a record is not what was fitted.
     """
-    asked = [frequency] if isinstance(frequency, str | float | int) else list(frequency)
-    hertz = tuple(convert_to_si(item, "frequency") for item in asked)
+    requested = [frequency] if isinstance(frequency, str | float | int) else list(frequency)
+    hertz = tuple(convert_to_si(item, "frequency") for item in requested)
     for value in hertz:
         require_positive(frequency=value, unit=" Hz")
     require_positive(seals=seals)
@@ -122,41 +122,44 @@ def predict_stiffness(
         from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
 
         tests = prepared_files(records, machine=machine, options=options)
-        order = np.unique(hertz)
-        bounds = unseen_arm_band(fit, tests, order)
-        places = np.searchsorted(order, hertz)
+        unique = np.unique(hertz)
+        bounds = unseen_arm_band(fit, tests, unique)
+        indices = np.searchsorted(unique, hertz)
         limits = [
-            seals * bounds.storage[:, places], seals * bounds.loss[:, places],
-            bounds.loss_factor[:, places],
+            seals * bounds.storage[:, indices], seals * bounds.loss[:, indices],
+            bounds.loss_factor[:, indices],
         ]  # fmt: skip
-    here = fit if temperature is None else fit.at_temperature(temperature)
-    here = here if seals == 1 else here.in_parallel(seals)
+    fit_here = fit if temperature is None else fit.at_temperature(temperature)
+    fit_here = fit_here if seals == 1 else fit_here.in_parallel(seals)
     values = tuple(
         value
         for i, f in enumerate(hertz)
-        for value in _report(here, f, None if limits is None else [part[:, i] for part in limits])
+        for value in _report_values(
+            fit_here, f, None if limits is None else [limit[:, i] for limit in limits]
+        )
     )
-    errors = [error for value in values[2::3] if (error := _relative_error(value)) is not None]
-    worst = max(errors) if errors else None
-    within = checks.frequencies_in_valid_band(hertz, here.band)
-    known = (*(() if records else (within,)), checks.loss_factor_determined_at(worst))
-    stops = (check for check in fit.checks if check.grade == "stop")
-    return StiffnessPrediction(here, hertz, values, (*known, *stops))
+    errors = [_compute_relative_error(value) for value in values[2::3]]
+    largest = max((error for error in errors if error is not None), default=None)
+    own_checks = [checks.loss_factor_determined_at(largest)]
+    if not records:
+        own_checks.insert(0, checks.frequencies_in_valid_band(hertz, fit_here.band))
+    stop_checks = (check for check in fit.checks if check.grade == "stop")
+    return StiffnessPrediction(fit_here, hertz, values, (*own_checks, *stop_checks))
 
 
-def _report(
+def _report_values(
     fit: Fit, frequency: float, limits: Sequence[FloatArray] | None
 ) -> tuple[ReportedValue, ...]:
     """Return storage, loss and loss factor at a frequency, Hz."""
     K = complex(fit.solid.complex_stiffness(omega=2 * math.pi * frequency))
     numbers = K.real, K.imag, K.imag / K.real
     if limits is None:
-        limits = _limit_in_band(fit, frequency, numbers)
-    at, sign = f"{frequency:.5g} Hz", "E" if fit.unit == "Pa" else "K"
+        limits = _compute_limits_in_band(fit, frequency, numbers)
+    place, symbol = f"{frequency:.5g} Hz", "E" if fit.unit == "Pa" else "K"
     names = (
-        ("storage", f"{sign}' at {at}", fit.unit),
-        ("loss", f"{sign}'' at {at}", fit.unit),
-        ("loss_factor", f"loss factor at {at}", "1"),
+        ("storage", f"{symbol}' at {place}", fit.unit),
+        ("loss", f"{symbol}'' at {place}", fit.unit),
+        ("loss_factor", f"loss factor at {place}", "1"),
     )
     return tuple(
         ReportedValue(name, value, float(low), float(high), unit, words=words)
@@ -164,16 +167,21 @@ def _report(
     )
 
 
-def _limit_in_band(fit: Fit, frequency: float, values: Sequence[float]) -> list[FloatArray]:
-    """Return the limits of storage, loss and loss factor; nan outside the valid band."""
+def _compute_limits_in_band(
+    fit: Fit, frequency: float, values: Sequence[float]
+) -> list[FloatArray]:
+    """Return the limits of storage, loss and loss factor; nan outside the valid band.
+
+    They hold those of the covariance, and the band errors of size and loss factor as factors.
+    """
     low, high = fit.band
     error = fit.evidence.band_error
     if not (high > 0 and low <= frequency <= high) or error is None:
         return [np.array([math.nan, math.nan])] * 3
-    at = np.log(error.frequency)
+    log_frequency = np.log(error.frequency)
     size, factor = (
-        max(float(np.interp(math.log(frequency), at, part)), least)
-        for part, least in zip((error.stiffness, error.loss_factor), error.misfit, strict=True)
+        max(float(np.interp(math.log(frequency), log_frequency, errors)), least)
+        for errors, least in zip((error.stiffness, error.loss_factor), error.misfit, strict=True)
     )
     formal = parameter_band(fit, [frequency])
     relative = (size, (1 + size) * (1 + factor) - 1, factor)
@@ -186,7 +194,7 @@ def _limit_in_band(fit: Fit, frequency: float, values: Sequence[float]) -> list[
     ]  # fmt: skip
 
 
-def _relative_error(value: ReportedValue) -> float | None:
+def _compute_relative_error(value: ReportedValue) -> float | None:
     """Return the largest factor from a value to its limits, less 1; None where none is known."""
     if math.isnan(value.low) and math.isnan(value.high):
         return None

@@ -25,26 +25,26 @@ def format_install_command(extras: str) -> str:
         Names of extras, ``"batch,cluster"``.
     """
     prefix = Path(sys.prefix)
-    asked = f"dashpot[{extras}]"
+    requirement = f"dashpot[{extras}]"
     if (prefix / "pipx_metadata.json").is_file():
         return _format_shell_line("pipx", "inject", prefix.name, *_list_requirements(extras))
     if (prefix / "uv-receipt.toml").is_file() or find_spec("pip") is None:
         return _format_shell_line(
             "uv", "pip", "install", "-p", sys.executable, *_list_requirements(extras)
         )
-    return _format_shell_line(sys.executable, "-m", "pip", "install", asked)
+    return _format_shell_line(sys.executable, "-m", "pip", "install", requirement)
 
 
 def _list_requirements(extras: str) -> list[str]:
     """Return what the extras of the installed dashpot require, the extras themselves if unknown."""
     try:
-        listed = requires("dashpot") or []
+        requirements = requires("dashpot") or []
     except PackageNotFoundError:
-        listed = []
+        requirements = []
     names = set(extras.split(","))
     return [
         line.partition(";")[0].strip()
-        for line in listed
+        for line in requirements
         if (match := _EXTRA.search(line)) is not None and match[1] in names
     ] or [f"dashpot[{extras}]"]
 

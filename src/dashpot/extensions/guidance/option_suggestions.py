@@ -55,23 +55,25 @@ COMMAND_SYNONYMS: Mapping[str, str] = MappingProxyType(
 )  # fmt: skip
 """Words of other programs for a command."""
 
-_ASKED_AS_OPTIONS = {"help": "--help", "version": "--version"}
-"""Words that other programs take for a command."""
-_NEAR = 0.6
-"""Least likeness, of 1, of an option that is meant by a misspelt one."""
-_ONE_LETTER = 0.85
+_COMMANDS_AS_OPTIONS = {"help": "--help", "version": "--version"}
+"""Commands of other programs that are options here."""
+_LEAST_SIMILARITY = 0.6
+"""Least ratio of `difflib` of a misspelt option and the one that is suggested, of 1."""
+_SIMILARITY_BESIDE_OTHERS = 0.85
 """The same, where another command has the very option: ``--seal`` for ``--seals``."""
 
 
 def suggest_command(name: str, rest: Sequence[str]) -> str:
     """Return what to type in place of a word that is no command."""
-    if name in _ASKED_AS_OPTIONS:
+    if name in _COMMANDS_AS_OPTIONS:
         names = [word for word in rest[:1] if word in COMMANDS]
-        return f"Type: {shlex.join(['dashpot', *names, _ASKED_AS_OPTIONS[name]])}"
+        return f"Type: {shlex.join(['dashpot', *names, _COMMANDS_AS_OPTIONS[name]])}"
     if Path(name).exists():
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
-    meant = COMMAND_SYNONYMS.get(name.lower(), "")
-    return f"Did you mean '{meant}'?" if meant in COMMANDS else format_suggestion(name, COMMANDS)
+    synonym = COMMAND_SYNONYMS.get(name.lower(), "")
+    return (
+        f"Did you mean '{synonym}'?" if synonym in COMMANDS else format_suggestion(name, COMMANDS)
+    )
 
 
 def suggest_option(command: click.Command, parent: click.Context | None, option: str) -> str:
@@ -91,23 +93,25 @@ def suggest_option(command: click.Command, parent: click.Context | None, option:
     """
     spellings = {
         spelling.lstrip("-"): item.flag
-        for item in _options(command)
+        for item in _list_options(command)
         for spelling in item.list_spellings()
         if spelling.startswith("--")
     }
-    typed = option.lstrip("-").lower()
-    meant = [spellings[word] for word in OPTION_SYNONYMS.get(typed, ()) if word in spellings][:1]
-    elsewhere = _find_commands_with(parent, option)
-    near = get_close_matches(typed, spellings, 1, _ONE_LETTER if elsewhere else _NEAR)
-    found = meant or [spellings[name] for name in near]
-    if found:
-        return f"Did you mean {found[0]}?"
-    if elsewhere:
-        return f"{option} is an option of dashpot {', '.join(elsewhere)}. Leave it out here."
+    name = option.lstrip("-").lower()
+    synonyms = [spellings[word] for word in OPTION_SYNONYMS.get(name, ()) if word in spellings][:1]
+    other_commands = _find_commands_with(parent, option)
+    similarity = _SIMILARITY_BESIDE_OTHERS if other_commands else _LEAST_SIMILARITY
+    matches = get_close_matches(name, spellings, 1, similarity)
+    suggestions = synonyms or [spellings[match] for match in matches]
+    if suggestions:
+        return f"Did you mean {suggestions[0]}?"
+    if other_commands:
+        return f"{option} is an option of dashpot {', '.join(other_commands)}. Leave it out here."
     return ""
 
 
-def _options(command: click.Command) -> Iterator[CommandOption]:
+def _list_options(command: click.Command) -> Iterator[CommandOption]:
+    """Iterate over the options of a command, without its arguments."""
     return (item for item in command.params if isinstance(item, CommandOption))
 
 
@@ -115,9 +119,9 @@ def _find_commands_with(parent: click.Context | None, option: str) -> list[str]:
     """Return the commands that have an option."""
     if parent is None or not isinstance(parent.command, click.Group):
         return []
-    every = {name: parent.command.get_command(parent, name) for name in COMMANDS}
+    commands = {name: parent.command.get_command(parent, name) for name in COMMANDS}
     return [
         name
-        for name, command in every.items()
-        if command and any(option in item.list_spellings() for item in _options(command))
+        for name, command in commands.items()
+        if command and any(option in item.list_spellings() for item in _list_options(command))
     ]

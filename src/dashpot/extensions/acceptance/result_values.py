@@ -13,7 +13,7 @@ import numpy as np
 from dashpot.base import replace
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, round_to_error
-from dashpot.base.number_format import hertz as format_band
+from dashpot.base.number_format import hertz as format_frequencies
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.base.units import Dimension, find_unit, format_quantity, parse_quantity
 from dashpot.datamodel.fit import Fit
@@ -34,7 +34,7 @@ _SYNONYMS = {
     "storage modulus": "storage", "modulus": "stiffness", "equilibrium stiffness": "k_inf",
     "stiffness at the end": "k_end", "lifetime": "life", "e_end": "k_end", "e_inf": "k_inf",
 }  # fmt: skip
-_ANSWERS = {
+_RECOMMENDED_QUANTITIES = {
     "frequency": "frequency", "damping_ratio": "damping", "peak": "peak",
     "loss_factor": "loss factor", "storage": "dynamic stiffness",
 }  # fmt: skip
@@ -43,13 +43,13 @@ _WORDS = {
     "frequency": "peak frequency", "damping_ratio": "damping ratio", "peak": "peak height",
     "storage": "storage", "loss_factor": "loss factor",
 }  # fmt: skip
-_WIDER = 1.1
+_BOUND_RATIO = 1.1
 """A bound wider than so many times the interval of the parameters is not random."""
-_NEAR = 0.01
+_TIME_TOLERANCE = 0.01
 """Relative distance within which a time is that of the end of the hold."""
 
 
-class FoundValue(NamedTuple):
+class ResultValue(NamedTuple):
     """Value of a result, with what its interval is of.
 
     Attributes
@@ -60,7 +60,7 @@ class FoundValue(NamedTuple):
         With its words, 95 % interval and units.
     spread : str
         ``"random"`` of the noise of the test; ``"bound"`` of what no test of this kind
-        determines; ``"unknown"`` where it is not known, or none is known.
+        determines; ``"unknown"`` where that or the interval is not known.
     remedy : str
         What would narrow a bound, in sentences; empty where it is not known.
     noise_share : float
@@ -117,7 +117,7 @@ def _parse_name(text: str) -> _Name:
     return _Name(name or exact, "" if plain.lower() in _SYNONYMS else place.replace(" ", ""))
 
 
-def find_value(result: Any, name: str) -> FoundValue:
+def find_value(result: Any, name: str) -> ResultValue:
     """Return the value of a result that a name means.
 
     Parameters
@@ -133,7 +133,7 @@ def find_value(result: Any, name: str) -> FoundValue:
         If the result has no such value.
     """
     parsed = _parse_name(name)
-    value = _find(result, parsed)
+    value = _find_by_name(result, parsed)
     if value is None:
         there = ", ".join(dict.fromkeys(list_names(result)))
         raise DataError(f"'{name}' is no value of this result; there are {there}")
@@ -143,15 +143,16 @@ def find_value(result: Any, name: str) -> FoundValue:
 def list_names(result: Any) -> list[str]:
     """Return the names of the values of a result."""
     if isinstance(result, Study):
-        answers = recommendation(result).under_mass
-        under = [name for name, of in _ANSWERS.items() if of in {item.quantity for item in answers}]
-        return [*under, "force at TIME", *list_names(recommendation(result).solid)]
+        advice = recommendation(result)
+        answered = {answer.quantity for answer in advice.under_mass}
+        names = [name for name, word in _RECOMMENDED_QUANTITIES.items() if word in answered]
+        return [*names, "force at TIME", *list_names(advice.solid)]
     if isinstance(result, Identified):
         modes = [] if result.vibration is None else list_names(result.vibration)
         return [*modes, *list_names(result.fit)]
     if isinstance(result, Modes):
         return ["frequency", "damping_ratio"]
-    facts = [_column(fact) for fact in getattr(result, "facts", ())]
+    facts = [_get_column(fact) for fact in getattr(result, "facts", ())]
     if isinstance(result, Fit):
         end = [] if result.evidence.end_of_hold is None else ["k_end"]
         return [*end, "stiffness at TIME", "storage at FREQUENCY", "loss_factor at FREQUENCY",
@@ -159,37 +160,32 @@ def list_names(result: Any) -> list[str]:
     return facts
 
 
-def _column(fact: ReportedValue) -> str:
+def _get_column(fact: ReportedValue) -> str:
+    """Return the name of a reported value as one word."""
     return "_".join(fact.name.split())
 
 
 @singledispatch
-def _find(result: Any, name: _Name) -> FoundValue | None:
+def _find_by_name(result: Any, name: _Name) -> ResultValue | None:
     """Return a value that a result reports; None where it reports none of that name."""
     facts: Iterable[ReportedValue] = getattr(result, "facts", ())
-    matches = [fact for fact in facts if _column(fact) == name.column]
+    matches = [fact for fact in facts if _get_column(fact) == name.column]
     return _make_reported_value(name.column, matches[0]) if matches else None
 
 
-def _make_reported_value(column: str, fact: ReportedValue) -> FoundValue:
+def _make_reported_value(column: str, fact: ReportedValue) -> ResultValue:
     """Return a reported value; one that is at most so much is bounded by 0 from below."""
     if fact.is_at_most:
-        fact = _with_ends(fact, 0.0, fact.high)
-        return FoundValue(column, fact, "bound")
+        fact = replace(fact, low=0.0, error=None)
+        return ResultValue(column, fact, "bound")
     if fact.is_lower_bound or fact.is_upper_bound:
-        return FoundValue(column, fact, "bound")
-    known = fact.error is not None and math.isfinite(fact.error)
-    return FoundValue(column, fact, "random" if known and fact.has_interval else "unknown")
+        return ResultValue(column, fact, "bound")
+    is_known = fact.error is not None and math.isfinite(fact.error)
+    return ResultValue(column, fact, "random" if is_known and fact.has_interval else "unknown")
 
 
-def _with_ends(fact: ReportedValue, low: float, high: float) -> ReportedValue:
-    return ReportedValue(
-        fact.name, fact.value, low, high, fact.unit, read=fact.read, words=fact.words
-    )
-
-
-@_find.register
-def _(result: Modes, name: _Name) -> FoundValue | None:
+@_find_by_name.register
+def _(result: Modes, name: _Name) -> ResultValue | None:
     """Return frequency or damping ratio of the mode that moves most."""
     if name.word not in {"frequency", "damping_ratio"} or not len(result):
         return None
@@ -198,55 +194,53 @@ def _(result: Modes, name: _Name) -> FoundValue | None:
     return _make_reported_value(name.word, fact)
 
 
-@_find.register
-def _(result: Identified, name: _Name) -> FoundValue | None:
+@_find_by_name.register
+def _(result: Identified, name: _Name) -> ResultValue | None:
     """Return a value of the measured modes, or of the fit."""
-    value = None if result.vibration is None else _find(result.vibration, name)
-    return value or _find(result.fit, name)
+    value = None if result.vibration is None else _find_by_name(result.vibration, name)
+    return value or _find_by_name(result.fit, name)
 
 
-@_find.register
-def _(study: Study, name: _Name) -> FoundValue | None:
+@_find_by_name.register
+def _(study: Study, name: _Name) -> ResultValue | None:
     """Return a value of the mass on its seals, or of one seal."""
-    found = recommendation(study)
+    advice = recommendation(study)
     if name.word == "force" and name.place:
-        return _find_force(study, found.solid, name)
-    answer = _ANSWERS.get(name.word)
+        return _find_force(study, advice.solid, name)
+    answer = _RECOMMENDED_QUANTITIES.get(name.word)
     if answer is not None and not name.place:
-        answers = (*found.under_mass, *found.one_seal)
+        answers = (*advice.under_mass, *advice.one_seal)
         items = (item for item in answers if item.quantity == answer)
-        return next((_make_answer_value(name, item, found) for item in items), None)
-    wide = study.unmeasured
-    if not found.joint and wide is not None and name.word in {"storage", "loss_factor"}:
+        return next((_make_answer_value(name, item, advice) for item in items), None)
+    unmeasured = study.unmeasured
+    if not advice.joint and unmeasured is not None and name.word in {"storage", "loss_factor"}:
         hertz = name.place_in("frequency")
-        if wide.frequency[0] <= hertz <= wide.frequency[-1]:
+        if unmeasured.frequency[0] <= hertz <= unmeasured.frequency[-1]:
             low, high = (
-                float(np.interp(np.log(hertz), np.log(wide.frequency), edge))
-                for edge in getattr(wide, name.word)
+                float(np.interp(np.log(hertz), np.log(unmeasured.frequency), edge))
+                for edge in getattr(unmeasured, name.word)
             )
-            return _make_frequency_value(found.solid, name, hertz, (low, high), "bound")
-    return _find(found.solid, name)
+            return _make_frequency_value(advice.solid, name, hertz, (low, high), "bound")
+    return _find_by_name(advice.solid, name)
 
 
-def _make_answer_value(name: _Name, answer: Answer, found: Recommendation) -> FoundValue:
+def _make_answer_value(name: _Name, answer: Answer, advice: Recommendation) -> ResultValue:
     """Return a value that a recommendation holds.
 
     As there, a frequency goes with the stiffness at the peak, damping and height with the loss
     factor.
     """
-    fact, where = answer.fact, ""
-    hertz = next(item.at for item in found.one_seal if item.quantity == "dynamic stiffness")
+    fact, place = answer.fact, ""
+    hertz = next(item.at for item in advice.one_seal if item.quantity == "dynamic stiffness")
     part = "storage" if name.word in {"frequency", "storage"} else "loss_factor"
     if name.word in {"loss_factor", "storage"} and answer.at is not None:
-        where = f" at {round_to_error(answer.at)} Hz"
-    words = _WORDS[name.word] + where
-    fact = ReportedValue(
-        fact.name, fact.value, fact.low, fact.high, fact.unit, read=fact.read, words=words
-    )
+        place = f" at {round_to_error(answer.at)} Hz"
+    words = _WORDS[name.word] + place
+    fact = replace(fact, error=None, words=words)
     if not fact.has_interval or answer.bound:
-        return FoundValue(name.column, fact, "bound" if answer.bound else "unknown")
-    share = _noise_share(found.solid, partial(_evaluate_at, part=part, hertz=hertz or 0.0))
-    return FoundValue(name.column, fact, "random", noise_share=share)
+        return ResultValue(name.column, fact, "bound" if answer.bound else "unknown")
+    share = _compute_noise_share(advice.solid, partial(_evaluate_at, part=part, hertz=hertz or 0.0))
+    return ResultValue(name.column, fact, "random", noise_share=share)
 
 
 def _evaluate_at(solid: Solid, *, part: str, hertz: float) -> float:
@@ -261,26 +255,26 @@ def _propagate_error(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
     return math.hypot(*moves) if moves else math.nan
 
 
-def _noise_share(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
+def _compute_noise_share(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
     """Return the standard error of noise over that of noise and rig."""
-    of_noise = replace(fit, estimate=fit.estimate.noise_only)
-    every, noise = (_propagate_error(item, evaluate) for item in (fit, of_noise))
-    return min(noise / every, 1.0) if every > 0 else 1.0
+    noise_fit = replace(fit, estimate=fit.estimate.noise_only)
+    total, noise = (_propagate_error(item, evaluate) for item in (fit, noise_fit))
+    return min(noise / total, 1.0) if total > 0 else 1.0
 
 
-@_find.register
-def _(fit: Fit, name: _Name) -> FoundValue | None:
+@_find_by_name.register
+def _(fit: Fit, name: _Name) -> ResultValue | None:
     """Return a value of a fitted solid: at a time, at a frequency, or one of its parameters."""
     end = fit.evidence.end_of_hold
     if name.word == "k_end" and not name.place and end is not None:
         if end.test_kind == "hold":
             return _find_at_time(fit, name, end.end_time)
-        return FoundValue("k_end", end.fact(fit.solid, fit.unit), "bound", end.remedy)
+        return ResultValue("k_end", end.fact(fit.solid, fit.unit), "bound", end.remedy)
     if name.word == "stiffness" and name.place:
         return _find_at_time(fit, name, name.place_in("time"))
     if name.word in {"storage", "loss_factor"} and name.place:
         return _find_at_frequency(fit, name)
-    value = _find.dispatch(object)(fit, name)
+    value = _find_by_name.dispatch(object)(fit, name)
     if value is None or value.spread != "random" or not value.fact.error:
         return value
     noise = {fact.name: fact.error for fact in fit.estimate.noise_only.list_values(
@@ -288,19 +282,19 @@ def _(fit: Fit, name: _Name) -> FoundValue | None:
     return value._replace(noise_share=min((noise or math.inf) / value.fact.error, 1.0))
 
 
-def _time(seconds: float) -> str:
+def _format_time(seconds: float) -> str:
     return duration(seconds).replace(".0 ", " ")
 
 
-def _find_at_time(fit: Fit, name: _Name, t: float) -> FoundValue:
+def _find_at_time(fit: Fit, name: _Name, t: float) -> ResultValue:
     """Return the relaxation function at a time after the ramp, N/m."""
-    what = "modulus" if fit.unit == "Pa" else "stiffness"
-    return _interval_at_time(
-        fit, name, t, lambda solid: float(solid.relaxation(t)), unit=fit.unit, what=what
+    label = "modulus" if fit.unit == "Pa" else "stiffness"
+    return _make_time_value(
+        fit, name, t, lambda solid: float(solid.relaxation(t)), unit=fit.unit, label=label
     )
 
 
-def _find_force(study: Study, fit: Fit, name: _Name) -> FoundValue:
+def _find_force(study: Study, fit: Fit, name: _Name) -> ResultValue:
     """Return the force of one seal at a time after the ramp of the test, N."""
     t, test = name.place_in("time"), study.prepared
     ramp = max(test.ramp_end - test.onset, 1e-6)
@@ -309,13 +303,13 @@ def _find_force(study: Study, fit: Fit, name: _Name) -> FoundValue:
         force = solid.maxwell.ramp_hold_force(t + ramp, depth=test.depth, ramp_time=ramp)
         return float(force)
 
-    what = f"force at {format_quantity(test.depth, 'mm', '.3g')}"
-    return _interval_at_time(fit, name, t, compute_force, unit="N", what=what)
+    label = f"force at {format_quantity(test.depth, 'mm', '.3g')}"
+    return _make_time_value(fit, name, t, compute_force, unit="N", label=label)
 
 
-def _interval_at_time(
-    fit: Fit, name: _Name, t: float, evaluate: Callable[[Solid], float], *, unit: str, what: str
-) -> FoundValue:
+def _make_time_value(
+    fit: Fit, name: _Name, t: float, evaluate: Callable[[Solid], float], *, unit: str, label: str
+) -> ResultValue:
     """Return a value at a time with the wider of two intervals, each relative to the value.
 
     One is of the covariance, by one standard error along each of its axes. The other is what
@@ -328,36 +322,36 @@ def _interval_at_time(
     end = fit.evidence.end_of_hold
     if end is not None and not end.is_frequency and end.test_kind != "creep":
         remedy = end.remedy
-        held, last = end.compute_stiffness(fit.solid), end.end_time
+        reference, last = end.compute_stiffness(fit.solid), end.end_time
         least, most = end.k_end
-        if t > last * (1 + _NEAR):
+        if t > last * (1 + _TIME_TOLERANCE):
             # the stiffness falls with time, so its upper limit at the end holds later, too
             least = end.k_3end[0] if t <= 3 * last else end.k_inf[0]
-            held = float(fit.solid.relaxation(t))
-        wide = value * least / held, value * most / held
-        if not wide[1] - wide[0] <= _WIDER * (high - low):
+            reference = float(fit.solid.relaxation(t))
+        bounds = value * least / reference, value * most / reference
+        if not bounds[1] - bounds[0] <= _BOUND_RATIO * (high - low):
             spread = "bound"
-        if abs(t - last) <= _NEAR * last or math.isnan(half):
-            low, high = wide  # the interval that every output has
+        if abs(t - last) <= _TIME_TOLERANCE * last or math.isnan(half):
+            low, high = bounds  # the interval that every output has
         else:
-            low, high = min(low, wide[0]), max(high, wide[1])
-    words = f"{what} after {_time(t)}"
+            low, high = min(low, bounds[0]), max(high, bounds[1])
+    words = f"{label} after {_format_time(t)}"
     fact = ReportedValue(name.word, value, min(low, value), max(high, value), unit, words=words)
-    return FoundValue(name.column, fact, spread, remedy, _noise_share(fit, evaluate))
+    return ResultValue(name.column, fact, spread, remedy, _compute_noise_share(fit, evaluate))
 
 
-def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
+def _find_at_frequency(fit: Fit, name: _Name) -> ResultValue:
     """Return storage or loss factor at a frequency; beyond the valid band without an interval."""
     hertz = name.place_in("frequency")
     low_band, high_band = fit.band
     if not low_band <= hertz <= high_band:
-        beyond = f"It lies outside the valid band of the test, {format_band(fit.band)}."
+        remedy = f"It lies outside the valid band of the test, {format_frequencies(fit.band)}."
         unknown = _make_frequency_value(fit, name, hertz, (math.nan, math.nan), "bound")
-        return unknown._replace(remedy=beyond)
+        return unknown._replace(remedy=remedy)
     bounds = parameter_band(fit, [hertz])
     low, high = (float(edge[0]) for edge in getattr(bounds, name.word))
     error = fit.evidence.band_error
-    share = _noise_share(fit, partial(_evaluate_at, part=name.word, hertz=hertz))
+    share = _compute_noise_share(fit, partial(_evaluate_at, part=name.word, hertz=hertz))
     if error is None:
         return _make_frequency_value(fit, name, hertz, (low, high), "random")._replace(
             noise_share=share
@@ -365,7 +359,7 @@ def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
     errors = error.stiffness if name.word == "storage" else error.loss_factor
     factor = 1 + float(np.interp(np.log(hertz), np.log(error.frequency), errors))
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
-    is_wider = value * factor - value / factor > _WIDER * (high - low)
+    is_wider = value * factor - value / factor > _BOUND_RATIO * (high - low)
     spread: Spread = "bound" if is_wider else "random"
     ends = min(low, value / factor), max(high, value * factor)
     return _make_frequency_value(fit, name, hertz, ends, spread)._replace(noise_share=share)
@@ -373,12 +367,12 @@ def _find_at_frequency(fit: Fit, name: _Name) -> FoundValue:
 
 def _make_frequency_value(
     fit: Fit, name: _Name, hertz: float, ends: tuple[float, float], spread: Spread
-) -> FoundValue:
+) -> ResultValue:
     value = float(getattr(fit.solid, name.word)(frequency=hertz))
     words = f"{_WORDS[name.word]} at {round_to_error(hertz)} Hz"
     unit = "" if name.word == "loss_factor" else fit.unit
     low, high = ends
     ends = ends if math.isnan(low) else (min(low, value), max(high, value))
-    return FoundValue(
+    return ResultValue(
         name.column, ReportedValue(name.word, value, *ends, unit, words=words), spread
     )
