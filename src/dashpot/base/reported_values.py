@@ -17,6 +17,8 @@ HELD, UNKNOWN = "held", "not identified"
 _WORD = re.compile(r"_(?=[a-z]{4})")
 NORMAL = 1.96
 """Standard errors to either end of a 95 % interval."""
+INTERVAL_LEVELS = (0.025, 0.975)
+"""Probabilities at the ends of a 95 % interval of draws."""
 AT_MOST = "at most"
 """What stands before the upper limit of a number that nothing bounds from below."""
 LOPSIDED = 0.1

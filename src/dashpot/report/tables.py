@@ -59,6 +59,25 @@ class TextTable:
         return self.marks[row] if row < len(self.marks) else ""
 
 
+def select_rows(count: int, most: int) -> range:
+    """Return the indices of evenly spaced rows of `count`, at most `most` of them.
+
+    >>> select_rows(100, 60), select_rows(60, 60)
+    (range(0, 100, 2), range(0, 60))
+    """
+    return range(0, count, max(-(-count // most), 1))
+
+
+def describe_rows(indices: range, noun: str) -> str:
+    """Return how many rows there are, and which part of them a table shows.
+
+    >>> describe_rows(range(0, 100, 2), "lines"), describe_rows(range(60), "lines")
+    ('one of 2 of 100 lines', '60 lines')
+    """
+    count, step = indices.stop, indices.step
+    return f"{count} {noun}" if step == 1 else f"one of {step} of {count} {noun}"
+
+
 def assumptions(study: Study) -> TextTable:
     """Return the assumptions of the results, their checks in this study, and what lifts them."""
     checks = (*study.prepared.checks, *study.every_check)

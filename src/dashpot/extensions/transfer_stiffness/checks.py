@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.extensions.transfer_stiffness.stiffness_sheet import BLOCKED
+from dashpot.extensions.transfer_stiffness.third_octaves import LEAST_LINES
 
 
-@criterion("level difference, dB", ">=", 20.0, "ISO 10846-2, ISO 10846-3")
+@criterion("level difference, dB", ">=", BLOCKED, "ISO 10846-2, ISO 10846-3")
 def output_blocked(difference: float | None, *, valid_from: float | None) -> Finding:
     """The output of the mount moves at least 20 dB less than its input at every line."""
     if difference is None:
@@ -20,8 +22,8 @@ def output_blocked(difference: float | None, *, valid_from: float | None) -> Fin
         difference,
         where,
         Remedy("Narrow the band, or use a heavier mass.", "exact"),
-        failure=f"Input over output is only {difference:.3g} dB at its worst line, and 20 dB are "
-        "needed",
+        failure=f"Input over output is only {difference:.3g} dB at its worst line, and "
+        f"{BLOCKED:g} dB are needed",
     )
 
 
@@ -61,7 +63,7 @@ def blocking_mass_rigid(highest: float, rigid_to: float | None) -> Finding:
     )
 
 
-@criterion("lines in a third octave", ">=", 5, "ISO 10846-2, ISO 10846-3")
+@criterion("lines in a third octave", ">=", LEAST_LINES, "ISO 10846-2, ISO 10846-3")
 def third_octaves_resolved(fewest: int, *, centre: float) -> Finding:
     """Every third octave has at least five lines."""
     return Finding(

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from dashpot.reading.read_options import ReadOptions
 
 _FIT, _FRF, _BASE = "fit", "frf", "transmissibility"
-_SWEEPS = " ".join(
+_SWEEP_KINDS = " ".join(
     name
     for name, kind in KINDS.items()
     if not set(kind.classes).isdisjoint(list_names("dynamic stiffness"))
 )
 """Kinds of sweeps of storage and loss."""
-_MEASURED = f"{_FRF} {_BASE} {_SWEEPS}"
+_MEASURED_KINDS = f"{_FRF} {_BASE} {_SWEEP_KINDS}"
 
 
 @verb(
@@ -58,17 +58,18 @@ give.""",
             help="Parts in parallel that are one mount (1)."),
         opt("--band", type=Range("frequency"), metavar="RANGE",
             help="Frequencies, e.g. 3:40Hz (all; of a fit 1:100Hz)."),
-        opt("--exact", kinds=_MEASURED,
+        opt("--exact", kinds=_MEASURED_KINDS,
             help="Formula with the motion of the output, T/(T-1)."),
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_FIT,
             help="The record behind the fit: limits with unseen arms."),
         mark_advanced(
             opt("--output-response", "output_response", type=File(), metavar="FILE",
-                kinds=f"{_FRF} {_SWEEPS}", help="Transmissibility to the output of a direct test."),
+                kinds=f"{_FRF} {_SWEEP_KINDS}",
+                help="Transmissibility to the output of a direct test."),
             opt("--gain-error", type=WithUnit("strain"), metavar="SHARE",
-                kinds=_MEASURED, help="Standard error of the sensors' ratio (1%)."),
+                kinds=_MEASURED_KINDS, help="Standard error of the sensors' ratio (1%)."),
             opt("--phase-error", type=WithUnit("angle"), metavar="ANGLE",
-                kinds=_MEASURED, help="Standard error of their phase (1deg)."),
+                kinds=_MEASURED_KINDS, help="Standard error of their phase (1deg)."),
             opt("--mass-error", type=WithUnit("mass"), metavar="MASS", kinds=_BASE,
                 help="Standard error of the blocking mass (1 % of it)."),
             opt("--rigid-to", type=WithUnit("frequency"), metavar="FREQUENCY",
@@ -109,8 +110,8 @@ def command(
         raise click.UsageError("--lines is for a table of the lines: add -o FILE.csv")
     detections = detect_file_kinds([path], options)
     kind = kinds_of(detections, options)[path]
-    on_a_base = options.base_acceleration is not None
-    kind = _BASE if on_a_base else kind
+    is_on_base = options.base_acceleration is not None
+    kind = _BASE if is_on_base else kind
     choices = {name: value for name, value in choices.items() if value is not None}
     refuse_others(command, click.get_current_context(), {path: kind})
     if kind == _FIT:
@@ -118,17 +119,19 @@ def command(
         sheet = transfer_stiffness(workflow.read_fit(path), record=tests, **choices)
     else:
         print_detected_kinds(detections)
-        measured = _read(path, kind, options, hammer, mass=choices.get("mass"))
+        measured = _read_frf(path, kind, options, hammer, mass=choices.get("mass"))
         response = None if output_response is None else read_frf(output_response, options=options)
         sheet = transfer_stiffness(measured, output_response=response, **choices)
     if picture:
         write_figure(picture, sheet.plot())
     if output:
-        write_output(output, _render(sheet, output, lines=lines))
+        write_output(output, _render_output(sheet, output, lines=lines))
     return CommandResult.from_result(sheet)
 
 
-def _read(path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: float | None) -> FRF:
+def _read_frf(
+    path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: float | None
+) -> FRF:
     """Return the FRF of what was measured.
 
     Raises
@@ -145,7 +148,7 @@ def _read(path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: floa
         return frf
     if kind in {_FRF, _BASE}:
         return as_measured(read_frf(path, options=options), hammer.motion)
-    if kind in _SWEEPS.split():
+    if kind in _SWEEP_KINDS.split():
         sweep = load_object(KINDS[kind].reader)(path, options=options)
         response: FRF = find_handler("dynamic stiffness", sweep)(sweep)
         return response
@@ -155,7 +158,7 @@ def _read(path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: floa
     )
 
 
-def _render(sheet: TransferStiffness, path: str, *, lines: bool) -> str:
+def _render_output(sheet: TransferStiffness, path: str, *, lines: bool) -> str:
     """Return the content of an output file."""
     suffix = Path(path).suffix.lower()
     if suffix in PAGE_SUFFIXES:

@@ -27,11 +27,11 @@ from dashpot.plot.picture import (
 from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
-_LEAST = 0.5
+_LEAST_REACH = 0.5
 """dB that the axis of the level spans at least, to either side."""
 
 
-def transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Picture:
+def draw_transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Picture:
     """Return level and loss factor with their 95 % limits, and how well the output is blocked.
 
     Parameters
@@ -41,18 +41,18 @@ def transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     f = sheet.frequency
-    across = Scale("frequency, Hz", (float(f[0]), float(f[-1])), log=True)
-    strips = [(_level_panel(sheet, across),), (_loss_panel(sheet, across),)]
+    frequency_scale = Scale("frequency, Hz", (float(f[0]), float(f[-1])), log=True)
+    strips = [(_draw_level(sheet, frequency_scale),), (_draw_loss_factor(sheet, frequency_scale),)]
     difference = sheet.level_difference
     if difference is not None:
         low, high = compute_padded_limits(difference, np.array([BLOCKED]))
         marks: tuple[Mark, ...] = (
-            *_shade(sheet),
-            Rule(BLOCKED, REF, "20 dB", across=True),
+            *_mark_unblocked(sheet),
+            Rule(BLOCKED, REF, f"{BLOCKED:g} dB", across=True),
             Line(f, difference, FIT, "input over output"),
         )
         strips.append(
-            (Panel(across, Scale("level difference, dB", (low, high)), marks,
+            (Panel(frequency_scale, Scale("level difference, dB", (low, high)), marks,
                    title="how well the output is blocked"),)
         )  # fmt: skip
     caption = (
@@ -63,49 +63,51 @@ def transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Picture:
     return Picture("transfer-stiffness", caption, tuple(strips), 2, stamp or origin)
 
 
-def _shade(sheet: TransferStiffness) -> tuple[Mark, ...]:
-    """Shade the lines at which the output is not blocked."""
+def _mark_unblocked(sheet: TransferStiffness) -> tuple[Mark, ...]:
+    """Return a hatched span over the lines at which the output is not blocked; none if it is."""
     start = sheet.valid_from
     first, last = float(sheet.frequency[0]), float(sheet.frequency[-1])
     end = last if start is None else start
     return (Span(first, end, "edge", "output not blocked", hatched=True),) if end > first else ()
 
 
-def _level_panel(sheet: TransferStiffness, across: Scale) -> Panel:
+def _draw_level(sheet: TransferStiffness, frequency_scale: Scale) -> Panel:
     f, bands = sheet.frequency, sheet.bands
     centre = np.array([band.centre for band in bands])
     level = np.array([band.level for band in bands])
     low, high = compute_level(sheet.limits)
     pen = PREDICTED if sheet.method == "predicted" else FIT
     marks: list[Mark] = [
-        *_shade(sheet),
+        *_mark_unblocked(sheet),
         Area(f, low, high, "fit", "95 % limits"),
         Line(f, sheet.level, pen, "lines"),
     ]
-    near = sheet.blocked if sheet.blocked.any() else np.ones(len(f), dtype=bool)
-    shown = [low[near], high[near]]
+    shown_lines = sheet.blocked if sheet.blocked.any() else np.ones(len(f), dtype=bool)
+    shown_levels = [low[shown_lines], high[shown_lines]]
     if sheet.indirect is not None and (sheet.exact or sheet.method == "predicted"):
         formula = compute_level(np.abs(sheet.indirect))
         marks.append(Line(f, formula, REF, "indirect method"))
-        shown.append(formula[near])
+        shown_levels.append(formula[shown_lines])
     marks.append(Dots(centre, level, "measured", "third octaves"))
-    least, most = compute_padded_limits(*shown)
-    middle, reach = (least + most) / 2, max((most - least) / 2, _LEAST)
-    title = "level of the transfer stiffness"
+    least, most = compute_padded_limits(*shown_levels)
+    middle, reach = (least + most) / 2, max((most - least) / 2, _LEAST_REACH)
+    last = bands[-1]
     return Panel(
-        across, Scale("level, dB re 1 N/m", (middle - reach, middle + reach)), tuple(marks),
-        title=title, note=f"{convert_to_unit(bands[-1].stiffness, 'N/mm'):.4g} N/mm at "
-        f"{bands[-1].centre:g} Hz",
-    )  # fmt: skip
+        frequency_scale,
+        Scale("level, dB re 1 N/m", (middle - reach, middle + reach)),
+        tuple(marks),
+        title="level of the transfer stiffness",
+        note=f"{convert_to_unit(last.stiffness, 'N/mm'):.4g} N/mm at {last.centre:g} Hz",
+    )
 
 
-def _loss_panel(sheet: TransferStiffness, across: Scale) -> Panel:
+def _draw_loss_factor(sheet: TransferStiffness, frequency_scale: Scale) -> Panel:
     f, (low, high) = sheet.frequency, sheet.loss_factor_limits
     bands = [band for band in sheet.bands if band.valid] or list(sheet.bands)
     ends = np.array([band.loss_factor_limits for band in bands]).T
     least, most = compute_padded_limits(ends[0], ends[1], np.array([0.0]))
     marks: tuple[Mark, ...] = (
-        *_shade(sheet),
+        *_mark_unblocked(sheet),
         Area(f, low, high, "fit", "95 % limits"),
         Line(f, sheet.loss_factor, PREDICTED if sheet.method == "predicted" else FIT, "lines"),
         Dots(
@@ -115,4 +117,4 @@ def _loss_panel(sheet: TransferStiffness, across: Scale) -> Panel:
             "third octaves",
         ),
     )
-    return Panel(across, Scale("loss factor", (least, most)), marks, title="loss factor")
+    return Panel(frequency_scale, Scale("loss factor", (least, most)), marks, title="loss factor")

@@ -8,7 +8,7 @@ from dashpot.extensions.transfer_stiffness.stiffness_sheet import TransferStiffn
 from dashpot.extensions.transfer_stiffness.text import describe_method
 from dashpot.report.first_screen import NOT_GIVEN
 from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
-from dashpot.report.tables import TextTable
+from dashpot.report.tables import TextTable, describe_rows, select_rows
 
 _ROWS = 200
 """Lines in the table, at most; every one stands in the document."""
@@ -17,7 +17,7 @@ _ROWS = 200
 def page(sheet: TransferStiffness) -> KindPage:
     """Return the page of a transfer stiffness."""
     level = f"{sheet.bands[0].level:.2f} to {sheet.bands[-1].level:.2f} dB"
-    start = sheet.valid_from
+    start, indices = sheet.valid_from, select_rows(len(sheet.frequency), _ROWS)
     valid = (
         "not known"
         if sheet.transmissibility is None
@@ -50,18 +50,20 @@ def page(sheet: TransferStiffness) -> KindPage:
         groups=(group("", sheet.facts),),
         sources=sheet.source,
         folds=(
-            CollapsibleSection("Third octaves", _bands_note(sheet), _bands(sheet)),
-            CollapsibleSection("Lines", _line_note(sheet), _lines(sheet)),
+            CollapsibleSection("Third octaves", _describe_bands(sheet), _make_band_table(sheet)),
+            CollapsibleSection(
+                "Lines", describe_rows(indices, "lines"), _make_line_table(sheet, indices)
+            ),
         ),
         name="transfer-stiffness",
     )  # fmt: skip
 
 
-def _bands_note(sheet: TransferStiffness) -> str:
+def _describe_bands(sheet: TransferStiffness) -> str:
     return "level, loss factor" + ("" if sheet.method == "predicted" else ", validity")
 
 
-def _bands(sheet: TransferStiffness) -> TextTable:
+def _make_band_table(sheet: TransferStiffness) -> TextTable:
     judged = sheet.method != "predicted"
     head = (
         "Hz", "lines", "dB re 1 N/m", "from", "to", "loss factor", "from", "to",
@@ -84,18 +86,7 @@ def _bands(sheet: TransferStiffness) -> TextTable:
     )
 
 
-def _step(sheet: TransferStiffness) -> int:
-    return -(-len(sheet.frequency) // _ROWS)
-
-
-def _line_note(sheet: TransferStiffness) -> str:
-    step = _step(sheet)
-    count = len(sheet.frequency)
-    return f"{count} lines" if step == 1 else f"one of {step} of {count} lines"
-
-
-def _lines(sheet: TransferStiffness) -> TextTable:
-    chosen = range(0, len(sheet.frequency), _step(sheet))
+def _make_line_table(sheet: TransferStiffness, indices: range) -> TextTable:
     rows = tuple(
         (
             f"{sheet.frequency[i]:.5g}",
@@ -104,6 +95,6 @@ def _lines(sheet: TransferStiffness) -> TextTable:
             f"{sheet.level[i]:.2f}",
             f"{sheet.loss_factor[i]:.4g}",
         )
-        for i in chosen
+        for i in indices
     )  # fmt: skip
     return TextTable(("Hz", "k', N/mm", "k'', N/mm", "dB re 1 N/m", "loss factor"), rows)

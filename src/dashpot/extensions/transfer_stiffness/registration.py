@@ -7,10 +7,10 @@ _SHEET = "dashpot.extensions.transfer_stiffness.stiffness_sheet:TransferStiffnes
 EXTENSION = Extension(
     "transfer_stiffness",
     handlers={
-        "text": {_SHEET: "dashpot.extensions.transfer_stiffness.text:transfer_stiffness"},
-        "figure": {_SHEET: "dashpot.extensions.transfer_stiffness.figure:transfer_stiffness"},
+        "text": {_SHEET: "dashpot.extensions.transfer_stiffness.text:render_transfer_stiffness"},
+        "figure": {_SHEET: "dashpot.extensions.transfer_stiffness.figure:draw_transfer_stiffness"},
         "plot": {
-            "transfer_stiffness": "dashpot.extensions.transfer_stiffness.figure:transfer_stiffness",
+            "transfer_stiffness": "dashpot.extensions.transfer_stiffness.figure:draw_transfer_stiffness",
         },
         "page": {_SHEET: "dashpot.extensions.transfer_stiffness.page:page"},
         "document": {"dashpot/transfer-stiffness@1": _SHEET},

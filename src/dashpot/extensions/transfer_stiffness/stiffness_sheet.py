@@ -247,7 +247,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
             "loss_factor": ([band.loss_factor for band in bands], ""),
             "loss_factor_low": ([band.loss_factor_limits[0] for band in bands], ""),
             "loss_factor_high": ([band.loss_factor_limits[1] for band in bands], ""),
-            "level_difference": ([_or_nan(band.level_difference) for band in bands], "dB"),
+            "level_difference": ([_replace_none(band.level_difference) for band in bands], "dB"),
             "valid": ([band.valid for band in bands], ""),
         }
 
@@ -290,12 +290,12 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
         return "the transfer stiffness is " + " to ".join(dict.fromkeys(ends))
 
 
-def _or_nan(value: float | None) -> float:
+def _replace_none(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def _format_cell(value: object) -> str:
+def _format_cell(value: float | bool | np.bool_) -> str:
+    """Return a cell of a table: a truth value as 0 or 1, nan as an empty cell."""
     if isinstance(value, bool | np.bool_):
         return str(int(value))
-    number = float(value)  # type: ignore[arg-type]
-    return "" if np.isnan(number) else f"{number:.10g}"
+    return "" if np.isnan(value) else f"{value:.10g}"

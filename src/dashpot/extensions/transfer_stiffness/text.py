@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.extensions.transfer_stiffness.stiffness_sheet import BandStiffness, TransferStiffness
+from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
+    BLOCKED,
+    BandStiffness,
+    TransferStiffness,
+)
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded
 
 _HEAD = ("Hz", "|k|, N/mm", "95 % interval", "dB re 1 N/m", "loss factor", "95 % interval")
 
 
-def transfer_stiffness(sheet: TransferStiffness) -> Text:
+def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     """Return the method and the table of third octaves."""
     lines = [f"  {describe_method(sheet)}"]
     if sheet.transmissibility is not None:
         start = sheet.valid_from
         where = "nowhere" if start is None else f"from {start:.4g} Hz on"
-        lines.append(f"  the output moves 20 dB less than the input {where}")
-    gaps = sheet.transmissibility is not None
+        lines.append(f"  the output moves {BLOCKED:g} dB less than the input {where}")
+    has_output = sheet.transmissibility is not None
     # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
-    judged = gaps and sheet.method != "predicted"
-    head = [*_HEAD, *(["blocked, dB"] if gaps else []), *(["valid"] if judged else [])]
-    lines += table([head, *(_row(band, gaps=gaps, judged=judged) for band in sheet.bands)])
+    judged = has_output and sheet.method != "predicted"
+    head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if judged else [])]
+    rows = (_format_row(band, has_output=has_output, judged=judged) for band in sheet.bands)
+    lines += table([head, *rows])
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
     details += [
         [
@@ -55,7 +60,7 @@ def describe_method(sheet: TransferStiffness) -> str:
     return ", ".join(parts)
 
 
-def _row(band: BandStiffness, *, gaps: bool, judged: bool) -> list[str]:
+def _format_row(band: BandStiffness, *, has_output: bool, judged: bool) -> list[str]:
     low, high = (format_rounded(convert_to_unit(end, "N/mm")) for end in band.limits)
     cells = [
         f"{band.centre:g}",
@@ -65,7 +70,7 @@ def _row(band: BandStiffness, *, gaps: bool, judged: bool) -> list[str]:
         format_rounded(band.loss_factor, digits=3),
         " to ".join(format_rounded(end, digits=2) for end in band.loss_factor_limits),
     ]
-    if gaps:
+    if has_output:
         gap = band.level_difference
         cells.append("" if gap is None else f"{gap:.1f}")
     if judged:

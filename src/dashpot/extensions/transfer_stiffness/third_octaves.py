@@ -8,12 +8,16 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 
-_HALF = 10 ** (1 / 20)
+_EDGE_RATIO = 10 ** (1 / 20)
 """Edge of a band over its centre."""
 _NOMINAL = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 """Nominal centres of one decade (ISO 266)."""
-_EDGE = 1e-9
+_EDGE_TOLERANCE = 1e-9
 """Relative distance from an edge within which a frequency lies on it."""
+
+
+LEAST_LINES = 5
+"""Lines of a third octave of which the standard takes a mean (ISO 10846-2, -3)."""
 
 
 class ThirdOctave(NamedTuple):
@@ -30,22 +34,31 @@ def list_third_octaves(low: float, high: float) -> tuple[ThirdOctave, ...]:
 
     .. math:: f_n = 10^{n/10}\,\mathrm{Hz}, \qquad f_n\,10^{\mp 1/20}
     """
-    first = int(np.ceil(10 * np.log10(low * _HALF) - _EDGE))
-    last = int(np.floor(10 * np.log10(high / _HALF) + _EDGE))
+    first = int(np.ceil(10 * np.log10(low * _EDGE_RATIO) - _EDGE_TOLERANCE))
+    last = int(np.floor(10 * np.log10(high / _EDGE_RATIO) + _EDGE_TOLERANCE))
     bands = []
     for n in range(first, last + 1):
         decade, place = divmod(n, 10)
         centre = float(10 ** (n / 10))
         nominal = float(f"{_NOMINAL[place] * 10.0**decade:.12g}")
-        bands.append(ThirdOctave(nominal, centre, centre / _HALF, centre * _HALF))
+        bands.append(ThirdOctave(nominal, centre, centre / _EDGE_RATIO, centre * _EDGE_RATIO))
     return tuple(bands)
 
 
 def assign_lines(
     frequency: FloatArray, bands: tuple[ThirdOctave, ...]
 ) -> tuple[tuple[int, int], ...]:
-    """Return for each band the first of its lines, and the one after its last, by rising lines."""
-    edges = [(band.low * (1 - _EDGE), band.high * (1 - _EDGE)) for band in bands]
+    """Return for each band the index of its first line, and that after its last.
+
+    Parameters
+    ----------
+    frequency : array, shape (n,)
+        Hz, rising.
+    bands : tuple of ThirdOctave
+    """
+    edges = [
+        (band.low * (1 - _EDGE_TOLERANCE), band.high * (1 - _EDGE_TOLERANCE)) for band in bands
+    ]
     return tuple(
         (int(np.searchsorted(frequency, low)), int(np.searchsorted(frequency, high)))
         for low, high in edges
@@ -107,19 +120,19 @@ def compute_band_means(
 
     count = np.diff(np.append(starts, len(stiffness)))
     power = np.abs(stiffness) ** 2
-    whole, total = np.asarray(add(power)), np.asarray(add(stiffness))
-    mean = np.sqrt(whole / count)
-    noise = np.asarray(add(2 * power * random**2)) / whole
-    spread = np.sqrt(np.asarray(add((power * random) ** 2))) / whole
-    shifts = np.asarray(add(power * common.real)) / whole
+    total_power, total_stiffness = np.asarray(add(power)), np.asarray(add(stiffness))
+    mean = np.sqrt(total_power / count)
+    noise = np.asarray(add(2 * power * random**2)) / total_power
+    spread = np.sqrt(np.asarray(add((power * random) ** 2))) / total_power
+    shifts = np.asarray(add(power * common.real)) / total_power
     error = np.sqrt(spread**2 + (shifts**2).sum(axis=0))
     middle = mean * np.sqrt(np.maximum(1 - noise, 0.0))
     factor = np.exp(quantile * error)
     limits = np.array([middle / factor, np.maximum(middle * factor, mean)])
 
-    eta = total.imag / total.real
-    turn = np.asarray(add(stiffness * common)) / total
-    random_turn = np.sqrt(np.asarray(add(power * random**2))) / np.abs(total)
+    eta = total_stiffness.imag / total_stiffness.real
+    turn = np.asarray(add(stiffness * common)) / total_stiffness
+    random_turn = np.sqrt(np.asarray(add(power * random**2))) / np.abs(total_stiffness)
     half = quantile * (1 + eta**2) * np.sqrt(random_turn**2 + (turn.imag**2).sum(axis=0))
     return BandMeans(mean, limits, eta, np.array([eta - half, eta + half]))
 
@@ -135,10 +148,7 @@ def estimate_line_noise(stiffness: ComplexArray) -> float:
     stiffness : complex array, shape (n,)
         Of neighbouring lines.
     """
-    if len(stiffness) < _FEWEST:
+    if len(stiffness) < LEAST_LINES:
         return 0.0
     second = np.diff(stiffness, 2) / stiffness[1:-1]
     return float(np.sqrt(np.median(np.abs(second) ** 2) / (12 * np.log(2))))
-
-
-_FEWEST = 5

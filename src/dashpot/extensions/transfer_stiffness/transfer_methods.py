@@ -28,6 +28,7 @@ from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     compute_level,
 )
 from dashpot.extensions.transfer_stiffness.third_octaves import (
+    LEAST_LINES,
     BandMeans,
     ThirdOctave,
     assign_lines,
@@ -40,14 +41,14 @@ from dashpot.registry import find_handler
 from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 from dashpot.workflow.job import HammerChoices
 
-PART = 0.01
+RELATIVE_ERROR = 0.01
 """Relative standard error of the ratio of two sensors, and of a mass, where none is stated."""
-LINES = 11
-"""Lines of a third octave that is predicted; of one with the limits of a record five."""
-_FEWEST = 5
-"""Lines of a third octave of which the standard takes a mean."""
-_USUAL = (1.0, 100.0)
-"""Hz that are predicted where no band is said."""
+PREDICTED_LINES = 11
+"""Lines of a predicted third octave; with the limits of a record `LEAST_LINES`."""
+_USUAL_BAND = (1.0, 100.0)
+"""Hz that are predicted where no band is given."""
+_MOST_GAIN, _MOST_PHASE = 0.5, 0.5
+"""Relative gain error and phase error, rad, below which a measurement tells a stiffness."""
 
 
 class SensorErrors(NamedTuple):
@@ -63,7 +64,7 @@ class SensorErrors(NamedTuple):
         Of the blocking mass, kg; None is 1 % of it.
     """
 
-    gain: float = PART
+    gain: float = RELATIVE_ERROR
     phase: float = DEGREE
     mass: float | None = None
 
@@ -77,7 +78,7 @@ def transfer_stiffness(
     exact: bool = False,
     band: Range | None = None,
     output_response: FRF | None = None,
-    gain_error: float = PART,
+    gain_error: float = RELATIVE_ERROR,
     phase_error: Quantity = DEGREE,
     mass_error: Quantity | None = None,
     rigid_to: Quantity | None = None,
@@ -190,7 +191,7 @@ def transfer_stiffness(
 
 
 class _Request(NamedTuple):
-    """What was asked, in SI units."""
+    """Arguments of :func:`transfer_stiffness` in SI units; `output` is `output_response`."""
 
     mass: float | None
     flange_mass: float
@@ -226,9 +227,6 @@ def _validate(request: _Request, seals: float) -> None:
         )
 
 
-_MOST_GAIN, _MOST_PHASE = 0.5, 0.5
-
-
 class _MeasuredLines(NamedTuple):
     """Lines of a measurement, with their errors.
 
@@ -246,16 +244,21 @@ def _select_lines(frf: FRF, request: _Request) -> FRF:
     """Return the lines in the band, none at 0 Hz or without a value."""
     frf = frf if request.band is None else frf.band(*request.band)
     frf = frf.only((frf.frequency > 0) & (np.abs(frf.value) > 0))
-    if len(frf.frequency) < _FEWEST:
+    if len(frf.frequency) < LEAST_LINES:
         raise DataError(
-            f"{len(frf.frequency)} lines are left; expected {_FEWEST} or more: widen the band "
+            f"{len(frf.frequency)} lines are left; expected {LEAST_LINES} or more: widen the band "
             "(--band)"
         )
     return frf
 
 
-def _relative_noise(frf: FRF, smooth: ComplexArray) -> tuple[FloatArray, tuple[Check, ...]]:
-    """Return the relative random error of each line; of lines that state none, by neighbours."""
+def _estimate_relative_noise(
+    frf: FRF, smooth: ComplexArray
+) -> tuple[FloatArray, tuple[Check, ...]]:
+    """Return the relative random error of each line, with a check where the FRF states none.
+
+    There it is that of neighbouring lines of `smooth`, a stiffness.
+    """
     scatter = frf.random_sd
     if scatter is not None:
         return np.asarray(scatter / np.abs(frf.value)), ()
@@ -276,29 +279,39 @@ def _measure_direct(frf: FRF, request: _Request) -> TransferStiffness:
         )
     stiffness = _select_lines(frf, request).to(Kind.DYNAMIC_STIFFNESS)
     measured = stiffness.value
-    T = None if request.output is None else _interpolate(request.output, stiffness.frequency)
-    noise, stated = _relative_noise(stiffness, measured)
+    T = (
+        None
+        if request.output is None
+        else _interpolate_response(request.output, stiffness.frequency)
+    )
+    noise, noise_checks = _estimate_relative_noise(stiffness, measured)
     ones = np.ones_like(measured)
     common = np.array([request.errors.gain * ones, 1j * request.errors.phase * ones])
     standard = _MeasuredLines(stiffness.frequency, measured, noise, common)
     if T is None:
-        corrected, taken = standard, None
+        corrected, inertia_share = standard, None
     else:
         inertia = request.flange_mass * (2 * np.pi * stiffness.frequency) ** 2 * T
-        taken = float((np.abs(inertia) / np.abs(measured)).max()) if request.flange_mass else None
+        inertia_share = (
+            float((np.abs(inertia) / np.abs(measured)).max()) if request.flange_mass else None
+        )
         value = (measured - inertia) / (1 - T)
         slope = measured / (measured - inertia)
         corrected = _MeasuredLines(
             stiffness.frequency, value, noise * np.abs(slope), common * slope
         )
-    asked = (checks.flange_inertia_negligible(taken),) if request.flange_mass or T is None else ()
+    inertia_checks = (
+        (checks.flange_inertia_negligible(inertia_share),)
+        if request.flange_mass or T is None
+        else ()
+    )
     return _assemble(
         "direct",
         stiffness,
         request,
         (standard, corrected),
         transmissibility=T,
-        asked=(*stated, *asked),
+        own_checks=(*noise_checks, *inertia_checks),
     )
 
 
@@ -315,42 +328,52 @@ def _measure_indirect(frf: FRF, request: _Request) -> TransferStiffness:
     lines = _select_lines(frf.to(Kind.TRANSMISSIBILITY), request)
     T = lines.value
     inertia = (request.mass + request.flange_mass) * (2 * np.pi * lines.frequency) ** 2
-    noise, stated = _relative_noise(lines, -inertia * T)
+    noise, noise_checks = _estimate_relative_noise(lines, -inertia * T)
     errors = request.errors
-    heavy = PART * request.mass if errors.mass is None else errors.mass
-    part = heavy / (request.mass + request.flange_mass)
+    mass_error = RELATIVE_ERROR * request.mass if errors.mass is None else errors.mass
+    mass_share = mass_error / (request.mass + request.flange_mass)
     ones = np.ones_like(T)
     slope = 1 / (1 - T)
     # of a relative motion R = T - 1 the sensors' ratio is that of R
     sensed = ones if frf.quantity is Kind.TRANSMISSIBILITY else (T - 1) / T
     ratio = np.array([errors.gain * sensed, 1j * errors.phase * sensed])
-    standard = _MeasuredLines(lines.frequency, -inertia * T, noise, np.array([*ratio, part * ones]))
+    standard = _MeasuredLines(
+        lines.frequency, -inertia * T, noise, np.array([*ratio, mass_share * ones])
+    )
     corrected = _MeasuredLines(
         lines.frequency,
         inertia * T / (T - 1),
         noise * np.abs(slope),
-        np.array([*(ratio * slope), part * ones]),
+        np.array([*(ratio * slope), mass_share * ones]),
     )
     return _assemble(
-        "indirect", lines, request, (standard, corrected), transmissibility=T, asked=stated
+        "indirect",
+        lines,
+        request,
+        (standard, corrected),
+        transmissibility=T,
+        own_checks=noise_checks,
     )
 
 
-def _interpolate(response: FRF, frequency: FloatArray) -> ComplexArray:
+def _interpolate_response(response: FRF, frequency: FloatArray) -> ComplexArray:
     """Return the motion of the output over that of the input at these frequencies."""
     if not response.quantity.over_base:
         raise DataError(
             f"the response of the output is a {response.quantity.value}; expected a "
             "transmissibility, output over input motion"
         )
-    whole = response.to(Kind.TRANSMISSIBILITY)
-    f = whole.frequency
+    transmissibility = response.to(Kind.TRANSMISSIBILITY)
+    f = transmissibility.frequency
     if f[0] > frequency[0] * (1 + 1e-6) or f[-1] < frequency[-1] * (1 - 1e-6):
         raise DataError(
             f"the response of the output has {f[0]:.4g} to {f[-1]:.4g} Hz, the stiffness "
             f"{frequency[0]:.4g} to {frequency[-1]:.4g} Hz: narrow the band (--band)"
         )
-    parts = (np.interp(frequency, f, part) for part in (whole.value.real, whole.value.imag))
+    parts = (
+        np.interp(frequency, f, part)
+        for part in (transmissibility.value.real, transmissibility.value.imag)
+    )
     real, imaginary = parts
     return np.asarray(real + 1j * imaginary)
 
@@ -359,27 +382,41 @@ def _assemble(
     method: Method,
     frf: FRF,
     request: _Request,
-    both: tuple[_MeasuredLines, _MeasuredLines],
+    formulas: tuple[_MeasuredLines, _MeasuredLines],
     *,
     transmissibility: ComplexArray | None,
-    asked: tuple[Check, ...],
+    own_checks: tuple[Check, ...],
 ) -> TransferStiffness:
-    """Return the sheet of a measurement: by the standard's formula, or by the exact one."""
-    standard, corrected = both
+    """Return the sheet of a measurement: by the standard's formula, or by the exact one.
+
+    Parameters
+    ----------
+    method : {"direct", "indirect"}
+    frf : FRF
+        What was measured.
+    request : _Request
+    formulas : (_MeasuredLines, _MeasuredLines)
+        Stiffness by the standard's formula, and by the exact one.
+    transmissibility : complex array, shape (n,), or None
+        Output over input.
+    own_checks : tuple of Check
+        Of noise and flange.
+    """
+    standard, corrected = formulas
     lines = corrected if request.exact else standard
-    bands = _bands(lines.frequency)
+    bands = _list_covered_bands(lines.frequency)
     spans = assign_lines(lines.frequency, bands)
-    whole = tuple(
+    covered = tuple(
         (band, span) for band, span in zip(bands, spans, strict=True) if span[1] > span[0]
     )
-    if not whole:
-        raise _no_band(lines.frequency)
+    if not covered:
+        raise _make_no_band_error(lines.frequency)
     singles = [(i, i + 1) for i in range(len(lines.frequency))]
-    by_line = _limits(both, singles, exact=request.exact)
-    by_band = _limits(both, [span for _, span in whole], exact=request.exact)
+    by_line = _compute_limits(formulas, singles, exact=request.exact)
+    by_band = _compute_limits(formulas, [span for _, span in covered], exact=request.exact)
     blocked = _is_blocked(transmissibility, len(lines.value))
     indirect = standard.value if method == "indirect" else None
-    table = tuple(
+    band_table = tuple(
         _build_band(
             band,
             span,
@@ -390,7 +427,7 @@ def _assemble(
             indirect=indirect,
             exact=request.exact,
         )
-        for i, (band, span) in enumerate(whole)
+        for i, (band, span) in enumerate(covered)
     )
     sheet = TransferStiffness(
         method,
@@ -402,19 +439,19 @@ def _assemble(
         transmissibility,
         blocked,
         indirect,
-        table,
+        band_table,
         request.mass,
         request.flange_mass,
         request.rigid_to,
         request.preload,
         request.temperature,
         source=frf.source,
-        steps=(*frf.steps, _step(method, request)),
+        steps=(*frf.steps, _make_step(method, request)),
     )
-    return replace(sheet, checks=(*frf.checks, *asked, *_judge(sheet)))
+    return replace(sheet, checks=(*frf.checks, *own_checks, *_run_checks(sheet)))
 
 
-def _step(method: Method, request: _Request) -> Step:
+def _make_step(method: Method, request: _Request) -> Step:
     settings: list[tuple[str, Any]] = [("method", method), ("exact", str(request.exact).lower())]
     if request.mass is not None:
         settings.append(("mass_kg", f"{request.mass:g}"))
@@ -423,25 +460,28 @@ def _step(method: Method, request: _Request) -> Step:
     return Step("transfer_stiffness", tuple(settings))
 
 
-def _no_band(frequency: FloatArray) -> DataError:
+def _make_no_band_error(frequency: FloatArray) -> DataError:
     return DataError(
         f"no third octave lies in {frequency[0]:.4g} to {frequency[-1]:.4g} Hz as a whole; "
         "expected lines over a factor of 1.26 or more: widen the band (--band)"
     )
 
 
-def _bands(frequency: FloatArray) -> tuple[ThirdOctave, ...]:
+def _list_covered_bands(frequency: FloatArray) -> tuple[ThirdOctave, ...]:
     """Return the third octaves that the lines cover, to half their distance."""
     gap = np.diff(frequency)
     low, high = frequency[0] - gap[0] / 2, frequency[-1] + gap[-1] / 2
     return list_third_octaves(max(float(low), float(frequency[0]) / 1.06), float(high))
 
 
-def _limits(
-    both: tuple[_MeasuredLines, _MeasuredLines], spans: Sequence[tuple[int, int]], *, exact: bool
+def _compute_limits(
+    formulas: tuple[_MeasuredLines, _MeasuredLines],
+    spans: Sequence[tuple[int, int]],
+    *,
+    exact: bool,
 ) -> BandMeans:
     """Return means over spans of lines, the limits of the standard's formula out to the exact."""
-    standard, corrected = (_means(lines, spans) for lines in both)
+    standard, corrected = (_compute_means(lines, spans) for lines in formulas)
     if exact:
         return corrected
     low, high = corrected.stiffness_limits
@@ -455,7 +495,7 @@ def _limits(
     )
 
 
-def _means(lines: _MeasuredLines, spans: Sequence[tuple[int, int]]) -> BandMeans:
+def _compute_means(lines: _MeasuredLines, spans: Sequence[tuple[int, int]]) -> BandMeans:
     order = np.concatenate([np.arange(first, last) for first, last in spans])
     counts = np.array([last - first for first, last in spans])
     return compute_band_means(
@@ -484,10 +524,10 @@ def _build_band(
     indirect: ComplexArray | None,
     exact: bool,
 ) -> BandStiffness:
-    here = slice(*span)
+    lines = slice(*span)
     low, high = means.stiffness_limits[:, i].tolist()
     least, most = means.loss_factor_limits[:, i].tolist()
-    moved = None if transmissibility is None else np.abs(transmissibility[here]).max()
+    output_motion = None if transmissibility is None else np.abs(transmissibility[lines]).max()
     count = span[1] - span[0]
     return BandStiffness(
         band.nominal,
@@ -496,32 +536,32 @@ def _build_band(
         (low, high),
         float(means.loss_factor[i]),
         (least, most),
-        None if moved is None else float(-compute_level(moved)),
-        None if indirect is None else float(np.sqrt((np.abs(indirect[here]) ** 2).mean())),
-        count >= _FEWEST and (exact or bool(blocked[here].all())),
+        None if output_motion is None else float(-compute_level(output_motion)),
+        None if indirect is None else float(np.sqrt((np.abs(indirect[lines]) ** 2).mean())),
+        count >= LEAST_LINES and (exact or bool(blocked[lines].all())),
     )
 
 
-def _judge(sheet: TransferStiffness) -> tuple[Check, ...]:
-    """Every check of a measured sheet."""
+def _run_checks(sheet: TransferStiffness) -> tuple[Check, ...]:
+    """Return the checks of a measured sheet."""
     bands = sheet.bands
     fewest = min(bands, key=lambda band: band.lines)
-    # what a moving output leaves open is asked by itself
-    valid = [band for band in bands if band.valid] or list(bands)
-    widest = max(valid, key=lambda band: band.half_width)
-    lossless = min(valid, key=lambda band: band.loss_factor_limits[1])
+    # the check of the output judges the bands that are not valid
+    valid_bands = [band for band in bands if band.valid] or list(bands)
+    widest = max(valid_bands, key=lambda band: band.half_width)
+    lossless = min(valid_bands, key=lambda band: band.loss_factor_limits[1])
     cosine = sheet.value.real / np.abs(sheet.value)
     least = int(cosine.argmin())
     difference = sheet.level_difference
-    gap = None if difference is None else float(difference.min())
+    least_difference = None if difference is None else float(difference.min())
     T = sheet.transmissibility
-    moves = (
+    output_check = (
         checks.errors_not_magnified(float((1 / np.abs(1 - T)).max()))
         if sheet.exact and T is not None
-        else checks.output_blocked(gap, valid_from=sheet.valid_from)
+        else checks.output_blocked(least_difference, valid_from=sheet.valid_from)
     )
     return (
-        moves,
+        output_check,
         checks.blocking_mass_rigid(float(sheet.frequency[-1]), sheet.rigid_to),
         checks.third_octaves_resolved(fewest.lines, centre=fewest.centre),
         checks.level_determined(widest.half_width, centre=widest.centre),
@@ -552,19 +592,19 @@ def _predict(
     if compression is not None:
         fit = fit.at_compression(compression)
     prepared = [test.prepare() if isinstance(test, RelaxationTest) else test for test in tests]
-    low, high = request.band or _USUAL
+    low, high = request.band or _USUAL_BAND
     bands = list_third_octaves(low, high)
     if not bands:
-        raise _no_band(np.array([low, high]))
-    count = _FEWEST if prepared else LINES
+        raise _make_no_band_error(np.array([low, high]))
+    count = LEAST_LINES if prepared else PREDICTED_LINES
     steps = (np.arange(count) + 0.5) / count
     frequency = np.concatenate([band.low + (band.high - band.low) * steps for band in bands])
     spans = [(i * count, (i + 1) * count) for i in range(len(bands))]
     value = seals * fit.solid.complex_stiffness(omega=2 * np.pi * frequency)
-    known = (
+    bounds = (
         unseen_arm_band(fit, prepared, frequency) if prepared else parameter_band(fit, frequency)
     )
-    ends = seals * np.hypot(known.storage, np.maximum(known.loss, 0.0))
+    limits = seals * np.hypot(bounds.storage, np.maximum(bounds.loss, 0.0))
     transmissibility, indirect = None, None
     if request.mass is not None:
         inertia = (request.mass + request.flange_mass) * (2 * np.pi * frequency) ** 2
@@ -576,15 +616,15 @@ def _predict(
         value, starts, random=np.zeros(len(value)), common=np.zeros((1, len(value)), complex),
         quantile=NORMAL,
     )  # fmt: skip
-    limits = np.sqrt(np.add.reduceat(ends**2, starts, axis=1) / count)
+    band_limits = np.sqrt(np.add.reduceat(limits**2, starts, axis=1) / count)
     factors = np.array(
         [
-            np.minimum.reduceat(known.loss_factor[0], starts),
-            np.maximum.reduceat(known.loss_factor[1], starts),
+            np.minimum.reduceat(bounds.loss_factor[0], starts),
+            np.maximum.reduceat(bounds.loss_factor[1], starts),
         ]
     )
-    means = means._replace(stiffness_limits=limits, loss_factor_limits=factors)
-    table = tuple(
+    means = means._replace(stiffness_limits=band_limits, loss_factor_limits=factors)
+    band_table = tuple(
         _build_band(
             band,
             span,
@@ -598,19 +638,19 @@ def _predict(
         for i, (band, span) in enumerate(zip(bands, spans, strict=True))
     )
     edges = (bands[0].low, bands[-1].high)
-    widest = max(table, key=lambda band: band.half_width)
+    widest = max(band_table, key=lambda band: band.half_width)
     source: tuple[Source, ...] = fit.source
     return TransferStiffness(
         "predicted",
         False,
         frequency,
         value,
-        ends,
-        known.loss_factor,
+        limits,
+        bounds.loss_factor,
         transmissibility,
         blocked,
         indirect,
-        table,
+        band_table,
         request.mass,
         request.flange_mass,
         request.rigid_to,
@@ -623,5 +663,5 @@ def _predict(
             *fit.checks,
         ),
         source,
-        (*fit.steps, _step("predicted", request)),
+        (*fit.steps, _make_step("predicted", request)),
     )

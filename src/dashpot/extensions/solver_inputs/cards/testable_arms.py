@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
+from dashpot.base.reported_values import NORMAL
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.planning.planned_ramp_hold import Bench
@@ -22,7 +23,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 STIFFNESS, LOSS_FACTOR = 0.1, 0.3
 """Errors, relative and at 95 %, up to which stiffness and loss factor count as known."""
-_TWO_SIDED = 1.96
+
 _SINGULAR = 1e-14
 _PER_DECADE = 20
 _BEYOND = 100.0
@@ -113,7 +114,7 @@ def _find_known_band(
     )
     loss_factor = K.imag / K.real
     factor_sd = (1 + loss_factor**2) / np.maximum(loss_factor, 1e-300) * angle
-    known = (_TWO_SIDED * size <= STIFFNESS) & (_TWO_SIDED * factor_sd <= LOSS_FACTOR)
+    known = (NORMAL * size <= STIFFNESS) & (NORMAL * factor_sd <= LOSS_FACTOR)
     best: tuple[int, int] | None = None
     start = None
     for i, sure in enumerate([*known.tolist(), False]):

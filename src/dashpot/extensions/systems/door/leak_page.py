@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.extensions.systems.door.leak_figure import along_panel, door_panel, states_panel
+from dashpot.extensions.systems.door.leak_figure import draw_door, draw_line, draw_states
 from dashpot.extensions.systems.door.leak_result import LeakResult, format_speed
 from dashpot.extensions.systems.door.leak_text import describe_states
 from dashpot.plot.picture import Picture
 from dashpot.plot.plotted_data import stamp
 from dashpot.report.first_screen import NOT_GIVEN, Light
 from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, lights
-from dashpot.report.tables import TextTable
+from dashpot.report.tables import TextTable, describe_rows, select_rows
 
 _CAPTION = (
     "Speed of the car at which the pressure lifts the seal: of the first station in every state "
@@ -23,7 +23,7 @@ _ROWS = 60
 def leak_page(result: LeakResult) -> KindPage:
     """Return the page of leak speeds."""
     setup = result.setup
-    limit = NOT_GIVEN
+    limit, indices = NOT_GIVEN, select_rows(len(result.arc_length), _ROWS)
     if setup.limit is not None:
         limit = f"{convert_to_unit(setup.limit, 'km/h'):.4g} km/h"
     return KindPage(
@@ -35,10 +35,10 @@ def leak_page(result: LeakResult) -> KindPage:
             ("Pressure coefficient", f"{setup.pressure_coefficient:g}"),
             ("Limit", limit),
         ),
-        lights=tuple(_lights(result)),
+        lights=tuple(_make_lights(result)),
         answers="Speed of the car at which the seal lifts",
         picture=Picture(
-            "leak", _CAPTION, ((states_panel(result),), (along_panel(result),)), 2,
+            "leak", _CAPTION, ((draw_states(result),), (draw_line(result),)), 2,
             stamp(result.sources),
         ),
         told="The first station lifts at",
@@ -48,38 +48,43 @@ def leak_page(result: LeakResult) -> KindPage:
             CollapsibleSection(
                 "On the door", "leak speed of every station as described", None,
                 Picture("leak-door", "Leak speed of every station, seen from outside.",
-                        ((door_panel(result),),), stamp=stamp(result.sources)),
+                        ((draw_door(result),),), stamp=stamp(result.sources)),
             ),
-            CollapsibleSection("States", "what each is, and where it leaks first", _states(result)),
-            CollapsibleSection("Stations", _note(result), _stations(result)),
+            CollapsibleSection(
+                "States", "what each is, and where it leaks first", _make_state_table(result)
+            ),
+            CollapsibleSection(
+                "Stations", describe_rows(indices, "stations"),
+                _make_station_table(result, indices),
+            ),
         ),
         name="leak",
     )  # fmt: skip
 
 
-def _lights(result: LeakResult) -> list[Light]:
-    lit = list(
+def _make_lights(result: LeakResult) -> list[Light]:
+    leak_lights = list(
         lights(
             result.checks,
             Topic("Seal"),
             Topic("Leak speed", {"leak_speed_known"}, format_speed(result.states[0].least)),
         )
     )
-    met = result.limit_verdicts
-    if met:
-        missed = [name for name, word in met.items() if word == "missed"]
-        undecided = [name for name, word in met.items() if word == "open"]
+    verdicts = result.limit_verdicts
+    if verdicts:
+        missed = [name for name, word in verdicts.items() if word == "missed"]
+        undecided = [name for name, word in verdicts.items() if word == "open"]
         text = "met in every state"
         if missed or undecided:
             parts = [f"missed: {', '.join(missed)}"] if missed else []
             parts += [f"open: {', '.join(undecided)}"] if undecided else []
             text = "; ".join(parts)
         mark = "good" if not missed and not undecided else "note"
-        lit.append(Light("Limit", mark, text))
-    return lit
+        leak_lights.append(Light("Limit", mark, text))
+    return leak_lights
 
 
-def _states(result: LeakResult) -> TextTable:
+def _make_state_table(result: LeakResult) -> TextTable:
     head = ("state", "which is", "N/m", "Pa", "km/h", "from", "to", "at, m", "limit")
     rows = []
     for state, words in zip(result.states, describe_states(result), strict=True):
@@ -92,16 +97,7 @@ def _states(result: LeakResult) -> TextTable:
     return TextTable(head, tuple(rows))
 
 
-def _step(result: LeakResult) -> int:
-    return -(-len(result.arc_length) // _ROWS)
-
-
-def _note(result: LeakResult) -> str:
-    step, count = _step(result), len(result.arc_length)
-    return f"{count} stations" if step == 1 else f"one in {step} of {count} stations"
-
-
-def _stations(result: LeakResult) -> TextTable:
+def _make_station_table(result: LeakResult, indices: range) -> TextTable:
     head = ("along, m", "compression, mm", *(f"{state.name}, km/h" for state in result.states))
     rows = tuple(
         (
@@ -109,6 +105,6 @@ def _stations(result: LeakResult) -> TextTable:
             f"{convert_to_unit(float(result.compression[i]), 'mm'):.2f}",
             *(f"{convert_to_unit(float(state.speed[i]), 'km/h'):.1f}" for state in result.states),
         )
-        for i in range(0, len(result.arc_length), _step(result))
+        for i in indices
     )
     return TextTable(head, rows)
