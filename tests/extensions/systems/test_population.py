@@ -21,8 +21,8 @@ from dashpot.extensions.systems.door.population import (
     DoorLimit,
     SpecimenSpread,
     describe_quantity,
+    parse_limit,
     predict_population,
-    read_limit,
 )
 from dashpot.registry import find_handler
 from dashpot.solids.demo_seals import BROAD, PAPER
@@ -141,11 +141,11 @@ def seals(random, count, repeats, sd, repeat_sd):
 )
 def test_the_interval_of_a_share_holds_it_in_four_hundred_lots(count, repeats, repeat_sd, z):
     random = np.random.default_rng([count, repeats])
-    limit = DoorLimit("mode 1", 30.0 * float(np.exp(0.04 * z / 2)), most=True)
+    limit = DoorLimit("mode 1", 30.0 * float(np.exp(0.04 * z / 2)), is_upper=True)
     true, held = norm.sf(z), []
     for _ in range(400):
         spread = seals(random, count, repeats, 0.04, repeat_sd)
-        one = describe_quantity("mode 1", U, ROOT, spread, limit)
+        one = describe_quantity("mode 1", U, ROOT, spread, limit=limit)
         held.append(one.share_low <= true <= one.share_high)
     assert 0.92 <= np.mean(held) <= 0.98
 
@@ -211,7 +211,7 @@ def test_closing_speed_of_the_cars_follows_the_force_of_the_seal(tmp_path, monke
     ],
 )  # fmt: skip
 def test_a_limit_is_read(text, limit):
-    assert read_limit(text) == limit
+    assert parse_limit(text) == limit
 
 
 @pytest.mark.parametrize(

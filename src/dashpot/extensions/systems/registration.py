@@ -53,13 +53,13 @@ EXTENSION = Extension(
         "plot": {
             "closing": "dashpot.extensions.systems.door.closing_figure:closing",
             "door": "dashpot.extensions.systems.door.figure:door",
-            "leak": "dashpot.extensions.systems.door.leak_figure:leak",
+            "leak": "dashpot.extensions.systems.door.leak_figure:draw_leak",
         },
         "document": {
             "dashpot/door-population@1": "dashpot.extensions.systems.door.population:DoorPopulation",
         },
         "figure": {
-            "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_figure:leak",
+            "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_figure:draw_leak",
             "dashpot.extensions.systems.door.population:DoorPopulation": "dashpot.extensions.systems.door.population_figure:draw_population",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.figure:door",
             "dashpot.extensions.systems.door.closing_result:ClosingResult": "dashpot.extensions.systems.door.closing_figure:closing",

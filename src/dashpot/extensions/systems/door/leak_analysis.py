@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.reported_values import NORMAL
+from dashpot.base.reported_values import INTERVAL_LEVELS, NORMAL
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.seal_line import SealSection
@@ -17,7 +17,7 @@ from dashpot.solids.elastic import ElasticLaw
 
 DRAWS = 2000
 SEED = 1997
-_LEAST_PART = 0.02
+_LEAST_SHARE = 0.02
 """Part of a size that is left of it, however far it is drawn."""
 
 
@@ -117,15 +117,19 @@ def compute_contact_force(
     force = section.force(compression - gap)
     if gap > 0 and np.isfinite(time):
         solid = section.solid.maxwell
-        still = (np.array(solid.k) * np.exp(-time / np.array(solid.tau))).sum()
-        force = force - gap * section.factor(compression) * still
+        unrelaxed = (np.array(solid.k) * np.exp(-time / np.array(solid.tau))).sum()
+        force = force - gap * section.factor(compression) * unrelaxed
     return np.asarray(np.maximum(force, 0.0))
 
 
 def compute_leak_speed(
-    force: FloatArray, *, lip: float, density: float, pressure_coefficient: float
+    force: FloatArray,
+    *,
+    lip: float | FloatArray,
+    density: float,
+    pressure_coefficient: float | FloatArray,
 ) -> FloatArray:
-    r"""Return the speed at which the pressure lifts a seal, m/s.
+    r"""Return the speed at which the pressure lifts a seal, m/s; the arguments broadcast.
 
     .. math:: \Delta p\,w = F', \qquad \Delta p = C_p\,\tfrac12\rho V^2, \qquad
         V = \sqrt{\frac{2 F'}{w\,\rho\,C_p}}
@@ -134,13 +138,13 @@ def compute_leak_speed(
     ----------
     force : array
         Contact force of one metre, N/m.
-    lip : float
+    lip : float or array
         w, on which the pressure acts, m.
     density : float
         kg/m^3.
-    pressure_coefficient : float
+    pressure_coefficient : float or array
     """
-    return np.asarray(np.sqrt(2 * force / (lip * density * pressure_coefficient)))
+    return np.asarray(np.sqrt(2 * force / (density * (lip * pressure_coefficient))))
 
 
 def find_leak(
@@ -177,33 +181,37 @@ def find_leak(
     )
     random = np.random.default_rng(SEED)
     z = random.standard_normal((7, DRAWS))
-    gaps = setup.gap_sd * z[0]
-    stiff = _split_normal(relaxed_stiffness_interval(fit), z[1])
-    stiff = stiff * np.maximum(1 + setup.force_sd * z[2], _LEAST_PART)
-    lips = np.maximum(setup.lip + setup.lip_sd * z[3], _LEAST_PART * setup.lip)
-    coefficient = np.maximum(
+    drawn_gaps = setup.gap_sd * z[0]
+    drawn_stiffness = _draw_split_normal(compute_relaxed_stiffness(fit), z[1])
+    drawn_stiffness = drawn_stiffness * np.maximum(1 + setup.force_sd * z[2], _LEAST_SHARE)
+    drawn_lips = np.maximum(setup.lip + setup.lip_sd * z[3], _LEAST_SHARE * setup.lip)
+    drawn_coefficients = np.maximum(
         setup.pressure_coefficient + setup.pressure_coefficient_sd * z[4],
-        _LEAST_PART * setup.pressure_coefficient,
+        _LEAST_SHARE * setup.pressure_coefficient,
     )
-    left = np.clip(_split_normal(case.retained, z[5]), 0.0, 1.0)
+    drawn_retention = np.clip(_draw_split_normal(case.retained, z[5]), 0.0, 1.0)
     laws = _draw_laws(section, z[6])
-    moved = compression - gaps[:, None]
+    drawn_compression = compression - drawn_gaps[:, None]
     if laws is None:
-        drawn = compute_contact_force(section, moved, state.gap, state.time)
+        drawn_force = compute_contact_force(section, drawn_compression, state.gap, state.time)
     else:
-        rows = (
-            compute_contact_force(law, here, state.gap, state.time)
-            for law, here in zip(laws, moved, strict=True)
-        )
-        drawn = np.array(list(rows))
-    drawn = factor * drawn * (stiff * left)[:, None]
-    speeds = np.sqrt(2 * drawn / (case.density * (lips * coefficient)[:, None]))
-    low, high = np.quantile(speeds, [0.025, 0.975], axis=0)
+        drawn_force = np.array([
+            compute_contact_force(law, values, state.gap, state.time)
+            for law, values in zip(laws, drawn_compression, strict=True)
+        ])  # fmt: skip
+    drawn_force = factor * drawn_force * (drawn_stiffness * drawn_retention)[:, None]
+    speeds = compute_leak_speed(
+        drawn_force,
+        lip=drawn_lips[:, None],
+        density=case.density,
+        pressure_coefficient=drawn_coefficients[:, None],
+    )
+    low, high = np.quantile(speeds, INTERVAL_LEVELS, axis=0)
     limits = np.array([np.minimum(low, speed), np.maximum(high, speed)])
     return StateLeak(state.name, force, force / setup.lip, speed, limits, case.density, retained)
 
 
-def relaxed_stiffness_interval(fit: Fit) -> Interval:
+def compute_relaxed_stiffness(fit: Fit) -> Interval:
     """Return the relaxed stiffness over that of the fit: 1, with limits at three times its hold.
 
     A test bounds what is left after a long time from above alone. After three times its hold it
@@ -222,8 +230,15 @@ def relaxed_stiffness_interval(fit: Fit) -> Interval:
     return Interval(1.0, max(1 - half, 0.0), 1 + half)
 
 
-def _split_normal(interval: Interval, z: FloatArray) -> FloatArray:
-    """Draw a size whose 95 % limits lie at different distances; none below 0."""
+def _draw_split_normal(interval: Interval, z: FloatArray) -> FloatArray:
+    """Return draws of a size with each half of its 95 % interval as wide as stated; none below 0.
+
+    Parameters
+    ----------
+    interval : Interval
+    z : array
+        Standard normal draws.
+    """
     value, low, high = interval
     half = np.where(z < 0, value - low, high - value)
     return np.maximum(value + z / NORMAL * half, 0.0)
@@ -239,6 +254,6 @@ def _draw_laws(section: SealSection, z: FloatArray) -> list[SealSection] | None:
     for item in z:
         ratio = np.maximum(np.array(law.ratio) + item * signs * np.array(law.ratio_se), 0.0)
         mean = float(np.trapezoid(ratio, law.knots)) / law.knots[-1]
-        moved = ElasticLaw(law.knots, tuple((ratio / mean).tolist()), law.stiffness)
-        drawn.append(replace(section, law=moved))
+        drawn_law = ElasticLaw(law.knots, tuple((ratio / mean).tolist()), law.stiffness)
+        drawn.append(replace(section, law=drawn_law))
     return drawn

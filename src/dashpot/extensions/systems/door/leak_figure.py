@@ -11,13 +11,13 @@ from dashpot.plot.picture import REF, Area, Line, Mark, Panel, Pen, Picture, Rul
 from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
-_HALF, _ABOVE = 0.2, 0.75
+_HALF_BAR, _ABOVE = 0.2, 0.75
 """Of a bar, its rows being 1 apart, and where its name begins above it."""
 _COLOURS = ("fit", "joint", "measured", "ref", "bad")
 _DASHES: tuple[tuple[float, ...], ...] = ((), (7, 4), (2, 3))
 
 
-def leak(result: LeakResult, *, stamp: str = "") -> Picture:
+def draw_leak(result: LeakResult, *, stamp: str = "") -> Picture:
     """Return the leak speed in every state, along the line, and on the door as described.
 
     Parameters
@@ -30,12 +30,12 @@ def leak(result: LeakResult, *, stamp: str = "") -> Picture:
         "Speed of the car at which the pressure lifts the seal: of the first station in every "
         "state with its 95 % limits, along the line, and on the door seen from outside."
     )
-    strips = ((states_panel(result),), (along_panel(result),), (door_panel(result),))
+    strips = ((draw_states(result),), (draw_line(result),), (draw_door(result),))
     origin = format_stamp(result.sources) if result.sources else ""
     return Picture("leak", caption, strips, 3, stamp or origin, width=960.0)
 
 
-def states_panel(result: LeakResult) -> Panel:
+def draw_states(result: LeakResult) -> Panel:
     """Return the speed at which the first station lifts in each state, with its limits."""
     rows = len(result.states)
     marks: list[Mark] = []
@@ -43,17 +43,19 @@ def states_panel(result: LeakResult) -> Panel:
     for y, state in zip(range(rows, 0, -1), result.states, strict=True):
         value, low, high = (float(convert_to_unit(item, "km/h")) for item in state.least)
         most = max(most, high)
-        ends, across = np.array([low, high]), np.full(2, y)
+        ends, heights = np.array([low, high]), np.full(2, y)
         marks += [
-            Area(ends, across - _HALF, across + _HALF, "fit", "95 % limits"),
-            Line(np.array([value, value]), np.array([y - _HALF, y + _HALF]), Pen("ink", 2.4)),
+            Area(ends, heights - _HALF_BAR, heights + _HALF_BAR, "fit", "95 % limits"),
+            Line(
+                np.array([value, value]), np.array([y - _HALF_BAR, y + _HALF_BAR]), Pen("ink", 2.4)
+            ),
             Tag(0.0, y + _ABOVE, f"{state.name}: {value:.0f}", "ink"),
         ]
     limit = result.setup.limit
     if limit is not None:
-        at = float(convert_to_unit(limit, "km/h"))
-        most = max(most, at)
-        marks.append(Rule(at, REF, f"limit {at:.0f} km/h"))
+        limit_speed = float(convert_to_unit(limit, "km/h"))
+        most = max(most, limit_speed)
+        marks.append(Rule(limit_speed, REF, f"limit {limit_speed:.0f} km/h"))
     return Panel(
         Scale("speed, km/h", (0.0, 1.08 * max(most, 1.0))),
         Scale("", (0.3, rows + 0.8), unnumbered=True),
@@ -63,26 +65,26 @@ def states_panel(result: LeakResult) -> Panel:
     )
 
 
-def along_panel(result: LeakResult) -> Panel:
+def draw_line(result: LeakResult) -> Panel:
     """Return the leak speed of every station along the line in each state."""
     along = result.arc_length
     marks: list[Mark] = []
-    shown = [np.zeros(1)]
+    speeds = [np.zeros(1)]
     for i, state in enumerate(result.states):
         speed = convert_to_unit(state.speed, "km/h")
         low, high = convert_to_unit(state.limits, "km/h")
         if i == 0:
             marks.append(Area(along, low, high, "fit", "95 % limits, new"))
-            shown.append(high)
+            speeds.append(high)
         pen = Pen(_COLOURS[i % len(_COLOURS)], 1.8, _DASHES[i // len(_COLOURS) % len(_DASHES)])
         marks.append(Line(along, speed, pen, state.name))
-        shown.append(speed)
+        speeds.append(speed)
     limit = result.setup.limit
     if limit is not None:
-        at = float(convert_to_unit(limit, "km/h"))
-        shown.append(np.array([at]))
-        marks.append(Rule(at, REF, f"limit {at:.0f} km/h", across=True))
-    most = compute_padded_limits(*shown)[1]
+        limit_speed = float(convert_to_unit(limit, "km/h"))
+        speeds.append(np.array([limit_speed]))
+        marks.append(Rule(limit_speed, REF, f"limit {limit_speed:.0f} km/h", across=True))
+    most = compute_padded_limits(*speeds)[1]
     return Panel(
         Scale("along the line, m", (0.0, float(along[-1]))),
         Scale("leak speed, km/h", (0.0, most)),
@@ -92,17 +94,17 @@ def along_panel(result: LeakResult) -> Panel:
     )
 
 
-def door_panel(result: LeakResult) -> Panel:
+def draw_door(result: LeakResult) -> Panel:
     """Return the seal line from outside by the leak speed of its stations."""
     line, first = result.door.line, result.states[0]
     assert line is not None  # noqa: S101  a leak speed is of a line
     view = View.from_line(line)
-    outline, at = view.project_points(line.points), view.project_points(result.place)
+    outline, places = view.project_points(line.points), view.project_points(result.place)
     speed = convert_to_unit(first.speed, "km/h")
-    weakest = at[first.weakest]
+    weakest = places[first.weakest]
     marks: list[Mark] = [
         Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)),
-        *mark_classes(at, speed, first.speed > 0, unit="km/h"),
+        *mark_classes(places, speed, first.speed > 0, unit="km/h"),
         Tag(float(weakest[0]), float(weakest[1]), "lifts first", "ink", "hollow"),
     ]
     low, high = outline.min(axis=0), outline.max(axis=0)

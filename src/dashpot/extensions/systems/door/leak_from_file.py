@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base import replace
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import NORMAL
@@ -61,33 +62,47 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
         if fit is None or door.line is None or door.seal is None or door.line.section is None:
             raise DataError("no [seal] is in it; add one with fit, points and compression")
         stations = door.line.stations(door.pitch)
-        pressed = stations.compression
-        if pressed is None:
+        compression = stations.compression
+        if compression is None:
             raise DataError(
                 "how far the seal is pressed is not said: give compression, or gap and height, in "
                 "[seal]"
             )
-        whole = read_fit(door.seal.fit)
-        kelvin = door.seal.temperature if temperature is None else temperature
+        seal_fit = read_fit(door.seal.fit)
+        seal_temperature = door.seal.temperature if temperature is None else temperature
         cases = []
         for state in (LeakState(NEW), *door.leak.states):
-            warm = kelvin if state.temperature is None else state.temperature
-            here = whole if warm is None else whole.at_temperature(warm)
-            section = SealSection.from_fit(here, length=door.seal.length)
-            air = STANDARD_TEMPERATURE if warm is None else warm
-            density = compute_air_density(air) if state.density is None else state.density
-            cases.append((here, SectionState(state, section, density, _evaluate_retention(state))))
-        found = tuple(
-            find_leak(case, door.leak, fit=here, compression=pressed, factor=stations.factor)
-            for here, case in cases
+            temperature_there = seal_temperature if state.temperature is None else state.temperature
+            fit_there = (
+                seal_fit
+                if temperature_there is None
+                else seal_fit.at_temperature(temperature_there)
+            )
+            section = SealSection.from_fit(fit_there, length=door.seal.length)
+            air_temperature = (
+                STANDARD_TEMPERATURE if temperature_there is None else temperature_there
+            )
+            density = (
+                compute_air_density(air_temperature) if state.density is None else state.density
+            )
+            cases.append(
+                (fit_there, SectionState(state, section, density, _evaluate_retention(state)))
+            )
+        leaks = tuple(
+            find_leak(
+                case, door.leak, fit=fit_there, compression=compression, factor=stations.factor
+            )
+            for fit_there, case in cases
         )
-        result = LeakResult(door, door.leak, fit, stations, pressed, found, ())
-        every = tuple(_check(result, [(case.state, here) for here, case in cases]))
-    return LeakResult(door, door.leak, fit, stations, pressed, found, every)
+        result = LeakResult(door, door.leak, fit, stations, compression, leaks, ())
+        checks_run = tuple(
+            _run_checks(result, [(case.state, fit_there) for fit_there, case in cases])
+        )
+    return replace(result, checks=checks_run)
 
 
 def _evaluate_retention(state: LeakState) -> Interval:
-    """Return what is left of the force in a state, with its 95 % limits."""
+    """Return the part of the force that aging leaves in a state, with its 95 % limits."""
     aging = state.aging
     if aging is None:
         half = NORMAL * state.retained_sd
@@ -109,21 +124,22 @@ def _evaluate_retention(state: LeakState) -> Interval:
     return Interval(min(fact.value, 1.0), max(low, 0.0), min(high, 1.0))
 
 
-def _check(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iterator[Check]:
-    fit, pressed = result.fit, result.compression
-    yield touches_along(pressed, result.arc_length, result.stations.length.sum())
+def _run_checks(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iterator[Check]:
+    """Iterate over the checks of leak speeds, each state with the fit at its temperature."""
+    fit, compression = result.fit, result.compression
+    yield touches_along(compression, result.arc_length, result.stations.length.sum())
     law = fit.elastic_law
-    yield compression_tested(float(pressed.max()), None if law is None else law.depth)
-    for state, here in states:
-        if here.temperatures is not None and here.specimen.temperature is not None:
-            check = temperature_tested(here.temperatures, here.specimen.temperature)
+    yield compression_tested(float(compression.max()), None if law is None else law.depth)
+    for state, fit_there in states:
+        if fit_there.temperatures is not None and fit_there.specimen.temperature is not None:
+            check = temperature_tested(fit_there.temperatures, fit_there.specimen.temperature)
             yield check if state.name == NEW else check.with_location(f"in state '{state.name}'")
-    widest = max(result.states, key=lambda state: _width(state.least))
-    yield checks.leak_speed_known(_width(widest.least), state=widest.name)
+    widest = max(result.states, key=lambda state: _compute_relative_width(state.least))
+    yield checks.leak_speed_known(_compute_relative_width(widest.least), state=widest.name)
     yield from fit.checks
 
 
-def _width(speed: Interval) -> float:
+def _compute_relative_width(speed: Interval) -> float:
     """Return the wider half of an interval over its value; inf where the seal leaks at rest."""
     value, low, high = speed
     return max(high - value, value - low) / value if value > 0 else float("inf")

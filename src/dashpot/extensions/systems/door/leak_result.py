@@ -15,6 +15,7 @@ from dashpot.datamodel.seal_line import Stations
 from dashpot.extensions.systems.door.door_model import Door
 from dashpot.extensions.systems.door.leak_analysis import Interval, StateLeak
 from dashpot.extensions.systems.door.leak_setup import LeakSetup
+from dashpot.registry import find_handler
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,8 +72,8 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
-        own = () if self.door.source is None else (self.door.source,)
-        return (*own, *self.fit.source)
+        door_sources = () if self.door.source is None else (self.door.source,)
+        return (*door_sources, *self.fit.source)
 
     @property
     def limit_verdicts(self) -> dict[str, str]:
@@ -80,7 +81,11 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
         limit = self.setup.limit
         if limit is None:
             return {}
-        return {state.name: judge_limit(state.least, limit) for state in self.states}
+        judge = find_handler("judge interval", "limits")
+        return {
+            state.name: judge(limit, None, state.least.low, state.least.high)
+            for state in self.states
+        }
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
@@ -128,11 +133,6 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
             worst = min(others, key=lambda state: state.least.value)
             text += f", {worst.name} from {format_speed(worst.least)} on"
         return text
-
-
-def judge_limit(speed: Interval, limit: float) -> str:
-    """Return "met" where the whole interval lies above a limit, "missed" below, else "open"."""
-    return "met" if speed.low >= limit else "missed" if speed.high < limit else "open"
 
 
 def format_speed(speed: Interval) -> str:

@@ -10,10 +10,14 @@ from dashpot.extensions.systems.door.air_flow import AMBIENT
 GAS_CONSTANT = 287.05
 """Of dry air, J/(kg K)."""
 STANDARD_TEMPERATURE = 293.15
-"""Of the air where a state says none, K."""
-_WIDEST = 0.2
+"""Of the air where a state gives none, K."""
+NEW = "new"
+"""The state of the door as its file describes it."""
+_MOST_ERROR = 0.5
+"""Standard error over its quantity, at most."""
+_WIDEST_LIP = 0.2
 """m; no lip of a seal is wider."""
-_HIGHEST = 5.0
+_HIGHEST_COEFFICIENT = 5.0
 """No pressure coefficient of a car body is higher."""
 
 
@@ -131,28 +135,23 @@ class LeakSetup:
             gap_sd=self.gap_sd,
             force_sd=self.force_sd,
         )
-        if self.lip > _WIDEST or self.pressure_coefficient > _HIGHEST:
+        if self.lip > _WIDEST_LIP or self.pressure_coefficient > _HIGHEST_COEFFICIENT:
             raise DataError(
                 f"a lip of {self.lip:g} m and a pressure coefficient of "
-                f"{self.pressure_coefficient:g}; expected at most {_WIDEST:g} m and {_HIGHEST:g}: "
-                "is the unit mm?"
+                f"{self.pressure_coefficient:g}; expected at most {_WIDEST_LIP:g} m and "
+                f"{_HIGHEST_COEFFICIENT:g}: is the unit mm?"
             )
         for name in ("lip", "pressure_coefficient"):
-            if getattr(self, f"{name}_sd") > _MOST * getattr(self, name):
+            if getattr(self, f"{name}_sd") > _MOST_ERROR * getattr(self, name):
                 raise DataError(
-                    f"{name}_sd is more than {100 * _MOST:.0f} % of {name}; expected a smaller "
-                    "standard error"
+                    f"{name}_sd is more than {100 * _MOST_ERROR:.0f} % of {name}; expected a "
+                    "smaller standard error"
                 )
-        if self.force_sd > _MOST:
+        if self.force_sd > _MOST_ERROR:
             raise DataError(
-                f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST:.0f} %"
+                f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST_ERROR:.0f} %"
             )
         names = [NEW, *(state.name for state in self.states)]
         twice = [name for name in names if names.count(name) > 1]
         if twice:
             raise DataError(f"two states are called '{twice[0]}'; the first of all is '{NEW}'")
-
-
-NEW = "new"
-"""The state of the door as its file describes it."""
-_MOST = 0.5

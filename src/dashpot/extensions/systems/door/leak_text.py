@@ -12,7 +12,7 @@ _HEAD = ("state", "N/m", "Pa", "km/h", "95 % interval", "at, m")
 
 def render_leak(result: LeakResult) -> Text:
     """Return the pressure, and of each state the station that lifts first."""
-    setup, met = result.setup, result.limit_verdicts
+    setup, verdicts = result.setup, result.limit_verdicts
     first = (
         f"  seal line {format_rounded(float(result.stations.length.sum()))} m, "
         f"{len(result.arc_length)} stations; pressure on {format_quantity(setup.lip, 'mm')}, "
@@ -21,7 +21,7 @@ def render_leak(result: LeakResult) -> Text:
     lines = [first]
     if setup.limit is not None:
         lines.append(f"  limit {convert_to_unit(setup.limit, 'km/h'):.4g} km/h")
-    rows = [[*_HEAD, *(["limit"] if met else [])]]
+    rows = [[*_HEAD, *(["limit"] if verdicts else [])]]
     for state in result.states:
         i = state.weakest
         value, low, high = (convert_to_unit(item, "km/h") for item in state.least)
@@ -33,7 +33,7 @@ def render_leak(result: LeakResult) -> Text:
             f"{low:.1f} to {high:.1f}",
             f"{result.arc_length[i]:.3f}",
         ]
-        rows.append([*row, *([met[state.name]] if met else [])])
+        rows.append([*row, *([verdicts[state.name]] if verdicts else [])])
     details = [["state", "which is", "force left, %", "air, kg/m^3"]]
     for state, words in zip(result.states, describe_states(result), strict=True):
         details.append([state.name, words, f"{100 * state.retained:.3g}", f"{state.density:.3f}"])

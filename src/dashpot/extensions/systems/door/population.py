@@ -26,12 +26,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import round_to_error
 from dashpot.base.provenance import Source
-from dashpot.base.reported_values import NORMAL, ReportedValue
+from dashpot.base.reported_values import INTERVAL_LEVELS, NORMAL, ReportedValue
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import Dimension, Quantity, convert_to_si, format_quantity, parse_quantity
@@ -57,19 +57,19 @@ from dashpot.extensions.systems.door.modes import (
 from dashpot.extensions.systems.door.mounts import SEAL
 from dashpot.registry import find_handler
 
-_REACH, _NODES, _DEGREE = 5.0, 11, 4
+_RANGE_SD, _NODES, _DEGREE = 5.0, 11, 4
 """Standard deviations on both sides at which a quantity is computed, how often, and the degree of
 the polynomial of its logarithm."""
-_DRAWS, _DENSE = 4000, 4001
-_MODES = 6
+_DRAWS, _FACTORS = 4000, 4001
+_MOST_MODES = 6
 """Modes that are listed at most, if no limit names a higher one."""
-_ALIKE = 1.5
+_MOST_STIFFNESS_RATIO = 1.5
 """Ratio of the stiffness of a lot and of the fit beyond which they are other seals."""
 LEAST_SHARE = 1e-3
 """Share of the cars below which the distribution is not known."""
 LEAST_SD = 1e-6
 """Relative standard deviation below which the seal does not move a quantity."""
-_FEWEST = 4
+_LEAST_SPECIMENS = 4
 """Specimens of a lot of which a scatter is taken."""
 CLOSING = "closing"
 _LIMIT = re.compile(r"\s*(?:mode\s*(\d+)|closing)\s*(<=|>=|<|>)\s*(\S.*?)\s*", re.IGNORECASE)
@@ -107,7 +107,18 @@ class SpecimenSpread(Serialisable):
     within_freedom: int = 0
 
     def draw(self, count: int, seed: int = 0) -> tuple[FloatArray, FloatArray]:
-        """Return means and standard deviations between specimens that could have given these."""
+        r"""Return draws of the mean and of the standard deviation between specimens.
+
+        .. math:: s_b^2 = s^2\,\nu/\chi^2_\nu - s_w^2\,\nu_w/\chi^2_{\nu_w}, \qquad
+                  m = \mu + z\,\sqrt{s^2\,\nu/\chi^2_\nu / n}
+
+        with the mean squares :math:`s^2` between specimens and :math:`s_w^2` within. Of a stated
+        scatter the mean alone is drawn.
+
+        Parameters
+        ----------
+        count, seed : int
+        """
         random = np.random.default_rng(seed)
         z = random.standard_normal(count)
         if self.specimens is None:
@@ -130,13 +141,13 @@ class DoorLimit(NamedTuple):
         ``"mode 1"`` or ``"closing"``.
     value : float
         Hz or m/s.
-    most : bool
+    is_upper : bool
         Whether it is the most that is accepted; else the least.
     """
 
     quantity: str
     value: float
-    most: bool
+    is_upper: bool
 
 
 @dataclass(frozen=True)
@@ -219,32 +230,32 @@ class DoorPopulation(HasVerdict, Serialisable):
     def facts(self) -> tuple[ReportedValue, ...]:
         """Each quantity with the range of 95 % of the cars, and the share beyond each limit."""
         facts = []
-        for one in self.quantities:
+        for quantity in self.quantities:
             scatters = (
-                one.between_sd > LEAST_SD
+                quantity.between_sd > LEAST_SD
             )  # of a mode that holds no seal nothing is left but rounding
             facts.append(
                 ReportedValue(
-                    one.name.replace(" ", "_"),
-                    one.value,
-                    one.low if scatters else math.nan,
-                    one.high if scatters else math.nan,
-                    one.unit,
+                    quantity.name.replace(" ", "_"),
+                    quantity.value,
+                    quantity.low if scatters else math.nan,
+                    quantity.high if scatters else math.nan,
+                    quantity.unit,
                     None,  # the range is the scatter of the cars, not an error of the value
-                    one.unit,
-                    f"{one.label}, 95 % of the cars",
+                    quantity.unit,
+                    f"{quantity.label}, 95 % of the cars",
                 )
             )
-            if one.share_beyond is not None:
+            if quantity.share_beyond is not None:
                 facts.append(
                     ReportedValue(
-                        f"{one.name.replace(' ', '_')}_beyond",
-                        one.share_beyond,
-                        *_share_limits(one),
+                        f"{quantity.name.replace(' ', '_')}_beyond",
+                        quantity.share_beyond,
+                        *_share_limits(quantity),
                         "1",
                         None,
                         "%",
-                        f"cars with {one.label} {format_limit(one)}",
+                        f"cars with {quantity.label} {format_limit(quantity)}",
                     )
                 )
         return tuple(facts)
@@ -252,17 +263,19 @@ class DoorPopulation(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """Verdict, with the share of cars beyond the first limit, or the scatter of a mode."""
-        limited = [one for one in self.quantities if one.share_beyond is not None]
+        limited = [quantity for quantity in self.quantities if quantity.share_beyond is not None]
         if limited:
-            one = limited[0]
-            low, share, high = map(format_share, (one.share_low, one.share_beyond, one.share_high))
+            quantity = limited[0]
+            low, share, high = map(
+                format_share, (quantity.share_low, quantity.share_beyond, quantity.share_high)
+            )
             interval = low if low == high else f"{low} to {high}"
-            words = f"{share} % of the cars (95 % interval {interval}) have the {one.label} "
-            return verdict(self.checks, headline=words + format_limit(one))
-        one = self.quantities[0]
+            words = f"{share} % of the cars (95 % interval {interval}) have the {quantity.label} "
+            return verdict(self.checks, headline=words + format_limit(quantity))
+        quantity = self.quantities[0]
         words = (
-            f"the {one.label} is {format_quantity(one.value, one.unit)} with a standard deviation "
-            f"of {100 * one.sd:.2g} %"
+            f"the {quantity.label} is {format_quantity(quantity.value, quantity.unit)} with a "
+            f"standard deviation of {100 * quantity.sd:.2g} %"
         )
         return verdict(self.checks, headline=words)
 
@@ -290,7 +303,7 @@ def format_limit(quantity: DoorQuantity) -> str:
     return f"{side} {format_quantity(quantity.limit or 0.0, quantity.unit)}"
 
 
-def read_limit(text: str) -> DoorLimit:
+def parse_limit(text: str) -> DoorLimit:
     """Return a limit: ``"mode 1 >= 30Hz"`` or ``"closing <= 1.2m/s"``.
 
     Raises
@@ -298,13 +311,13 @@ def read_limit(text: str) -> DoorLimit:
     DataError
         If it is none.
     """
-    found = _LIMIT.fullmatch(text)
-    if found is None:
+    match = _LIMIT.fullmatch(text)
+    if match is None:
         raise DataError(
             f"--limit '{text}': expected a mode or the closing speed with a bound, such as "
             "'mode 1 >= 30Hz' or 'closing <= 1.2m/s'"
         )
-    number, sign, value = found.groups()
+    number, sign, value = match.groups()
     dimension: Dimension = "velocity" if number is None else "frequency"
     name = CLOSING if number is None else f"mode {int(number)}"
     return DoorLimit(name, parse_quantity(value, dimension), sign.startswith("<"))
@@ -350,46 +363,53 @@ def predict_population(
             "doors of many cars need the scatter of their seals once: the lot that was tested "
             "(--lot FOLDER), or a standard deviation (--spread 4%)"
         )
-    asked = [read_limit(text) for text in limits]
-    if len({one.quantity for one in asked}) < len(asked):
+    door_limits = [parse_limit(text) for text in limits]
+    if len({limit.quantity for limit in door_limits}) < len(door_limits):
         raise DataError("two limits are of the same quantity. Give each its own call")
     assembly, fit = open_door(path, temperature=temperature)
     if fit is None or assembly.door.line is None or assembly.door.line.section is None:
         raise DataError("this door has no seal with a fit, so nothing scatters: give it a [seal]")
-    of_seals = _state_spread(spread, fit) if lot is None else _read_spread(lot, fit)
+    seal_spread = _state_spread(spread, fit) if lot is None else _read_spread(lot, fit)
     with add_file_to_errors(path):
-        widest = math.hypot(_widest_sd(of_seals), of_seals.mean_sd)
+        widest = math.hypot(_find_widest_sd(seal_spread), seal_spread.mean_sd)
         below = (band or BAND)[1]
-        modes = door_modes(_scale_seal(assembly, math.exp(of_seals.mean)), below)
-        u = of_seals.mean + widest * np.linspace(-_REACH, _REACH, _NODES)
+        modes = door_modes(_scale_seal(assembly, math.exp(seal_spread.mean)), below)
+        u = seal_spread.mean + widest * np.linspace(-_RANGE_SD, _RANGE_SD, _NODES)
         quantities = [
             *_follow_modes(assembly, u, modes, below),
-            *_follow_closing(assembly, u, wanted=any(one.quantity == CLOSING for one in asked)),
+            *_follow_closing(
+                assembly, u, wanted=any(limit.quantity == CLOSING for limit in door_limits)
+            ),
         ]
         names = [name for name, *_ in quantities]
-        for one in asked:
-            if one.quantity not in names:
+        for limit in door_limits:
+            if limit.quantity not in names:
                 raise DataError(
-                    f"a limit is of {one.quantity}, and this door has {', '.join(names)}. Name one "
-                    "of those, or widen the band"
+                    f"a limit is of {limit.quantity}, and this door has {', '.join(names)}. Name "
+                    "one of those, or widen the band"
                 )
-        by_name = {one.quantity: one for one in asked}
+        by_name = {limit.quantity: limit for limit in door_limits}
         shown = [
             quantity for i, quantity in enumerate(quantities)
-            if i < _MODES or quantity[0] in by_name or quantity[0] == CLOSING
+            if i < _MOST_MODES or quantity[0] in by_name or quantity[0] == CLOSING
         ]  # fmt: skip
-        made = tuple(
-            describe_quantity(name, u, values, of_seals, by_name.get(name), share)
+        distributions = tuple(
+            describe_quantity(
+                name, u, values, seal_spread, limit=by_name.get(name), seal_share=share
+            )
             for name, values, share in shown
         )
-    judged = (
-        checks.seals_suffice(of_seals.specimens),
+    spread_checks = (
+        checks.seals_suffice(seal_spread.specimens),
         checks.scatter_exceeds_testing(
-            None if of_seals.specimens is None else of_seals.between_sd**2, of_seals.within_square
+            None if seal_spread.specimens is None else seal_spread.between_sd**2,
+            seal_spread.within_square,
         ),
     )
     door_checks = check_door(assembly, fit, modes, below)
-    return DoorPopulation(of_seals, made, (*judged, *fit.checks, *door_checks), fit.source)
+    return DoorPopulation(
+        seal_spread, distributions, (*spread_checks, *fit.checks, *door_checks), fit.source
+    )
 
 
 def _state_spread(spread: Quantity | None, fit: Fit) -> SpecimenSpread:
@@ -415,26 +435,26 @@ def _read_spread(lot: Any, fit: Fit) -> SpecimenSpread:
     read = find_handler("scatter of specimens", "lot")
     if read is None:
         raise DataError("lots are not read by this installation. State the scatter: --spread 4%")
-    found = read(lot)
-    if found["specimens"] < _FEWEST:
+    summary = read(lot)
+    if summary["specimens"] < _LEAST_SPECIMENS:
         raise DataError(
-            f"the lot has {found['specimens']} seals; at least {_FEWEST} show how they scatter. "
-            "Test more, or state the scatter: --spread 4%"
+            f"the lot has {summary['specimens']} seals; at least {_LEAST_SPECIMENS} show how they "
+            "scatter. Test more, or state the scatter: --spread 4%"
         )
-    mean = found["mean"] - math.log(_find_end_stiffness(fit)[0])
-    if abs(mean) > math.log(_ALIKE):
+    mean = summary["mean"] - math.log(_find_end_stiffness(fit)[0])
+    if abs(mean) > math.log(_MOST_STIFFNESS_RATIO):
         raise DataError(
             f"the seals of the lot are {math.exp(mean):.3g} times as stiff as the fit of the door. "
             "Use a fit of one of them, of the same length"
         )
-    square, within = found["between_square"], found["within_square"]
+    square, within = summary["between_square"], summary["within_square"]
     return SpecimenSpread(
-        math.sqrt(max(square - within, 0.0)), mean, math.sqrt(square / found["specimens"]),
-        found["specimens"], square, within, found["within_freedom"],
+        math.sqrt(max(square - within, 0.0)), mean, math.sqrt(square / summary["specimens"]),
+        summary["specimens"], square, within, summary["within_freedom"],
     )  # fmt: skip
 
 
-def _widest_sd(spread: SpecimenSpread) -> float:
+def _find_widest_sd(spread: SpecimenSpread) -> float:
     """Return the largest scatter that is drawn, for the range of the factors."""
     drawn = spread.draw(_DRAWS)[1]
     return max(float(np.quantile(drawn, 0.95)), 1e-4)
@@ -443,8 +463,9 @@ def _widest_sd(spread: SpecimenSpread) -> float:
 def _scale_seal(assembly: Assembly, factor: float) -> Assembly:
     """Return the door with the stiffness and the force of its seal times a factor."""
     line = assembly.door.line
-    assert line is not None and isinstance(line.section, SealSection)  # noqa: PT018, S101
-    section = line.section
+    section = None if line is None else line.section
+    assert line is not None  # noqa: S101  -- predict_population refuses a door without a line
+    assert isinstance(section, SealSection)  # noqa: S101  -- and without a section
     scaled = replace(
         section,
         solid=section.solid * factor,
@@ -460,21 +481,25 @@ def _follow_modes(
     middle = len(u) // 2
     M = assembly.system().mass_matrix
     frequency = np.empty((len(modes), len(u)))
-    frequency[:, middle] = [one.mode.frequency for one in modes]
-    for way in (range(middle - 1, -1, -1), range(middle + 1, len(u))):
-        shapes = [one.mode.shape for one in modes]
-        for i in way:
-            here = oscillations(_scale_seal(assembly, float(np.exp(u[i]))).system(), 2 * below)
-            taken: set[int] = set()
+    frequency[:, middle] = [door_mode.mode.frequency for door_mode in modes]
+    for indices in (range(middle - 1, -1, -1), range(middle + 1, len(u))):
+        shapes = [door_mode.mode.shape for door_mode in modes]
+        for i in indices:
+            modes_there = oscillations(
+                _scale_seal(assembly, float(np.exp(u[i]))).system(), 2 * below
+            )
+            assigned: set[int] = set()
             for j, shape in enumerate(shapes):
-                alike = [
-                    -1.0 if k in taken else compute_similarity(shape, other.shape, M)
-                    for k, other in enumerate(here)
+                similarities = [
+                    -1.0 if k in assigned else compute_similarity(shape, other.shape, M)
+                    for k, other in enumerate(modes_there)
                 ]
-                best = int(np.argmax(alike))
-                taken.add(best)
-                frequency[j, i], shapes[j] = here[best].frequency, here[best].shape
-    return [(f"mode {j + 1}", frequency[j], one.share(SEAL)) for j, one in enumerate(modes)]
+                best = int(np.argmax(similarities))
+                assigned.add(best)
+                frequency[j, i], shapes[j] = modes_there[best].frequency, modes_there[best].shape
+    return [
+        (f"mode {j + 1}", frequency[j], door_mode.share(SEAL)) for j, door_mode in enumerate(modes)
+    ]
 
 
 def _follow_closing(
@@ -492,11 +517,12 @@ def _follow_closing(
     return [(CLOSING, speed, None)]
 
 
-def describe_quantity(  # noqa: PLR0917
+def describe_quantity(
     name: str,
     u: FloatArray,
     values: FloatArray,
     spread: SpecimenSpread,
+    *,
     limit: DoorLimit | None = None,
     seal_share: float | None = None,
 ) -> DoorQuantity:
@@ -520,32 +546,47 @@ def describe_quantity(  # noqa: PLR0917
         return np.exp(smooth(np.clip(point, middle - half, middle + half)))
 
     value = float(evaluate(spread.mean))
-    sides = evaluate(spread.mean + NORMAL * spread.between_sd * np.array([-1.0, 1.0]))
-    known = abs(slope) * spread.mean_sd
+    ends = evaluate(spread.mean + NORMAL * spread.between_sd * np.array([-1.0, 1.0]))
+    common_sd = abs(slope) * spread.mean_sd
     quantity = DoorQuantity(
         name, value, abs(slope) * math.hypot(spread.between_sd, spread.mean_sd),
-        abs(slope) * spread.between_sd, known, float(sides.min()), float(sides.max()), seal_share,
+        abs(slope) * spread.between_sd, common_sd, float(ends.min()), float(ends.max()), seal_share,
         tuple(np.exp(u).tolist()), tuple(values.tolist()),
     )  # fmt: skip
     if limit is None:
         return quantity
-    dense = np.linspace(middle - half, middle + half, _DENSE)
-    beyond = evaluate(dense) > limit.value if limit.most else evaluate(dense) < limit.value
+    dense = np.linspace(middle - half, middle + half, _FACTORS)
+    beyond = evaluate(dense) > limit.value if limit.is_upper else evaluate(dense) < limit.value
     edges = np.flatnonzero(np.diff(beyond))
-    share = _make_share(dense, beyond, edges)
+    share = _make_share_function(dense, beyond, edges)
     drawn = share(*spread.draw(_DRAWS))
     nominal = share(np.array([spread.mean]), np.array([spread.between_sd]))
-    low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
+    low, high = np.quantile(drawn, INTERVAL_LEVELS).tolist()
     return replace(
-        quantity, limit=limit.value, limit_is_most=limit.most, share_beyond=float(nominal[0]),
+        quantity, limit=limit.value, limit_is_most=limit.is_upper, share_beyond=float(nominal[0]),
         share_low=low, share_high=high,
     )  # fmt: skip
 
 
-def _make_share(
-    dense: FloatArray, beyond: Any, edges: Any
+def _make_share_function(
+    dense: FloatArray, beyond: BoolArray, edges: IndexArray
 ) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Return the share of a normal u of a mean and a deviation in the ranges that are beyond."""
+    """Return a function that gives the share of a normal u beyond the limit.
+
+    Parameters
+    ----------
+    dense : array, shape (n,)
+        ln factors at which the quantity was compared with its limit.
+    beyond : bool array, shape (n,)
+        Whether it lies beyond it there.
+    edges : array of int
+        Last index before each change of `beyond`.
+
+    Returns
+    -------
+    callable
+        From arrays of means and standard deviations of u to the shares.
+    """
     from scipy.special import ndtr
 
     bounds = (dense[edges] + dense[edges + 1]) / 2

@@ -23,9 +23,13 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    moved = [one for one in population.quantities if one.limit or one.between_sd > LEAST_SD]
-    chosen = sorted(moved or population.quantities, key=lambda one: one.limit is None)[:_SHOWN]
-    panels = [_draw_quantity(one, population.spread.mean) for one in chosen]
+    quantities = [
+        quantity
+        for quantity in population.quantities
+        if quantity.limit or quantity.between_sd > LEAST_SD
+    ] or list(population.quantities)
+    shown = sorted(quantities, key=lambda quantity: quantity.limit is None)[:_SHOWN]
+    panels = [_draw_quantity(quantity, population.spread.mean) for quantity in shown]
     caption = (
         "Distribution over the cars: in each panel the density of a quantity, 95 % of the cars "
         "shaded, and the part beyond its limit."

@@ -26,7 +26,7 @@ from dashpot.extensions.systems.door.door_model import (
 )
 from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
 from dashpot.extensions.systems.door.read_closing import closing_of
-from dashpot.extensions.systems.door.read_leak import leak_of
+from dashpot.extensions.systems.door.read_leak import read_leak_setup
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
 from dashpot.reading.toml import Section, Vector, tables_of
@@ -66,7 +66,7 @@ def read_door(path: str | Path) -> Door:
                 sizes = (size.quantity(word, "length") for word in ("width", "height"))
                 results["closing"] = closing_of(here.where, entries, *sizes)
             elif name == "leak":
-                results["leak"] = leak_of(here.where, entries, here.path)
+                results["leak"] = read_leak_setup(here.where, entries, here.path)
             else:
                 results |= _TABLES[name](here, entries)
         except DataError as error:

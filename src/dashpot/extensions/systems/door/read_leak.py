@@ -13,21 +13,21 @@ _KEYS = (
     "lip", "lip_sd", "pressure_coefficient", "pressure_coefficient_sd", "gap_sd", "force_sd",
     "limit", "state",
 )  # fmt: skip
-_STATE = (
+_STATE_KEYS = (
     "name", "gap", "time", "temperature", "retained", "retained_sd", "aging", "aging_time",
     "aging_temperature", "density",
 )  # fmt: skip
-_MOST = 50
+_MOST_STATES = 50
 """States; nobody compares more."""
 
 
-def leak_of(where: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:
-    """Return what a table says.
+def read_leak_setup(where: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:
+    """Return the pressure, its errors and the states that a table [leak] gives.
 
     Parameters
     ----------
     where : str
-        How to speak of it.
+        Name of the table in messages.
     entries : mapping
     path : callable
         From a name in the file to the file beside the door's own.
@@ -41,10 +41,10 @@ def leak_of(where: str, entries: Any, path: Callable[[str | None], str]) -> Leak
     table.needs("lip")
     rows = table.entries.get("state", [])
     rows = [rows] if isinstance(rows, dict) else rows
-    if not isinstance(rows, list) or len(rows) > _MOST:
-        raise ReadError(f"{where}: expected at most {_MOST} tables [[leak.state]]")
+    if not isinstance(rows, list) or len(rows) > _MOST_STATES:
+        raise ReadError(f"{where}: expected at most {_MOST_STATES} tables [[leak.state]]")
     states = tuple(
-        _read_state(Section(f"{where[:-1]}.state] {i}", row, _STATE), i, path)
+        _read_state(Section(f"{where[:-1]}.state] {i}", row, _STATE_KEYS), i, path)
         for i, row in enumerate(rows, start=1)
     )
     coefficient = table.number("pressure_coefficient")
