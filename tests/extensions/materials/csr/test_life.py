@@ -18,7 +18,7 @@ from dashpot.extensions.materials.csr.datamodel import CSRTest
 from dashpot.extensions.materials.csr.examples import EXAMPLES
 from dashpot.extensions.materials.csr.figure import draw_life, draw_life_chart
 from dashpot.extensions.materials.csr.fit import fit_aging
-from dashpot.extensions.materials.csr.life_table import find_coldest_honest, list_lives
+from dashpot.extensions.materials.csr.life_table import find_extrapolation_limit, list_lives
 from dashpot.extensions.materials.csr.lifetime_prediction import fit_life, predict_aging
 from dashpot.plot.picture import Area, Dots, Line, Span, Tag
 
@@ -79,7 +79,7 @@ def test_the_marked_life_and_its_interval_are_those_of_the_prediction():
 
 def test_chart_hatches_temperatures_whose_prediction_is_marked():
     aging = exact()
-    honest = find_coldest_honest(aging, 0.5)
+    honest = find_extrapolation_limit(aging, 0.5)
     assert predict_aging(aging, temperature=honest).verdict.use == "use"
     assert predict_aging(aging, temperature=honest - 0.5).verdict.use != "use"
     span = marks_of(draw_life_chart(aging, 0.5), Span, "extrapolated too far")

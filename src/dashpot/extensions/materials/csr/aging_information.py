@@ -21,8 +21,12 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray
-from dashpot.base.units import parse_quantity
-from dashpot.extensions.materials.csr.law import NEVER, AgingLaw, retained_fraction
+from dashpot.extensions.materials.csr.law import (
+    HOUR,
+    THOUSAND_HOURS,
+    AgingLaw,
+    retained_fraction,
+)
 from dashpot.solids.shift_laws import GAS
 
 _HOURS = (
@@ -30,11 +34,11 @@ _HOURS = (
     10000, 15000, 20000,
 )  # fmt: skip
 """Usual times of a reading."""
-_ENERGY = 1e4
+_ENERGY_UNIT = 1e4
 """J/mol in a unit of the activation energy."""
 _STEP = 1e-5
-_OF_OVEN = 4
-"""Physical loss, ln tau, ln exponent and drift."""
+_OVEN_PARAMETERS = 4
+"""Number of parameters of an oven: physical loss, ln tau, ln exponent and drift."""
 
 
 @dataclass(frozen=True)
@@ -64,14 +68,13 @@ class AgingTest:
     @property
     def times(self) -> FloatArray:
         """Usual times of readings up to the longest, s."""
-        hour = parse_quantity("1h", "time")
-        usual = [hour * value for value in _HOURS if hour * value < 0.999 * self.longest]
+        usual = [HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.longest]
         return np.array([*usual, self.longest])
 
     def compute_specimen_information(self, temperature: float) -> FloatArray:
         """Return the information of a specimen on loss, ln tau, ln exponent and drift, (4, 4)."""
         law, time = self.law, self.times
-        rate, thousand_hours = 1 / law.tau(temperature), parse_quantity("1000h", "time")
+        rate = 1 / law.tau(temperature)
 
         def shape(loss: float, log_tau: float, log_exponent: float) -> FloatArray:
             return retained_fraction(
@@ -82,7 +85,7 @@ class AgingTest:
         columns = [
             (shape(*(_STEP * side)) - shape(*(-_STEP * side))) / (2 * _STEP) for side in np.eye(3)
         ]
-        G = np.column_stack((*columns, self.drift * time / thousand_hours))
+        G = np.column_stack((*columns, self.drift * time / THOUSAND_HOURS))
         f = shape(0.0, 0.0, 0.0)
         G -= np.outer(f, f @ G) / (f @ f)
         return np.asarray(G.T @ G / self.scatter**2)
@@ -92,7 +95,7 @@ class AgingTest:
         law = self.law
 
         def log_life(**other: Any) -> float:
-            return float(np.log(min(replace(law, **other).life(temperature, part), NEVER)))
+            return replace(law, **other).compute_log_life(temperature, part)
 
         steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}
         gradient = [
@@ -100,7 +103,7 @@ class AgingTest:
              - log_life(**{name: getattr(law, name) - step})) / (2 * step)
             for name, step in steps.items()
         ]  # fmt: skip
-        gradient[2] *= _ENERGY
+        gradient[2] *= _ENERGY_UNIT
         up, down = (log_life(exponent=law.exponent * np.exp(sign * 1e-4)) for sign in (1, -1))
         return np.array([*gradient, (up - down) / 2e-4])
 
@@ -122,24 +125,31 @@ class PlannedOvens:
         prior = np.zeros(size)
         prior[4] = 1.0 if test.drift else np.inf
         prior[5:] = 1.0 if test.oven_sd else np.inf
-        held = ~np.isfinite(prior)
-        held[3] |= law.exponent == 1
-        self._free = np.flatnonzero(~held)
+        is_fixed = ~np.isfinite(prior)
+        is_fixed[3] |= law.exponent == 1
+        self._free = np.flatnonzero(~is_fixed)
         self._prior = np.diag(prior[self._free])
         self._parts = []
         for k, kelvin in enumerate(self.temperatures):
-            D = np.zeros((_OF_OVEN, size))
+            D = np.zeros((_OVEN_PARAMETERS, size))
             D[0, 0] = D[1, 1] = D[2, 3] = D[3, 4] = 1.0
-            D[1, 2] = _ENERGY * (1 / kelvin - 1 / law.reference) / GAS
+            D[1, 2] = _ENERGY_UNIT * (1 / kelvin - 1 / law.reference) / GAS
             D[1, 5 + k] = -law.activation * test.oven_sd / (GAS * kelvin**2)
             D = D[:, self._free]
             self._parts.append(D.T @ test.compute_specimen_information(kelvin) @ D)
 
     def compute_life_sd(self, specimens: Sequence[int], gradient: FloatArray) -> float:
-        """Return the standard deviation of the ln life for so many specimens in each oven."""
-        whole = np.zeros(5 + len(self.temperatures))
-        whole[:4] = gradient
-        g = whole[self._free]
+        """Return the standard deviation of the ln life for numbers of specimens in each oven.
+
+        Parameters
+        ----------
+        specimens : sequence of int
+        gradient : array, shape (4,)
+            Of the ln life, as :meth:`AgingTest.compute_life_gradient` gives it.
+        """
+        full_gradient = np.zeros(5 + len(self.temperatures))
+        full_gradient[:4] = gradient
+        g = full_gradient[self._free]
         information = self._prior + sum(
             n * part for n, part in zip(specimens, self._parts, strict=True)
         )
@@ -153,7 +163,7 @@ class PlannedOvens:
         information = np.zeros((size, size))
         information[-1, -1] = 1.0  # the prior of the drift, last
         for k, (kelvin, n) in enumerate(zip(self.temperatures, specimens, strict=True)):
-            D = np.zeros((_OF_OVEN, size))
+            D = np.zeros((_OVEN_PARAMETERS, size))
             D[0, 0] = D[1, 1 + k] = D[3, size - 1] = 1.0
             if stretched:
                 D[2, 1 + count] = 1.0

@@ -29,7 +29,7 @@ from dashpot.extensions.materials.csr import checks
 from dashpot.extensions.materials.csr.aging_information import AgingTest, PlannedOvens
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.fit import USUAL_DRIFT, USUAL_OVEN, WORST_OVEN
-from dashpot.extensions.materials.csr.law import AgingLaw
+from dashpot.extensions.materials.csr.law import THOUSAND_HOURS, AgingLaw
 from dashpot.extensions.materials.csr.life_table import format_life, get_life_unit
 from dashpot.extensions.materials.csr.lifetime_prediction import (
     LOWER,
@@ -44,14 +44,12 @@ USUAL_LAW = AgingLaw(
 """Supposed where no fit is given: 3 % a decade, 2500 h at 125 degC, 90 kJ/mol."""
 USUAL_SCATTER = 0.01
 """Of a reading, in parts of F0, where none is given."""
-_FEWEST, _MOST = 2, 60
+_LEAST_SPECIMENS, _MOST_SPECIMENS = 2, 60
 """Specimens in an oven, and in all ovens, of a plan."""
-_GRID, _APART = 5.0, 10.0
+_TEMPERATURE_STEP, _LEAST_DISTANCE = 5.0, 10.0
 """Temperatures of ovens that are compared, and least distance of two, K."""
-_WORTH = 2.0
+_ROBUST_COST = 2.0
 """Times as many specimens as ovens may need that a lower activation energy does not move."""
-_REACH = 30.0
-"""Of an oven above the temperature of use, K, as the check of a prediction has it."""
 
 
 class PlannedOven(NamedTuple):
@@ -233,10 +231,10 @@ def plan_aging(
     """
     kelvin = _read_temperature("use_at", use_at)
     law = USUAL_LAW if aging is None else aging.law
-    warmest = None if aging is None else aging.ovens[-1].temperature
+    hottest_fitted = None if aging is None else aging.ovens[-1].temperature
     if hottest is None:
-        hottest = "150degC" if warmest is None else warmest
-    hot = _read_temperature("hottest", hottest)
+        hottest = "150degC" if hottest_fitted is None else hottest_fitted
+    hottest_oven = _read_temperature("hottest", hottest)
     end = parse_part(part)
     if law.bound_alone or law.activation <= 0:
         raise DataError(
@@ -252,20 +250,23 @@ def plan_aging(
         )
     if not 1.01 <= within <= 50:
         raise DataError(f"--life-within {within:g}: expected a factor of 1.01 to 50, such as 1.5")
-    target = math.log(within) / NORMAL
-    if hot < kelvin + (ovens - 1) * _APART:
+    target_sd = math.log(within) / NORMAL
+    if hottest_oven < kelvin + (ovens - 1) * _LEAST_DISTANCE:
         raise DataError(
-            f"the hottest oven, {celsius(hot)}, is less than {(ovens - 1) * _APART:g} K above the "
-            f"temperature of use, {celsius(kelvin)}. Name a hotter oven: --hottest 150degC"
+            f"the hottest oven, {celsius(hottest_oven)}, is less than "
+            f"{(ovens - 1) * _LEAST_DISTANCE:g} K above the temperature of use, "
+            f"{celsius(kelvin)}. Name a hotter oven: --hottest 150degC"
         )
     machine = machine or Machine()
     machine.refuse_unused("oven", "drift", of="a plan of aging")
-    sd = USUAL_OVEN if machine.oven is None else machine.oven
-    if sd > WORST_OVEN:
-        raise DataError(f"an oven known to {sd:.4g} K; expected 0 to {WORST_OVEN:g} K: oven=1K")
+    oven_sd = USUAL_OVEN if machine.oven is None else machine.oven
+    if oven_sd > WORST_OVEN:
+        raise DataError(
+            f"an oven known to {oven_sd:.4g} K; expected 0 to {WORST_OVEN:g} K: oven=1K"
+        )
     test = AgingTest(
-        law, _read_scatter(scatter, aging), sd,
-        USUAL_DRIFT if machine.drift is None else machine.drift * checks.LONG / _USUAL_FORCE,
+        law, _read_scatter(scatter, aging), oven_sd,
+        USUAL_DRIFT if machine.drift is None else machine.drift * THOUSAND_HOURS / _USUAL_FORCE,
         seconds,
     )  # fmt: skip
     life = law.life(kelvin, end)
@@ -274,9 +275,9 @@ def plan_aging(
             f"at {celsius(kelvin)} the supposed law never falls to {100 * end:g} %. Plan for a "
             "warmer use, or for a smaller loss"
         )
-    best = _choose(test, (kelvin, end), hot, ovens, target)
-    judged = (
-        checks.life_sd_within_target(best.life_sd, target),
+    best = _choose_design(test, (kelvin, end), hottest_oven, ovens, target_sd)
+    plan_checks = (
+        checks.life_sd_within_target(best.life_sd, target_sd),
         checks.chemical_aging_resolved(best.significance[0], best.temperatures[0]),
         checks.temperature_near_ovens(best.temperatures[0] - kelvin, kelvin),
         checks.robust_to_lower_activation_energy(
@@ -289,10 +290,10 @@ def plan_aging(
         ),
     )  # fmt: skip
     return AgingPlan(
-        kelvin, end, life, best.life_sd, target, best.temperatures, best.specimens,
+        kelvin, end, life, best.life_sd, target_sd, best.temperatures, best.specimens,
         tuple(law.compute_retention(value, seconds) for value in best.temperatures),
         best.significance, seconds, tuple(test.times.tolist()), test.scatter, test.oven_sd,
-        test.drift, tuple(_list_alternatives(test, kelvin, end, hot, best)), judged,
+        test.drift, tuple(_list_alternatives(test, kelvin, end, hottest_oven, best)), plan_checks,
     )  # fmt: skip
 
 
@@ -328,28 +329,28 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
 
 def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
     """Iterate over temperatures of ovens: the hottest is given, the coldest near that of use."""
-    furthest = max(_REACH, 0.25 * (hot - kelvin))
-    inner = np.arange(hot - _APART, kelvin - 1e-6, -_GRID)[::-1].tolist()
+    furthest = max(checks.REACH, 0.25 * (hot - kelvin))
+    inner = np.arange(hot - _LEAST_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
         near = cooler[0] - kelvin <= furthest
-        if near and all(np.diff((*cooler, hot)) >= _APART - 1e-6):
+        if near and all(np.diff((*cooler, hot)) >= _LEAST_DISTANCE - 1e-6):
             yield (*cooler, hot)
 
 
 def _allocate(ovens: PlannedOvens, gradient: FloatArray, target: float, most: int) -> _Design:
     """Return the specimens added one by one, each where it lowers the variance most."""
-    specimens = [_FEWEST] * len(ovens.temperatures)
+    specimens = [_LEAST_SPECIMENS] * len(ovens.temperatures)
     sd = ovens.compute_life_sd(specimens, gradient)
     while sd > target and sum(specimens) < most:
-        tried = []
+        candidates = []
         for k in range(len(specimens)):
-            more = [n + (i == k) for i, n in enumerate(specimens)]
-            tried.append((ovens.compute_life_sd(more, gradient), more))
-        sd, specimens = min(tried)
+            candidate = [n + (i == k) for i, n in enumerate(specimens)]
+            candidates.append((ovens.compute_life_sd(candidate, gradient), candidate))
+        sd, specimens = min(candidates)
     return _Design(ovens.temperatures, tuple(specimens), sd, ())
 
 
-def _choose(
+def _choose_design(
     test: AgingTest, use: tuple[float, float], hot: float, count: int, target: float
 ) -> _Design:
     """Return the ovens that meet the target with the fewest specimens, or come nearest to it.
@@ -362,23 +363,26 @@ def _choose(
     ranked = []
     for temperatures in _list_oven_sets(kelvin, hot, count):
         ovens = PlannedOvens(test, temperatures)
-        design = _allocate(ovens, gradient, target, _MOST)
-        seen = ovens.compute_oven_significance(design.specimens)
-        missed = float(design.life_sd > target)
-        rank = (float(seen[0] < checks.SEEN), missed, missed * design.life_sd,
+        design = _allocate(ovens, gradient, target, _MOST_SPECIMENS)
+        significance = ovens.compute_oven_significance(design.specimens)
+        is_missed = float(design.life_sd > target)
+        is_insignificant = float(significance[0] < checks.LEAST_SIGNIFICANCE)
+        rank = (is_insignificant, is_missed, is_missed * design.life_sd,
                 float(sum(design.specimens)), design.life_sd)  # fmt: skip
         change = find_energy_change(test.law, temperatures[0], kelvin, part, design.life_sd)
-        bent = checks.robust_to_lower_activation_energy(change, LOWER, temperatures[0]).failed
-        ranked.append((rank, bent, design._replace(significance=seen)))
+        is_sensitive = checks.robust_to_lower_activation_energy(
+            change, LOWER, temperatures[0]
+        ).failed
+        ranked.append((rank, is_sensitive, design._replace(significance=significance)))
     if not ranked:
         raise DataError("no ovens fit between the temperature of use and the hottest oven")
     rank, _, best = min(ranked)
-    straight = [
+    robust = [
         (other, design)
-        for other, bent, design in ranked
-        if not bent and other[:2] == rank[:2] and other[3] <= _WORTH * rank[3]
+        for other, is_sensitive, design in ranked
+        if not is_sensitive and other[:2] == rank[:2] and other[3] <= _ROBUST_COST * rank[3]
     ]
-    return min(straight)[1] if straight else best
+    return min(robust)[1] if robust else best
 
 
 def _list_alternatives(
@@ -403,9 +407,10 @@ def _list_alternatives(
     if test.drift:
         yield compare("a load cell without drift", replace(test, drift=0.0))
     total, count = sum(best.specimens), len(best.temperatures)
-    even = np.linspace(best.temperatures[0], hot, count)
-    split = tuple(total // count + (k < total % count) for k in range(count))
+    even_temperatures = np.linspace(best.temperatures[0], hot, count)
+    equal_specimens = tuple(total // count + (k < total % count) for k in range(count))
     yield compare(
-        f"ovens evenly from {celsius(float(even[0]))} on, as many in each",
-        test, best._replace(temperatures=tuple(even.tolist()), specimens=split),
+        f"ovens evenly from {celsius(float(even_temperatures[0]))} on, as many in each",
+        test,
+        best._replace(temperatures=tuple(even_temperatures.tolist()), specimens=equal_specimens),
     )  # fmt: skip

@@ -6,35 +6,39 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
-from dashpot.base.units import celsius, format_quantity, parse_quantity
+from dashpot.base.units import celsius, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.extensions.materials.csr.law import FIRST
+from dashpot.extensions.materials.csr.law import FIRST, THOUSAND_HOURS
 from dashpot.extensions.materials.csr.preprocess import Readings
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
-SEEN = 4.0
+LEAST_SIGNIFICANCE = 4.0
 """Standard errors by which the hottest oven must show chemistry."""
-LONG = parse_quantity("1000h", "time")
+REACH = 30.0
+"""Distance of a temperature below the coldest oven, K, at most."""
 
 
 def run_checks(
-    aging: Aging, read: Readings, estimate: Estimate, strain: float | None, *, drift: float
+    aging: Aging, readings: Readings, estimate: Estimate, strain: float | None, *, drift: float
 ) -> tuple[Check, ...]:
-    """Every check of a fit."""
+    """Return every check of a fit."""
     hottest, coldest = aging.ovens[-1], aging.ovens[0]
     loss = float(estimate.optimum.theta[0] / estimate.standard_error[0])
-    risen = max(-loss, *(-oven.significance for oven in aging.ovens))
+    rise = max(-loss, *(-oven.significance for oven in aging.ovens))
     residual = estimate.optimum.residual
-    inside = np.diff(read.specimen_number) == 0
-    together = float(
+    inside = np.diff(readings.specimen_number) == 0
+    correlation = float(
         (residual[1:] * residual[:-1])[inside].sum() / (residual @ residual)
     ) * np.sqrt(len(residual))
     return (
-        force_falls(risen),
+        force_falls(rise),
         f0_read(
-            max(float(read.time[read.specimen_number == i].min()) for i in range(read.specimens))
+            max(
+                float(readings.time[readings.specimen_number == i].min())
+                for i in range(readings.specimens)
+            )
         ),
-        readings_residuals_random(together),
+        readings_residuals_random(correlation),
         readings_residual_small(aging.scatter),
         chemical_aging_resolved(hottest.significance, hottest.temperature),
         ovens_enough(len(aging.ovens)),
@@ -45,7 +49,7 @@ def run_checks(
 
 
 def _estimate_drift(estimate: Estimate, drift: float) -> tuple[float | None, float]:
-    """What the readings show of the drift that is believed, and its standard error."""
+    """Return the drift that the readings show, None of a held one, and its standard error."""
     if not drift:
         return None, drift
     last = len(estimate.optimum.theta) - 1
@@ -53,11 +57,11 @@ def _estimate_drift(estimate: Estimate, drift: float) -> tuple[float | None, flo
 
 
 @criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
-def force_falls(risen: float) -> Finding:
+def force_falls(rise: float) -> Finding:
     """The force of the specimens does not rise."""
     return Finding(
-        f"The force rises by {max(risen, 0.0):.2g} standard errors of its trend",
-        risen,
+        f"The force rises by {max(rise, 0.0):.2g} standard errors of its trend",
+        rise,
         "Crosslinks or swelling add force, and the aging law has none that grows",
         "Leave out the oven or the specimen that rises.",
     )
@@ -76,11 +80,11 @@ def f0_read(first: float) -> Finding:
 
 
 @criterion("correlation of neighbours * sqrt(readings)", "<=", 3.0, "chance, once in 700")
-def readings_residuals_random(together: float) -> Finding:
+def readings_residuals_random(correlation: float) -> Finding:
     """The readings scatter independently about the aging law."""
     return Finding(
-        f"Neighbours in time miss the aging law together by {together:.2g} standard deviations",
-        together,
+        f"Neighbours in time miss the aging law together by {correlation:.2g} standard deviations",
+        correlation,
         "The aging law does not fit the readings, or the load cell drifts",
         "Look at the picture. Leave out ovens that age otherwise, such as the hottest.",
     )
@@ -97,7 +101,7 @@ def readings_residual_small(scatter: float) -> Finding:
     )
 
 
-@criterion("rate / standard error", ">=", SEEN, "our choice: chance, once in 30,000")
+@criterion("rate / standard error", ">=", LEAST_SIGNIFICANCE, "our choice: chance, once in 30,000")
 def chemical_aging_resolved(significance: float, hottest: float) -> Finding:
     """Chemical aging is significant in the hottest oven."""
     return Finding(
@@ -151,21 +155,21 @@ def load_cell_zero_stable(drift: float | None, error: float) -> Finding:
 
 
 @criterion("rate / drift", ">=", 1.0, "our choice: a rate at least as large", grade="note")
-def aging_exceeds_cell_drift(rate: float | None, drifted: float) -> Finding:
+def aging_exceeds_cell_drift(rate: float | None, drift: float) -> Finding:
     """The coldest oven ages faster than the load cell drifts, in parts of F0 in 1000 h."""
     if rate is None:
         return Finding("No chemistry was seen, so no drift of the cell is compared with it")
-    lost = rate * LONG
+    loss = rate * THOUSAND_HOURS
     return Finding(
-        f"The coldest oven loses {100 * lost:.3g} % in 1000 h, where the load cell may drift by "
-        f"{100 * drifted:.3g} %",
-        lost / drifted if drifted else np.inf,
+        f"The coldest oven loses {100 * loss:.3g} % in 1000 h, where the load cell may drift by "
+        f"{100 * drift:.3g} %",
+        loss / drift if drift else np.inf,
         "A drift looks like chemistry there; the intervals hold either",
         Remedy("Check the cell with a weight, and give its drift.", "machine", "drift=10mN/h"),
     )
 
 
-@criterion("distance, K", "<=", 30.0, "our choice: the activation energy is lower in the cold")
+@criterion("distance, K", "<=", REACH, "our choice: the activation energy is lower in the cold")
 def temperature_near_ovens(colder: float, temperature: float) -> Finding:
     """The requested temperature lies close to those of the ovens."""
     return Finding(
@@ -207,22 +211,22 @@ def end_point_reached(reached: int | None, part: float) -> Finding:
 
 
 @criterion("standard deviation / wanted", "<=", 1.0, "as wanted")
-def life_sd_within_target(life_sd: float, wanted: float) -> Finding:
+def life_sd_within_target(life_sd: float, target: float) -> Finding:
     """The planned test knows the life as well as wanted."""
     return Finding(
-        f"The life will be known to {100 * life_sd:.3g} %, and {100 * wanted:.3g} % are wanted",
-        life_sd / wanted,
+        f"The life will be known to {100 * life_sd:.3g} %, and {100 * target:.3g} % are wanted",
+        life_sd / target,
         "More specimens alone do not reach it: the ovens and their hours limit it",
         Remedy("Test longer, in more ovens, or in ovens known better.", "machine", "oven=0.5K"),
     )
 
 
 @criterion("part of the force", "<=", 0.1, "our choice: newly formed chains carry no force")
-def stiffness_follows_force(lost: float) -> Finding:
+def stiffness_follows_force(loss: float) -> Finding:
     """Chemical aging is small, so that the stiffness falls as the force does."""
     return Finding(
-        f"Chemical aging took {100 * lost:.3g} % of the force",
-        lost,
+        f"Chemical aging took {100 * loss:.3g} % of the force",
+        loss,
         "Chains that form meanwhile carry none of it, and the stiffness fell by less",
         "Test an aged specimen.",
     )

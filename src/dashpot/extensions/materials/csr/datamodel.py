@@ -170,7 +170,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources: tuple[Source, ...] = ()
 
     @property
-    def found(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # follows of the law
+    def found(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # a field in the base, here computed from the law
         """Physical and chemical relaxation: loss in a decade, time, activation, exponent."""
         law = self.law
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
@@ -202,16 +202,16 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         """Return the fit of a seal after a time at a temperature.
 
         Every stiffness is times F/F0, with its error; what
-        ``dashpot.extensions.materials.csr.lifetime_prediction.aged_fit`` says of that holds.
+        ``dashpot.extensions.materials.csr.lifetime_prediction.age_fit`` says of that holds.
 
         Examples
         --------
         >>> import dashpot as dp
         >>> aging = dp.fit(dp.read("ovens.csv"))  # doctest: +SKIP
         >>> new = dp.fit(dp.read("seal_8mm.csv"))  # doctest: +SKIP
-        >>> aging.at(new, temperature="70degC", time="1000h")  # doctest: +SKIP
+        >>> aging.age_fit(new, temperature="70degC", time="1000h")  # doctest: +SKIP
         """
-        new_fit: Fit = load_function("extensions.materials.csr.lifetime_prediction", "aged_fit")(
+        new_fit: Fit = load_function("extensions.materials.csr.lifetime_prediction", "age_fit")(
             self, fit, temperature=temperature, time=time
         )
         return new_fit

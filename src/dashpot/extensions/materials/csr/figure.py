@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from dashpot.base import replace
@@ -9,10 +11,9 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging, Oven
-from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
+from dashpot.extensions.materials.csr.law import FIRST, HOUR, NEVER, YEAR, AgingLaw
 from dashpot.extensions.materials.csr.life_table import (
-    YEAR,
-    find_coldest_honest,
+    find_extrapolation_limit,
     format_life,
     format_temperature,
     get_life_unit,
@@ -22,6 +23,7 @@ from dashpot.extensions.materials.csr.lifetime_prediction import (
     LOWER,
     Aged,
     apply_lower_energy,
+    format_part,
     predict_aging,
 )
 from dashpot.plot.picture import (
@@ -79,9 +81,11 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     law = law.lower_limit() if law.bound_alone else law
     time = np.geomspace(FIRST, prediction.furthest, 200)
     values = np.array([law.compute_retention(kelvin, item) for item in time])
-    errors = [law.error_of(lambda it: it.compute_retention(kelvin, at)) for at in time]  # noqa: B023
-    reference = np.array(errors)
-    half = 100 * law.quantile * np.where(np.isfinite(reference), reference, 0.0)
+    errors = np.array([
+        law.error_of(partial(AgingLaw.compute_retention, temperature=kelvin, time=item))
+        for item in time
+    ])  # fmt: skip
+    half = 100 * law.quantile * np.where(np.isfinite(errors), errors, 0.0)
     hours = convert_to_unit(time, "h")
     measured = time <= prediction.aging.longest
     marks = (
@@ -127,7 +131,7 @@ def put_chart_first(chart: Picture, ovens: Picture) -> Picture:
 
 _TEMPERATURE_TICKS = np.arange(-40.0, 301.0, 20.0)
 """degC."""
-_HOURS = ((1.0, "1 h"), (10.0, "10 h"), (100.0, "100 h"), (1000.0, "1000 h"), *(
+_LIFE_TICKS = ((1.0, "1 h"), (10.0, "10 h"), (100.0, "100 h"), (1000.0, "1000 h"), *(
     (convert_to_unit(YEAR, "h") * years, f"{years} year" + "s" * (years > 1))
     for years in (1, 10, 100, 1000, 10000)
 ))  # fmt: skip
@@ -158,36 +162,36 @@ def draw_life_chart(
     life, low, high = _compute_life_band(law, kelvin, part)
     reciprocal = 1000 / kelvin
     marks: list[Mark] = []
-    honest = find_coldest_honest(aging, part)
-    if kelvin[-1] < honest < kelvin[0]:
+    limit = find_extrapolation_limit(aging, part)
+    if kelvin[-1] < limit < kelvin[0]:
         words = "extrapolated too far"
-        marks.append(Span(1000 / honest, float(reciprocal[-1]), "ref", words, hatched=True))
+        marks.append(Span(1000 / limit, float(reciprocal[-1]), "ref", words, hatched=True))
     if np.isfinite(low).all():
         marks.append(Area(reciprocal, low, high, "fit", "95 % interval"))
-    cold = kelvin <= coldest
+    is_colder = kelvin <= coldest
     marks += [
-        Line(reciprocal[cold], life[cold], PREDICTED, "below the coldest oven"),
-        Line(reciprocal[~cold], life[~cold], FIT, "law"),
+        Line(reciprocal[is_colder], life[is_colder], PREDICTED, "below the coldest oven"),
+        Line(reciprocal[~is_colder], life[~is_colder], FIT, "law"),
     ]
-    flat = apply_lower_energy(aging, float(kelvin[-1]))
-    seen = [life, *(side for side in (low, high) if np.isfinite(side).all())]
-    if flat is not None:
-        below = np.array([coldest, *kelvin[cold]])
-        lower = np.array([flat.life(value, part) for value in below.tolist()]) / _HOUR
+    lower_energy_law = apply_lower_energy(aging, float(kelvin[-1]))
+    drawn_lives = [life, *(side for side in (low, high) if np.isfinite(side).all())]
+    if lower_energy_law is not None:
+        below = np.array([coldest, *kelvin[is_colder]])
+        lower = np.array([lower_energy_law.life(value, part) for value in below.tolist()]) / HOUR
         words = f"if Ea is {format_quantity(LOWER, 'kJ/mol', 'g')} there"
         marks.append(Line(1000 / below, lower, SIMPLER[1], words))
-        seen.append(lower)
+        drawn_lives.append(lower)
     if law.exponent == 1:
-        shown = [oven for oven in aging.ovens if oven.rate > 0]
-        own = np.array([_compute_oven_life(law, oven, part) for oven in shown]) / _HOUR
-        spread = np.array([law.quantile / oven.significance for oven in shown]) * own
-        where = np.array([1000 / oven.temperature for oven in shown])
-        marks.append(Dots(where, own, "measured", "each oven by itself", error=spread))
-        seen.append(own)
+        ovens = [oven for oven in aging.ovens if oven.rate > 0]
+        oven_lives = np.array([_compute_oven_life(law, oven, part) for oven in ovens]) / HOUR
+        spread = np.array([law.quantile / oven.significance for oven in ovens]) * oven_lives
+        reciprocals = np.array([1000 / oven.temperature for oven in ovens])
+        marks.append(Dots(reciprocals, oven_lives, "measured", "each oven by itself", error=spread))
+        drawn_lives.append(oven_lives)
     if temperature is not None and np.isfinite(law.life(temperature, part)):
         marks += _mark_use(aging, part, temperature)
-    low_end, high_end = min(map(np.min, seen)) / 2, max(map(np.max, seen)) * 2
-    names = [tick for tick in _HOURS if low_end < tick[0] < high_end]
+    low_end, high_end = min(map(np.min, drawn_lives)) / 2, max(map(np.max, drawn_lives)) * 2
+    names = [tick for tick in _LIFE_TICKS if low_end < tick[0] < high_end]
     celsius = convert_to_unit(kelvin[[-1, 0]], "°C").tolist()
     ticks = [value for value in _TEMPERATURE_TICKS.tolist() if celsius[0] <= value <= celsius[1]]
     zero = float(kelvin[0]) - celsius[1]
@@ -209,16 +213,13 @@ def draw_life_chart(
     return Picture("life", caption, ((panel,),), 1, stamp or origin)
 
 
-_HOUR = YEAR / convert_to_unit(YEAR, "h")
-
-
 def _compute_life_band(
     law: AgingLaw, kelvin: FloatArray, part: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the life at temperatures and both ends of its 95 % interval, h."""
-    life = np.array([min(law.life(value, part), NEVER) for value in kelvin.tolist()]) / _HOUR
+    life = np.array([min(law.life(value, part), NEVER) for value in kelvin.tolist()]) / HOUR
     errors = np.array([
-        law.error_of(lambda it, at=value: np.log(min(it.life(at, part), NEVER)))  # type: ignore[misc]
+        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, part=part))
         for value in kelvin.tolist()
     ])  # fmt: skip
     half = law.quantile * errors
@@ -227,13 +228,13 @@ def _compute_life_band(
 
 def _compute_oven_life(law: AgingLaw, oven: Oven, part: float) -> float:
     """Return the life in an oven by the rate of its own readings, s."""
-    own = replace(law, chemical=-float(np.log(oven.rate)), activation=0.0)
-    return min(own.life(oven.temperature, part), NEVER)
+    oven_law = replace(law, chemical=-float(np.log(oven.rate)), activation=0.0)
+    return min(oven_law.life(oven.temperature, part), NEVER)
 
 
 def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
     """Return the life at the temperature of use, with its interval and its words."""
-    fact = predict_aging(aging, temperature=temperature, until=f"{100 * part:.12g}%").answers[0]
+    fact = predict_aging(aging, temperature=temperature, until=format_part(part)).answers[0]
     at = 1000 / temperature
     words = f"{format_temperature(temperature)}: {format_life(fact.value, fact.error)}"
     marks: list[Mark] = []
@@ -241,6 +242,6 @@ def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
         size, _ = get_life_unit(fact.value)
         low, high = (round_to_error(end / size, digits=2) for end in (fact.low, fact.high))
         words += f" ({low} to {high})"
-        ends = np.array([fact.low, fact.high]) / _HOUR
+        ends = np.array([fact.low, fact.high]) / HOUR
         marks.append(Line(np.array([at, at]), ends, FIT))
-    return [*marks, Tag(at, fact.value / _HOUR, words, "ink", "hollow", bold=True)]
+    return [*marks, Tag(at, fact.value / HOUR, words, "ink", "hollow", bold=True)]

@@ -20,7 +20,7 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
 from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, Oven
-from dashpot.extensions.materials.csr.law import BOUND, AgingLaw, retained_fraction
+from dashpot.extensions.materials.csr.law import BOUND, THOUSAND_HOURS, AgingLaw, retained_fraction
 from dashpot.extensions.materials.csr.preprocess import Readings, readings_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
@@ -67,12 +67,12 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
         )
     read, sd = readings_of(records), USUAL_OVEN if machine.oven is None else machine.oven
     whole = float(np.mean(np.concatenate([record.force for record in records])))
-    drift = USUAL_DRIFT if machine.drift is None else machine.drift * checks.LONG / whole
+    drift = USUAL_DRIFT if machine.drift is None else machine.drift * THOUSAND_HOURS / whole
     uncertainty = _fit_oven_rates(read, drift)
     ovens = read.ovens(uncertainty)
     orders: dict[str, float] = {}
     law, strain = _bound(uncertainty, ovens[-1]), None
-    if ovens[-1].significance >= checks.SEEN:
+    if ovens[-1].significance >= checks.LEAST_SIGNIFICANCE:
         stated = machine.oven is not None
         law, orders, strain = _arrhenius(read, uncertainty, ovens, (sd, drift), stated=stated)
         if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
@@ -102,7 +102,7 @@ def _problem(
     values = [sd for sd in prior_sds if sd > 0]
     of_specimen = np.eye(read.specimens)[read.specimen_number]
     below = np.zeros((len(values), read.specimens))
-    drifted = read.time / checks.LONG * read.weak * prior_sds[-1]
+    drifted = read.time / THOUSAND_HOURS * read.weak * prior_sds[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)

@@ -11,12 +11,14 @@ its time cancels from F/F0 to first order. The second is chemical, and alone fol
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import EqualByValue, FloatArray
+from dashpot.base.units import parse_quantity
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.shift_laws import GAS
 
@@ -26,7 +28,12 @@ NEVER = 1e12
 """Longest lifetime that is computed, s: thirty thousand years."""
 BOUND = 1.645
 """Standard errors of a limit to one side, 95 %."""
+HOUR = parse_quantity("1h", "time")
+THOUSAND_HOURS = parse_quantity("1000h", "time")
+"""Time in which the drift of a load cell is stated, s."""
+YEAR = parse_quantity("8766h", "time")
 _STEPS = np.array([1e-4, 1e-3, 10.0, 1e-4])
+"""Steps of physical, chemical, activation and ln exponent in a derivative."""
 
 
 def retained_fraction(
@@ -83,7 +90,7 @@ class AgingLaw(EqualByValue):
         return float(np.exp(self.chemical + self.activation * colder))
 
     def compute_retention(self, temperature: float, time: float) -> float:
-        """Return Return F/F0 at a temperature, K, after a time, s."""
+        """Return F/F0 at a temperature, K, after a time, s."""
         rate = 1 / self.tau(temperature)
         return float(retained_fraction(np.array([time]), self.physical, rate, self.exponent)[0])
 
@@ -98,19 +105,33 @@ class AgingLaw(EqualByValue):
             low, high = (middle, high) if above else (low, middle)
         return float(np.exp((low + high) / 2))
 
+    def compute_log_life(self, temperature: float, part: float) -> float:
+        """Return the ln of the life to a part of F0, s, or of `NEVER` where that is less."""
+        return math.log(min(self.life(temperature, part), NEVER))
+
+    def apply_activation(self, activation: float, reference: float) -> AgingLaw:
+        """Return the law with another activation energy, J/mol, about a temperature, K."""
+        return replace(
+            self,
+            chemical=math.log(self.tau(reference)),
+            activation=activation,
+            reference=reference,
+        )
+
     def lower_limit(self) -> AgingLaw:
         """Return the law of the limit, with the largest plausible physical loss."""
         return replace(self, physical=self.physical + BOUND * self.errors[0])
 
-    def error_of(self, what: Callable[[AgingLaw], float]) -> float:
+    def error_of(self, evaluate: Callable[[AgingLaw], float]) -> float:
         """Return the standard error of a function of the law by the delta method."""
         G = np.zeros((1, 4))
         for i in np.flatnonzero(np.diag(self.covariance)).tolist():
             down, up = (self._shift_parameter(i, sign * _STEPS[i]) for sign in (-1, 1))
-            G[0, i] = (what(up) - what(down)) / (2 * _STEPS[i])
+            G[0, i] = (evaluate(up) - evaluate(down)) / (2 * _STEPS[i])
         return float(np.sqrt(propagate_covariance(self.covariance, G)[0, 0]))
 
-    def _shift_parameter(self, which: int, by: float) -> AgingLaw:
-        name = ("physical", "chemical", "activation", "exponent")[which]
-        here = getattr(self, name)
-        return replace(self, **{name: here * np.exp(by) if name == "exponent" else here + by})
+    def _shift_parameter(self, index: int, step: float) -> AgingLaw:
+        """Return the law with a parameter, or the ln of its exponent, shifted by a step."""
+        name = ("physical", "chemical", "activation", "exponent")[index]
+        value = getattr(self, name)
+        return replace(self, **{name: value * np.exp(step) if name == "exponent" else value + step})

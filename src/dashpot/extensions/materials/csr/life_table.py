@@ -1,4 +1,4 @@
-"""Lives at several temperatures, each with its interval and verdict, and the limit of honesty."""
+"""Lives at several temperatures, each with its interval and verdict, and how far they reach."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import NamedTuple
 from dashpot.base.checks import Use
 from dashpot.base.number_format import round_to_error
 from dashpot.base.reported_values import ReportedValue
-from dashpot.base.units import convert_to_unit, parse_quantity
+from dashpot.base.units import format_quantity, parse_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
+from dashpot.extensions.materials.csr.law import HOUR, YEAR
+from dashpot.extensions.materials.csr.lifetime_prediction import format_part, predict_aging
 
-YEAR = parse_quantity("8766h", "time")
-_STEP, _BELOW, _ABOVE = 10.0, 60.0, 10.0
+_TEMPERATURE_STEP, _BELOW, _ABOVE = 10.0, 60.0, 10.0
 """Of the table, and how far it goes below and above the coldest oven, K."""
 _RESOLUTION = 0.5
 """K."""
@@ -52,44 +52,46 @@ def list_lives(aging: Aging, part: float, temperatures: Sequence[float] = ()) ->
     Without temperatures, each 10 K about the coldest oven, from 60 K below it; those whose life is
     beyond what is computed are left out.
     """
-    zero = parse_quantity("0degC", "temperature")
-    coldest = aging.ovens[0].temperature - zero
-    first = math.ceil(round((coldest - _BELOW) / _STEP, 6))
-    last = math.floor(round((coldest + _ABOVE) / _STEP, 6))
-    chosen = temperatures or tuple(zero + _STEP * i for i in range(first, last + 1))
+    zero_celsius = parse_quantity("0degC", "temperature")
+    coldest = aging.ovens[0].temperature - zero_celsius
+    first = math.ceil(round((coldest - _BELOW) / _TEMPERATURE_STEP, 6))
+    last = math.floor(round((coldest + _ABOVE) / _TEMPERATURE_STEP, 6))
+    temperatures_listed = temperatures or tuple(
+        zero_celsius + _TEMPERATURE_STEP * i for i in range(first, last + 1)
+    )
     lives = []
-    for kelvin in chosen:
-        predicted = predict_aging(aging, temperature=kelvin, until=f"{100 * part:.12g}%")
-        life, *falls = predicted.answers
+    for kelvin in temperatures_listed:
+        prediction = predict_aging(aging, temperature=kelvin, until=format_part(part))
+        life, *lower_energy_facts = prediction.answers
         if not life.is_lower_bound:
-            lower = falls[0].value if falls else None
-            lives.append(Life(kelvin, life, lower, predicted.verdict.use))
+            lower_energy_life = lower_energy_facts[0].value if lower_energy_facts else None
+            lives.append(Life(kelvin, life, lower_energy_life, prediction.verdict.use))
     return tuple(lives)
 
 
-def find_coldest_honest(aging: Aging, part: float) -> float:
+def find_extrapolation_limit(aging: Aging, part: float) -> float:
     """Return the lowest temperature, K, at which the checks of a prediction find nothing to mark.
 
     To half a kelvin, by halving from the hottest oven down; infinite if there is none.
     """
     hottest, coldest = aging.ovens[-1].temperature, aging.ovens[0].temperature
 
-    def is_honest(kelvin: float) -> bool:
-        found = predict_aging(aging, temperature=kelvin, until=f"{100 * part:.12g}%")
-        return found.verdict.use == "use" and not found.answers[0].is_lower_bound
+    def is_unmarked(kelvin: float) -> bool:
+        prediction = predict_aging(aging, temperature=kelvin, until=format_part(part))
+        return prediction.verdict.use == "use" and not prediction.answers[0].is_lower_bound
 
-    if not is_honest(hottest):
+    if not is_unmarked(hottest):
         return math.inf
-    honest, marked = hottest, coldest - 1.5 * _BELOW
-    while honest - marked > _RESOLUTION:
-        middle = (honest + marked) / 2
-        honest, marked = (middle, marked) if is_honest(middle) else (honest, middle)
-    return honest
+    supported, marked = hottest, coldest - 1.5 * _BELOW
+    while supported - marked > _RESOLUTION:
+        middle = (supported + marked) / 2
+        supported, marked = (middle, marked) if is_unmarked(middle) else (supported, middle)
+    return supported
 
 
 def get_life_unit(life: float) -> tuple[float, str]:
     """Return the unit in which a life, s, is read, in s, and its name: hours, or years."""
-    return (YEAR, "years") if life >= YEAR else (parse_quantity("1h", "time"), "h")
+    return (YEAR, "years") if life >= YEAR else (HOUR, "h")
 
 
 def format_life(life: float, error: float | None = None) -> str:
@@ -100,4 +102,4 @@ def format_life(life: float, error: float | None = None) -> str:
 
 def format_temperature(temperature: float) -> str:
     """Return a temperature, K, as charts and tables name it."""
-    return f"{convert_to_unit(temperature, '°C'):.4g} °C"
+    return format_quantity(temperature, "°C", ".4g")

@@ -62,13 +62,15 @@ class Aged(HasVerdict, Serialisable):
     @property
     def answers(self) -> tuple[ReportedValue, ...]:
         """Lifetimes to the requested parts of F0, s, and retained parts after requested times."""
-        every = (_facts(self.aging, self.temperature, *_end(name)) for name in self.until)
-        return tuple(fact for facts in every for fact in facts)
+        lists = (
+            _report_end(self.aging, self.temperature, *_parse_end(name)) for name in self.until
+        )
+        return tuple(fact for facts in lists for fact in facts)
 
     @property
     def first_part(self) -> float | None:
         """The first part of F0 that was asked; None where only times were."""
-        parts = (part for part, _ in map(_end, self.until) if not math.isnan(part))
+        parts = (part for part, _ in map(_parse_end, self.until) if not math.isnan(part))
         return next(parts, None)
 
     @property
@@ -123,22 +125,24 @@ def predict_aging(
     temperature = convert_to_si(temperature, "temperature")
     tested_at("--temperature", temperature)
     law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
-    tested = [abs(temperature - oven.temperature) for oven in aging.ovens]
+    distances = [abs(temperature - oven.temperature) for oven in aging.ovens]
     if law.bound_alone and temperature > hottest + ONE_OVEN:
         raise DataError(
             f"no oven up to {celsius(hottest)} showed aging, so nothing is known of "
             f"{celsius(temperature)}. Test a hotter oven"
         )
-    if len(tested) == 1 and tested[0] > ONE_OVEN and not law.bound_alone:
+    if len(distances) == 1 and distances[0] > ONE_OVEN and not law.bound_alone:
         raise DataError(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
             "more ovens together with it, or ask --temperature of the oven"
         )
     questions = _parse_questions(until) or ("50%",)
     furthest = max(
-        _compute_question_time(law, temperature, *_end(question)) for question in questions
+        _compute_question_time(law, temperature, *_parse_end(question)) for question in questions
     )
-    changes = [_compute_answer_shift(aging, temperature, *_end(question)) for question in questions]
+    changes = [
+        _compute_answer_shift(aging, temperature, *_parse_end(question)) for question in questions
+    ]
     checks = (
         temperature_near_ovens(coldest - temperature, temperature),
         robust_to_lower_activation_energy(
@@ -192,15 +196,15 @@ def predict_aged(
     if new is None:
         return predict_aging(aging, temperature=temperature, until=until)
     questions = _parse_questions(until)
-    if len(questions) != 1 or math.isnan(_end(questions[0])[1]) or temperature is None:
+    if len(questions) != 1 or math.isnan(_parse_end(questions[0])[1]) or temperature is None:
         raise DataError(
             "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
             "--end 10000h"
         )
-    return aged_fit(aging, new, temperature=temperature, time=_end(questions[0])[1])
+    return age_fit(aging, new, temperature=temperature, time=_parse_end(questions[0])[1])
 
 
-def aged_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+def age_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
     """Return the fit of a seal after a time at a temperature: its stiffnesses times F/F0.
 
     Parameters
@@ -232,8 +236,14 @@ def _parse_questions(until: str | Sequence[str] | float) -> tuple[str, ...]:
     return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
 
 
-def _end(text: str) -> tuple[float, float]:
-    """Return the part that is left, or else the time, s; the other is nan."""
+def _parse_end(text: str) -> tuple[float, float]:
+    """Return the part of F0 that an end names, or else the time, s; the other is nan.
+
+    Raises
+    ------
+    DataError
+        If it is neither, or out of range.
+    """
     if text.strip().endswith("%"):
         try:
             part = parse_quantity(text, "strain")
@@ -259,8 +269,11 @@ def _compute_question_time(law: AgingLaw, temperature: float, part: float, time:
     return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
 
 
-def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
-    """Return the predicted number with its interval, or its lower bound."""
+def _report_end(aging: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
+    """Return the life or the retained part at an end, with its interval or lower bound.
+
+    A life is followed by that with the lower activation energy, where there is one.
+    """
     law, coldest = aging.law, aging.ovens[0].temperature
     if math.isnan(part):
         words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
@@ -285,9 +298,9 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
             "life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words
         )
     ]
-    flat = apply_lower_energy(aging, temperature)
-    if flat is not None:
-        below = (
+    lower_energy_law = apply_lower_energy(aging, temperature)
+    if lower_energy_law is not None:
+        label = (
             f"the same, if Ea were {format_quantity(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
         )
 
@@ -297,8 +310,8 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
 
         facts.append(
             ReportedValue.from_error(
-                "life_if_Ea_falls", flat.life(temperature, part), law.error_of(log_life),
-                law.quantile, of_log=True, unit="s", read="h", words=below,
+                "life_if_Ea_falls", lower_energy_law.life(temperature, part),
+                law.error_of(log_life), law.quantile, of_log=True, unit="s", read="h", words=label,
             )
         )  # fmt: skip
     return facts
@@ -306,7 +319,7 @@ def _facts(aging: Aging, temperature: float, part: float, time: float) -> list[R
 
 def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[int | None, float]:
     """Return in how many ovens the mean force fell to the least part asked, and the part."""
-    parts = [part for part, _ in map(_end, questions) if not math.isnan(part)]
+    parts = [part for part, _ in map(_parse_end, questions) if not math.isnan(part)]
     if not parts or aging.law.bound_alone:
         return None, math.nan
     part = min(parts)
@@ -319,7 +332,7 @@ def apply_lower_energy(aging: Aging, temperature: float) -> AgingLaw | None:
     law, coldest = aging.law, aging.ovens[0].temperature
     if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None
-    return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
+    return law.apply_activation(LOWER, coldest)
 
 
 def find_energy_change(
@@ -331,9 +344,18 @@ def find_energy_change(
     """
     if temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None
-    flat = replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
-    lives = (min(one.life(temperature, part), NEVER) for one in (law, flat))
-    return -float(np.diff(np.log(list(lives)))[0]) / life_sd
+    lower = law.apply_activation(LOWER, coldest)
+    change = law.compute_log_life(temperature, part) - lower.compute_log_life(temperature, part)
+    return change / life_sd
+
+
+def format_part(part: float) -> str:
+    """Return a part of F0 as `until` takes it.
+
+    >>> format_part(0.5)
+    '50%'
+    """
+    return f"{100 * part:.12g}%"
 
 
 def parse_part(part: float | str) -> float:
@@ -344,7 +366,7 @@ def parse_part(part: float | str) -> float:
     DataError
         If it is not between 1 and 99 %.
     """
-    value, _ = _end(part if isinstance(part, str) else f"{100 * part:.12g}%")
+    value, _ = _parse_end(part if isinstance(part, str) else format_part(part))
     if math.isnan(value):
         raise DataError(f"--end {part}: a plan is for a part of the force, such as 50%")
     return value
@@ -354,17 +376,17 @@ def _compute_answer_shift(
     aging: Aging, temperature: float, part: float, time: float
 ) -> float | None:
     """Return the change of a prediction by the lower activation energy, in standard errors."""
-    law, flat = aging.law, apply_lower_energy(aging, temperature)
-    if flat is None:
+    law, lower_energy_law = aging.law, apply_lower_energy(aging, temperature)
+    if lower_energy_law is None:
         return None
 
-    def answer(aging_law: AgingLaw) -> float:
+    def evaluate(aging_law: AgingLaw) -> float:
         if math.isnan(part):
             return aging_law.compute_retention(temperature, time)
-        return math.log(min(aging_law.life(temperature, part), NEVER))
+        return aging_law.compute_log_life(temperature, part)
 
-    error = law.error_of(answer)
-    return (answer(law) - answer(flat)) / error if 0 < error < math.inf else None
+    error = law.error_of(evaluate)
+    return (evaluate(law) - evaluate(lower_energy_law)) / error if 0 < error < math.inf else None
 
 
 def scale_for_aging(
@@ -404,12 +426,17 @@ def scale_for_aging(
     scaled = scale_stiffness(fit, factor.value, step)
     values = {item.name: item.value for item in fit.estimate.list_values(fit.solid, fit.unit)}
     k = np.array([values.get(name, 0.0) for name in fit.estimate.parameters])
-    estimate, by = scaled.estimate, error**2 * np.outer(k, k)
-    of_noise = None if estimate.noise_covariance is None else estimate.noise_covariance + by
+    estimate, factor_covariance = scaled.estimate, error**2 * np.outer(k, k)
+    noise_covariance = (
+        None if estimate.noise_covariance is None else estimate.noise_covariance + factor_covariance
+    )
     return replace(
         scaled,
         estimate=replace(
-            estimate, covariance=estimate.covariance + by, noise_covariance=of_noise, profiles=()
+            estimate,
+            covariance=estimate.covariance + factor_covariance,
+            noise_covariance=noise_covariance,
+            profiles=(),
         ),
         evidence=replace(scaled.evidence, checks=(*fit.checks, *checks)),
     )

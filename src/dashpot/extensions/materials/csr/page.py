@@ -133,22 +133,22 @@ def _make_life_sections(
     head = ("temperature", "life", "from", "to", f"if Ea is {energy} below {coldest}", "verdict")
     rows = tuple(
         (
-            format_temperature(one.temperature),
+            format_temperature(life.temperature),
             *(
-                format_life(number, one.life.value / 10) if number is not None else ""
+                format_life(number, life.life.value / 10) if number is not None else ""
                 for number in (
-                    one.life.value,
-                    *((one.life.low, one.life.high) if one.life.has_interval else (None, None)),
-                    one.lower_energy_life,
+                    life.life.value,
+                    *((life.life.low, life.life.high) if life.life.has_interval else (None, None)),
+                    life.lower_energy_life,
                 )
             ),
-            one.use,
+            life.use,
         )
-        for one in lives
+        for life in lives
     )
     line = (
         f"time until F/F0 is {100 * part:g} %; many rubbers age with a lower activation energy in "
         "the cold, which no hotter oven shows"
     )
-    marks = tuple("" if one.use == "use" else "doubt" for one in lives)
+    marks = tuple("" if life.use == "use" else "doubt" for life in lives)
     return (CollapsibleSection("Life at other temperatures", line, TextTable(head, rows, marks)),)

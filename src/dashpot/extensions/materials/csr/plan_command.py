@@ -129,29 +129,33 @@ def format_plan(plan: AgingPlan) -> Text:
         for oven in plan.ovens
     ]
     hours = ", ".join(f"{convert_to_unit(time, 'h'):.4g}" for time in plan.times)
-    known = (
+    assumption = (
         f"  supposed    a reading scatters by {100 * plan.scatter:.2g} % of F0, an oven is known "
         f"to {plan.oven_sd:.2g} K, the load cell drifts by {100 * plan.drift:.2g} % in 1000 h"
     )
-    others = [("another test", "specimens", "interval of the life")]
-    others += [
-        (one.change, str(one.specimens), f"a factor of {_factor(one.life_sd)}")
-        for one in plan.alternatives
+    alternatives = [("another test", "specimens", "interval of the life")]
+    alternatives += [
+        (
+            alternative.change,
+            str(alternative.specimens),
+            f"a factor of {_format_factor(alternative.life_sd)}",
+        )
+        for alternative in plan.alternatives
     ]
-    days = format_quantity(plan.longest, "h", ".4g")
+    duration, factor = format_quantity(plan.longest, "h", ".4g"), _format_factor(plan.life_sd)
     return Text(
         [
             *table(rows),
-            f"  read after  {hours} h ({days} in all)",
+            f"  read after  {hours} h ({duration} in all)",
             *facts(plan.facts),
-            f"  interval    a factor of {_factor(plan.life_sd)}; wanted {_factor(plan.target_sd)}",
-            known,
-            *table(others, left=True),
+            f"  interval    a factor of {factor}; wanted {_format_factor(plan.target_sd)}",
+            assumption,
+            *table(alternatives, left=True),
         ]
     )
 
 
-def _factor(life_sd: float) -> str:
+def _format_factor(life_sd: float) -> str:
     """Return the factor from a life to either end of its 95 % interval."""
     from dashpot.base.reported_values import NORMAL
 
