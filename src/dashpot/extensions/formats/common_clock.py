@@ -12,8 +12,8 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.reading.columns import vocabulary
 
-_TEST = {"force", "displacement", "acceleration", "velocity", "stress", "strain"}
-_SURE = 1e-6
+_TEST_ROLES = {"force", "displacement", "acceleration", "velocity", "stress", "strain"}
+_TIME_TOLERANCE = 1e-6
 """Part of a step by which instants that are meant to be the same may differ."""
 
 
@@ -42,24 +42,27 @@ def interpolate_to_slowest(channels: Sequence[SampledChannel], notes: list[str])
         If no channel is named so, or they do not overlap in time.
     """
     listed = ", ".join(f"'{channel.name}' {channel.step:.6g} s" for channel in channels[:6])
-    named = [c for c in channels if not _TEST.isdisjoint(vocabulary.matches(c.name))]
+    named = [c for c in channels if not _TEST_ROLES.isdisjoint(vocabulary.matches(c.name))]
     if not named:
         raise ReadError(
             f"channels are sampled at different steps ({listed}); export them at one rate"
         )
     slowest = max(named, key=lambda channel: channel.step)
-    margin = _SURE * slowest.step
+    margin = _TIME_TOLERANCE * slowest.step
     start = max(float(c.time[0]) for c in named) - margin
     end = min(float(c.time[-1]) for c in named) + margin
     time = slowest.time[(slowest.time >= start) & (slowest.time <= end)]
     if len(time) < 2:
         raise ReadError("the channels do not overlap in time (their starts and steps say so)")
-    says = (
+    message = (
         f"the channels are sampled at different steps ({listed}): they were interpolated to the "
         f"{len(time)} common instants of '{slowest.name}'"
     )
     # straight lines dull what is near half the sampling rate
-    struck = any(vocabulary.matches(c.name).get("acceleration", 0.0) >= 1.5 for c in channels)
-    notes.append(Caution(says) if struck else says)
+    has_acceleration = any(
+        vocabulary.matches(c.name).get("acceleration", 0.0) >= vocabulary.LEAST_SCORE
+        for c in channels
+    )
+    notes.append(Caution(message) if has_acceleration else message)
     columns = [np.interp(time, c.time, c.values, left=np.nan, right=np.nan) for c in channels]
     return np.array([time, *columns]).T

@@ -44,50 +44,53 @@ _UNITS = {
 
 
 def convert_viscosities(table: FileTable, options: ReadOptions) -> FileTable:
-    """Return the table with each complex viscosity as the modulus that it is times omega.
+    """Return the table with each complex viscosity times omega, as a modulus.
 
-    So it is where there is a frequency and no storage modulus, and beside the size a loss angle
-    or a loss factor.
+    The table stays as it is without a frequency, with a storage modulus, or where the size of the
+    viscosity stands without loss angle and loss factor.
     """
-    found = {
+    viscosities = {
         index: (modulus, factor)
         for index, column in enumerate(table.columns)
         if column.content == "number"
         and (modulus := _name_modulus(column.name))
         and (factor := _parse_viscosity(column.unit))
     }
-    frequency = assign(table, "frequency", options) if found else None
-    if not isinstance(frequency, RoleAssignment) or frequency.index in found:
+    frequency = assign(table, "frequency", options) if viscosities else None
+    if not isinstance(frequency, RoleAssignment) or frequency.index in viscosities:
         return table
     if isinstance(assign(table, "storage", options), RoleAssignment):
         return table
-    parts = {modulus for modulus, _ in found.values()}
+    moduli = {modulus for modulus, _ in viscosities.values()}
     angles = [assign(table, role, options) for role in ("loss_factor", "loss_angle", "phase")]
-    if parts == {"|G*|"} and not any(isinstance(angle, RoleAssignment) for angle in angles):
+    if moduli == {"|G*|"} and not any(isinstance(angle, RoleAssignment) for angle in angles):
         return table
-    at = frequency.index
+    frequency_index = frequency.index
     try:
-        hertz = unit_for(table.columns[at], at + 1, "frequency", options)
+        hertz = unit_for(table.columns[frequency_index], frequency_index + 1, "frequency", options)
     except ReadError:
         return table
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
-        loaded = table.load([*indexes, at] if found.keys() & set(indexes) else indexes)
+        loaded = table.load(
+            [*indexes, frequency_index] if viscosities.keys() & set(indexes) else indexes
+        )
         if len(loaded.values.T) == len(indexes):
             return loaded
         omega = 2 * np.pi * hertz.factor * loaded.values[:, -1]
         values = loaded.values[:, :-1].copy()
-        for place, index in enumerate(indexes):
-            if index in found:
-                values[:, place] *= omega * found[index][1]
+        for column, index in enumerate(indexes):
+            if index in viscosities:
+                values[:, column] *= omega * viscosities[index][1]
         return replace(loaded, values=values)
 
     columns = tuple(
-        replace(column, name=found[i][0], unit="Pa") if i in found else column
+        replace(column, name=viscosities[i][0], unit="Pa") if i in viscosities else column
         for i, column in enumerate(table.columns)
     )
     listed = ", ".join(
-        f"'{table.columns[i].name}' times omega is {modulus}" for i, (modulus, _) in found.items()
+        f"'{table.columns[i].name}' times omega is {modulus}"
+        for i, (modulus, _) in viscosities.items()
     )
     return replace(table, columns=columns, load=load, notes=(*table.notes, listed))
 
@@ -98,7 +101,7 @@ def _name_modulus(name: str) -> str:
     >>> _name_modulus("Complex viscosity"), _name_modulus("|η*|"), _name_modulus("eta''")
     ('|G*|', '|G*|', "G'")
     """
-    return next((modulus for modulus, named in _NAMES if named.fullmatch(name.strip())), "")
+    return next((modulus for modulus, pattern in _NAMES if pattern.fullmatch(name.strip())), "")
 
 
 def _parse_viscosity(word: str | None) -> float:

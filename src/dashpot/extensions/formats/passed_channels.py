@@ -10,8 +10,7 @@ from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.columns.vocabulary import Role
 
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "strain")
-_SURE = 1.5
-"""How well a name says a role, at least."""
+
 _FEW = 8
 
 
@@ -42,7 +41,10 @@ def names_role_as_well(passed: Iterable[str], kept: Iterable[str]) -> bool:
     (True, False)
     """
     scores, best = _score_roles(passed), _score_roles(kept)
-    return any(max(scores[role], default=0.0) >= max(_SURE, *best[role], 0.0) for role in _ROLES)
+    return any(
+        max(scores[role], default=0.0) >= max(vocabulary.LEAST_SCORE, *best[role], 0.0)
+        for role in _ROLES
+    )
 
 
 def _score_roles(names: Iterable[str]) -> dict[Role, Sequence[float]]:

@@ -41,17 +41,15 @@ _NAME = re.compile(
 """The name of a column that says of which specimen a row is."""
 _LINE = re.compile(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
 """A line over a block that says of which specimen it is."""
-_MOST = 256
-"""Specimens of one file, at most; more labels count rows."""
-_LEAST = 8
+_MOST_SPECIMENS = 256
+"""Specimens of one file, at most; a column of more labels counts rows."""
+_LEAST_ROWS = 8
 """Rows of a specimen, at least."""
-_ANEW = 0.02
+_RESTART_SHARE = 0.02
 """Part of the first record within which the clock of the next begins."""
-_SURE = 1.5
-"""How well a name says a role, at least."""
-_STORED = 2.5
+_STORAGE_SCORE = 2.5
 """How well a name says a storage modulus, at least."""
-_SHARED = 0.1
+_SHARED_ROWS_SHARE = 0.1
 """Part of the rows in which two channels hold the same numbers, from which on it is noted."""
 _DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "blanks": " ", "pipe": "|"}
 LABELS = "labels of "
@@ -76,14 +74,14 @@ def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
     ------
     ReadError
     """
-    stored = [vocabulary.matches(column.name).get("storage", 0.0) for column in table.columns]
+    scores = [vocabulary.matches(column.name).get("storage", 0.0) for column in table.columns]
     if (
-        max(stored, default=0.0) < _STORED
+        max(scores, default=0.0) < _STORAGE_SCORE
         or kind_of(table, ReadOptions(kind=options.kind))[0] != "unclear"
     ):
         return
-    lost: tuple[Role, ...] = ("loss", "loss_factor", "loss_angle", "phase")
-    if any(getattr(options, role, None) for role in lost):
+    loss_roles: tuple[Role, ...] = ("loss", "loss_factor", "loss_angle", "phase")
+    if any(getattr(options, role, None) for role in loss_roles):
         return
     frequency, storage = (assign(table, role, options) for role in ("frequency", "storage"))
     if isinstance(frequency, RoleAssignment) and isinstance(storage, RoleAssignment):
@@ -122,7 +120,7 @@ def format_labels(labels: Sequence[str]) -> tuple[list[int], str]:
     ([1, 2, 1], '1 = A; 2 = B')
     """
     numbers = {label: i for i, label in enumerate(dict.fromkeys(labels), start=1)}
-    listed = "; ".join(f"{i} = {label}" for label, i in list(numbers.items())[:_MOST])
+    listed = "; ".join(f"{i} = {label}" for label, i in list(numbers.items())[:_MOST_SPECIMENS])
     return [numbers[label] for label in labels], listed
 
 
@@ -137,7 +135,7 @@ def names_specimen(name: str) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _SpecimenLoader:
-    """Loads columns of a table, parted into specimens where rows are of several.
+    """Loader of the columns of a table, with a segment for each specimen.
 
     Attributes
     ----------
@@ -150,7 +148,7 @@ class _SpecimenLoader:
     order: IndexArray | None = None
     starts: tuple[int, ...] = (0,)
     names: tuple[str, ...] = ("",)
-    known: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    cache: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     def __call__(self, indexes: Sequence[int]) -> LoadedColumns:
         """Return the columns; a doubt says that the rows are of several specimens."""
@@ -158,7 +156,7 @@ class _SpecimenLoader:
             loaded = self.table.load(indexes)
             lines = tuple(
                 (new, loaded.line(int(old)))
-                for new, old in _runs(self.order, loaded.lines)
+                for new, old in _list_runs(self.order, loaded.lines)
             ) if loaded.lines else ()  # fmt: skip
             return replace(
                 loaded, values=loaded.values[self.order], starts=self.starts, segments=self.names,
@@ -166,22 +164,22 @@ class _SpecimenLoader:
             )  # fmt: skip
         if self.options.rate or not indexes:
             return self.table.load(indexes)
-        asked, roles = tuple(indexes), self._find_roles()
+        requested, roles = tuple(indexes), self._find_roles()
         selected = self.options.segment is not None
-        if not roles or not (selected or set(roles) <= set(asked)):
+        if not roles or not (selected or set(roles) <= set(requested)):
             return self.table.load(indexes)
-        twins = [] if selected or self.table.large else self._find_twins(roles)
-        more = [i for i in dict.fromkeys([*roles, *twins]) if i not in asked]
-        loaded = self.table.load([*asked, *more])
-        loaded = self._note_shared_rows(loaded, [*asked, *more], roles[-1], twins)
-        signals = loaded.values[:, [[*asked, *more].index(i) for i in roles]]
-        loaded = replace(loaded, values=loaded.values[:, : len(asked)]) if more else loaded
+        others = [] if selected or self.table.large else self._find_other_forces(roles)
+        added = [i for i in dict.fromkeys([*roles, *others]) if i not in requested]
+        loaded = self.table.load([*requested, *added])
+        loaded = self._note_shared_rows(loaded, [*requested, *added], roles[-1], others)
+        signals = loaded.values[:, [[*requested, *added].index(i) for i in roles]]
+        loaded = replace(loaded, values=loaded.values[:, : len(requested)]) if added else loaded
         return self._part_by_clock(loaded, signals)
 
     def _find_roles(self) -> tuple[int, ...]:
         """Return the columns of the clock and of both signals of a test; none if it has none."""
-        if "roles" not in self.known:
-            self.known["roles"] = ()
+        if "roles" not in self.cache:
+            self.cache["roles"] = ()
             for pair in _PAIRS:
                 try:
                     answers = [assign(self.table, role, self.options) for role in ("time", *pair)]
@@ -189,21 +187,21 @@ class _SpecimenLoader:
                     break
                 indexes = [a.index for a in answers if isinstance(a, RoleAssignment)]
                 if len(indexes) == len(set(indexes)) == 3:
-                    self.known["roles"] = tuple(indexes)
+                    self.cache["roles"] = tuple(indexes)
                     break
-        return self.known["roles"]
+        return self.cache["roles"]
 
-    def _find_twins(self, roles: Sequence[int]) -> list[int]:
+    def _find_other_forces(self, roles: Sequence[int]) -> list[int]:
         """Return the columns that are as much a force, or a stress, as that of the test."""
-        columns, pushed = self.table.columns, roles[-1]
+        columns, force_column = self.table.columns, roles[-1]
         role = next(pair[1] for pair in _PAIRS if self._has_pair(pair, roles))
         return [
             i
             for i, column in enumerate(columns)
-            if i != pushed
+            if i != force_column
             and column.content == "number"
-            and (column.unit or "") == (columns[pushed].unit or "")
-            and vocabulary.matches(column.name).get(role, 0.0) >= _SURE
+            and (column.unit or "") == (columns[force_column].unit or "")
+            and vocabulary.matches(column.name).get(role, 0.0) >= vocabulary.LEAST_SCORE
         ][:4]
 
     def _has_pair(self, pair: tuple[Role, Role], roles: Sequence[int]) -> bool:
@@ -211,22 +209,30 @@ class _SpecimenLoader:
         return isinstance(answer, RoleAssignment) and answer.index == roles[-1]
 
     def _note_shared_rows(
-        self, loaded: LoadedColumns, indexes: Sequence[int], pushed: int, twins: Sequence[int]
+        self,
+        loaded: LoadedColumns,
+        indexes: Sequence[int],
+        force_column: int,
+        others: Sequence[int],
     ) -> LoadedColumns:
         """Return the columns with a note where two channels hold the same numbers in a part of all.
 
         Numbers that stand still are none: two channels may both rest at zero.
         """
-        if not twins:
+        if not others:
             return loaded
-        values = loaded.values[:, indexes.index(pushed)]
+        values = loaded.values[:, indexes.index(force_column)]
         moves = np.diff(values, prepend=np.nan) != 0
         notes = []
-        for twin in twins:
-            same = (loaded.values[:, indexes.index(twin)] == values) & moves
+        for other in others:
+            same = (loaded.values[:, indexes.index(other)] == values) & moves
             count, rows = int(np.count_nonzero(same)), len(values)
-            if _SHARED * rows <= count < (1 - _SHARED) * np.count_nonzero(moves):
-                pair = [format_column(self.table.columns, i) for i in (pushed, twin)]
+            if (
+                _SHARED_ROWS_SHARE * rows
+                <= count
+                < (1 - _SHARED_ROWS_SHARE) * np.count_nonzero(moves)
+            ):
+                pair = [format_column(self.table.columns, i) for i in (force_column, other)]
                 first = int(np.argmax(same))
                 notes.append(
                     f"{pair[0]} and {pair[1]} hold the same numbers in {count} of {rows} rows, "
@@ -238,27 +244,29 @@ class _SpecimenLoader:
     def _part_by_clock(self, loaded: LoadedColumns, signals: FloatArray) -> LoadedColumns:
         time = signals[:, 0]
         if len(loaded.starts) > 1:
-            again = [start for start in loaded.starts[1:] if time[start] < time[start - 1]]
-            if self.options.segment is not None or not again:
+            restarts = [start for start in loaded.starts[1:] if time[start] < time[start - 1]]
+            if self.options.segment is not None or not restarts:
                 return loaded
             names = _name_blocks(loaded, self.table.header)
             message = (
                 f"{len(names)} segments ({_list_names(names)}), and the clock starts again at "
-                f"{loaded.format_row_position(again[0])}"
+                f"{loaded.format_row_position(restarts[0])}"
             )
             return replace(
-                loaded, segments=names, doubts=(*loaded.doubts, (None, _ask(names, message)))
+                loaded,
+                segments=names,
+                doubts=(*loaded.doubts, (None, _make_question(names, message))),
             )
         falls = np.flatnonzero(np.diff(time) < 0)
-        if not 0 < falls.size < _MOST or not _begins_anew(time, signals, falls + 1):
+        if not 0 < falls.size < _MOST_SPECIMENS or not _begins_anew(time, signals, falls + 1):
             return loaded
         starts = (0, *(falls + 1).tolist())
         parts = slices(starts, len(time))
-        if any(part.stop - part.start < _LEAST or np.ptp(time[part]) <= 0 for part in parts):
+        if any(part.stop - part.start < _LEAST_ROWS or np.ptp(time[part]) <= 0 for part in parts):
             return loaded  # rows of padding
         names = ("",) * len(starts)
-        i, word = int(falls[0]), self.table.columns[self._find_roles()[0]].unit
-        unit = f" {word}" if word else ""
+        i, unit_word = int(falls[0]), self.table.columns[self._find_roles()[0]].unit
+        unit = f" {unit_word}" if unit_word else ""
         message = (
             f"time falls from {time[i]:.9g}{unit} to {time[i + 1]:.9g}{unit} at "
             f"{loaded.format_row_position(i + 1)}, where the clock begins anew ({falls.size} such "
@@ -267,35 +275,35 @@ class _SpecimenLoader:
         parted = replace(loaded, starts=starts, segments=names, above=())
         if self.options.segment is not None:
             return parted
-        return replace(parted, doubts=(*loaded.doubts, (None, _ask(names, message))))
+        return replace(parted, doubts=(*loaded.doubts, (None, _make_question(names, message))))
 
 
-def _ask(names: Sequence[str], message: str, why: str = "") -> Question:
+def _make_question(names: Sequence[str], message: str, reason: str = "") -> Question:
     """Return the question which specimen is meant; its answers are as they are typed."""
-    why = why or "tests of several specimens, or repeats, stand below each other"
+    reason = reason or "tests of several specimens, or repeats, stand below each other"
     answers = tuple((name, f"segment={i}") for i, name in enumerate(names, start=1))
-    message = f"{message}: {why}; choose one, for example --file-part segment=1"
+    message = f"{message}: {reason}; choose one, for example --file-part segment=1"
     return Question(message, "--file-part segment=N", choices=len(names), answers=answers)
 
 
 def _list_names(names: Sequence[str]) -> str:
-    listed = [
+    labels = [
         f"{i} {name}".strip() if name != str(i) else name for i, name in enumerate(names, start=1)
     ]
-    return ", ".join(listed[:8]) + (" ..." if len(listed) > 8 else "")
+    return ", ".join(labels[:8]) + (" ..." if len(labels) > 8 else "")
 
 
 def _name_blocks(loaded: LoadedColumns, header: Sequence[str]) -> tuple[str, ...]:
     """Return the names of blocks: their own, or what the lines over each say of a specimen."""
-    above = [header, *loaded.above[1:]] if len(loaded.above) == len(loaded.starts) else []
-    lines = [next(filter(_LINE.fullmatch, over), "") for over in above]
-    said = [" ".join(re.sub(r'["\t;,#=]+', " ", line).split())[:40] for line in lines]
-    if all(said) and len(set(said)) == len(said) and not any(loaded.segments):
-        return tuple(said)
+    headers = [header, *loaded.above[1:]] if len(loaded.above) == len(loaded.starts) else []
+    lines = [next(filter(_LINE.fullmatch, block_header), "") for block_header in headers]
+    names = [" ".join(re.sub(r'["\t;,#=]+', " ", line).split())[:40] for line in lines]
+    if all(names) and len(set(names)) == len(names) and not any(loaded.segments):
+        return tuple(names)
     return loaded.segments
 
 
-def _runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+def _list_runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Return where in a new order of rows a run of them begins, and its row in the old one."""
     firsts = {first for first, _ in lines}
     breaks = np.flatnonzero(np.diff(order) != 1) + 1
@@ -310,13 +318,15 @@ def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> b
     Where one test goes on, as under a counter that overflows, its signals do not.
     """
     firsts, lasts = time[starts], time[starts - 1]
-    if np.any(np.abs(firsts - time[0]) > _ANEW * (lasts[0] - time[0])):
+    if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (lasts[0] - time[0])):
         return False
-    back, on = (np.abs(signals[starts] - signals[other]) for other in (0, starts - 1))
+    from_start, from_last = (np.abs(signals[starts] - signals[other]) for other in (0, starts - 1))
     change = np.nanmax(signals, axis=0) - np.nanmin(signals, axis=0)
-    leaps_back = (on > _ANEW * change) & (back < on)
+    returns = (from_last > _RESTART_SHARE * change) & (from_start < from_last)
     # the column of the clock is one of them
-    return bool(np.all(leaps_back | (on <= _ANEW * change)) and np.all(leaps_back.sum(axis=1) > 1))
+    return bool(
+        np.all(returns | (from_last <= _RESTART_SHARE * change)) and np.all(returns.sum(axis=1) > 1)
+    )
 
 
 # A column of labels.
@@ -330,9 +340,9 @@ def _read_labels(table: FileTable, raw: RawFile) -> tuple[int, list[str]] | None
         labels = None
         if column.content == "number":
             numbers = table.load([index]).values[:, 0]
-            words = _stated_words(table.header, column.name)
+            label_words = _read_stated_words(table.header, column.name)
             labels = [
-                "" if np.isnan(value) else words.get(f"{value:g}", f"{value:g}")
+                "" if np.isnan(value) else label_words.get(f"{value:g}", f"{value:g}")
                 for value in numbers.tolist()
             ]
         elif column.content == "text" and table.format == "text":
@@ -346,7 +356,7 @@ def _read_labels(table: FileTable, raw: RawFile) -> tuple[int, list[str]] | None
 def _are_specimens(labels: Sequence[str]) -> bool:
     """Return whether labels are few, and each of several rows."""
     names, counts = np.unique(np.asarray(labels), return_counts=True)
-    return 1 < len(names) <= _MOST and int(counts.min()) >= _LEAST
+    return 1 < len(names) <= _MOST_SPECIMENS and int(counts.min()) >= _LEAST_ROWS
 
 
 def _fill_down(labels: Sequence[str]) -> list[str]:
@@ -359,7 +369,7 @@ def _fill_down(labels: Sequence[str]) -> list[str]:
     return [label or first for label in filled]
 
 
-def _stated_words(header: Sequence[str], name: str) -> dict[str, str]:
+def _read_stated_words(header: Sequence[str], name: str) -> dict[str, str]:
     """Return the words that a header lists for the numbers of a column."""
     line = next((line for line in header if line.startswith(f"{LABELS}{name}: ")), "")
     pairs = (part.partition(" = ") for part in line.partition(": ")[2].split("; "))
@@ -398,10 +408,12 @@ def _part_by_labels(
     loader = _SpecimenLoader(table, options, order, starts, names)
     column = format_column(table.columns, index)
     message = f"holds {len(names)} specimens by its column {column} ({_list_names(names)})"
-    asked = (
-        () if options.segment is not None else (_ask(names, message, "one is fitted at a time"),)
+    questions = (
+        ()
+        if options.segment is not None
+        else (_make_question(names, message, "one is fitted at a time"),)
     )
-    return replace(table, load=loader, doubts=(*table.doubts, *asked))
+    return replace(table, load=loader, doubts=(*table.doubts, *questions))
 
 
 # Columns side by side.
@@ -425,7 +437,7 @@ def _split_set(name: str) -> list[tuple[str, str]]:
 def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[int]]:
     """Return columns by specimen where each has its own displacement and force.
 
-    None where the user names columns, or the names do not part them.
+    Empty where the user names columns, or the names do not part them.
     """
     if options.time or any(getattr(options, role) for pair in _PAIRS for role in pair):
         return {}
@@ -438,7 +450,10 @@ def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[
             ways.setdefault(way, {}).setdefault(owner, {}).setdefault(signal.strip(" _-#"), index)
     for sets in (*ways.values(), _find_repeated_names(table, stems)):
         complete = {owner: signals for owner, signals in sets.items() if _is_a_test(signals)}
-        if 1 < len(complete) <= _MOST and len({frozenset(s) for s in complete.values()}) == 1:
+        if (
+            1 < len(complete) <= _MOST_SPECIMENS
+            and len({frozenset(s) for s in complete.values()}) == 1
+        ):
             return {owner: list(signals.values()) for owner, signals in complete.items()}
     return {}
 
@@ -458,7 +473,9 @@ def _is_a_test(signals: Sequence[str] | dict[str, int]) -> bool:
     """Return whether names say both signals of a test."""
     scores = [vocabulary.matches(name) for name in signals]
     return any(
-        all(any(score.get(role, 0.0) >= _SURE for score in scores) for role in pair)
+        all(
+            any(score.get(role, 0.0) >= vocabulary.LEAST_SCORE for score in scores) for role in pair
+        )
         for pair in _PAIRS
     )
 
@@ -478,9 +495,9 @@ def _part_by_columns(
         if len(set(labels)) < len(labels):  # equal names
             labels = [f"columns {join_words([str(j + 1) for j in sorted(sets[n])])}" for n in names]
         listed = "; ".join(f"{i} {label}" for i, label in enumerate(labels[:8], start=1))
-        more = "; ..." if len(names) > 8 else ""
-        question = _ask(
-            names, f"{len(names)} sets of columns could each be the test ({listed}{more})",
+        ellipsis = "; ..." if len(names) > 8 else ""
+        question = _make_question(
+            names, f"{len(names)} sets of columns could each be the test ({listed}{ellipsis})",
             "tests of several specimens, or channels of several sensors, stand side by side",
         )  # fmt: skip
         return replace(table, doubts=(*table.doubts, question))

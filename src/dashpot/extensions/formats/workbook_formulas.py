@@ -16,9 +16,9 @@ from dashpot.extensions.formats.hidden_cells import list_sheet_parts
 _CHUNK = 1 << 20
 _LONGEST_ROW = 1 << 22
 """Bytes of a row, at most."""
-_MOST = 200_000
+_MOST_FORMULAS = 200_000
 """Formulas of a sheet that are looked at."""
-_NEAR = 1e-6
+_RESULT_TOLERANCE = 1e-6
 """Relative difference between a formula's result and the one that is kept."""
 _CELL = re.compile(
     rb"<c\b([^<>]{0,300}?)>(?:<f\b([^<>]{0,300}?)(?:/>|>([^<]{0,2000})</f>))?"
@@ -38,17 +38,17 @@ def scan_formulas(stream: BinaryIO) -> dict[str, list[str]]:
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
         return {}
-    found: dict[str, list[str]] = {}
+    notes_by_sheet: dict[str, list[str]] = {}
     with zipfile.ZipFile(stream) as book:
         for name, part in list_sheet_parts(book).items():
-            notes = _SheetFormulas().scan(_rows(book, part))
+            notes = _SheetFormulas().scan(_iterate_rows(book, part))
             if notes:
-                found[name] = notes
-    return found
+                notes_by_sheet[name] = notes
+    return notes_by_sheet
 
 
-def _rows(book: zipfile.ZipFile, part: str) -> Iterator[bytes]:
-    """The rows of a sheet, each as its XML."""
+def _iterate_rows(book: zipfile.ZipFile, part: str) -> Iterator[bytes]:
+    """Iterate over the rows of a sheet, each as its XML."""
     rest = b""
     with book.open(part) as stream:
         while block := stream.read(_CHUNK):
@@ -71,7 +71,7 @@ class _SheetFormulas:
         self._count = 0
 
     def scan(self, rows: Iterator[bytes]) -> list[str]:
-        """Return what is to be said of all rows."""
+        """Return a note on each kind of cell that holds no sure number, over all rows."""
         needed = False
         for row in rows:
             needed = needed or b"<f" in row
@@ -79,11 +79,13 @@ class _SheetFormulas:
                 self._scan_row(row)
         notes = []
         if self._without:
-            notes.append(f"{_list(self._without)} without a result: open the workbook and save it")
+            notes.append(
+                f"{_describe_cells(self._without)} without a result: open the workbook and save it"
+            )
         if self._stale:
             notes.append(
-                f"{_list(self._stale)} whose kept result is not that of the cells beside it: "
-                "calculate the workbook anew and save it"
+                f"{_describe_cells(self._stale)} whose kept result is not that of the cells beside "
+                "it: calculate the workbook anew and save it"
             )
         for error, cells in self._errors.items():
             notes.append(
@@ -112,16 +114,18 @@ class _SheetFormulas:
                     self._values[column] = float(match[4] or b"nan")
                 except ValueError:
                     continue
-                if match[2] is not None and self._count < _MOST:
+                if match[2] is not None and self._count < _MOST_FORMULAS:
                     self._count += 1
-                    formulas.append((column, number, self._formula(match, column, number)))
+                    formulas.append((column, number, self._read_formula(match, column, number)))
         for column, number, formula in formulas:
             expected = self._evaluate(formula, number)
-            kept = self._values[column]
-            if expected is not None and not isclose(expected, kept, rel_tol=_NEAR, abs_tol=1e-12):
+            stored = self._values[column]
+            if expected is not None and not isclose(
+                expected, stored, rel_tol=_RESULT_TOLERANCE, abs_tol=1e-12
+            ):
                 self._stale.append(f"{column.decode()}{number}")
 
-    def _formula(self, match: re.Match[bytes], column: bytes, number: int) -> bytes:
+    def _read_formula(self, match: re.Match[bytes], column: bytes, number: int) -> bytes:
         """Return the formula of a cell; a shared one is that of the first cell, moved down."""
         text, shared = match[3] or b"", _SHARED.search(match[2])
         if shared is None:
@@ -133,8 +137,8 @@ class _SheetFormulas:
         simple = _SIMPLE.fullmatch(text.strip()) if first == column else None
         if simple is None or b"$" in text:
             return b""
-        moved = int(simple[2]) + number - row
-        return simple[1] + str(moved).encode() + simple[3] + simple[4]
+        shifted = int(simple[2]) + number - row
+        return simple[1] + str(shifted).encode() + simple[3] + simple[4]
 
     def _evaluate(self, formula: bytes, number: int) -> float | None:
         """Return the result of a simple formula of a cell in this row or the one before."""
@@ -142,14 +146,17 @@ class _SheetFormulas:
         if simple is None:
             return None
         row = {number: self._values, number - 1: self._before}.get(int(simple[2]), {})
-        value, by = row.get(simple[1]), float(simple[4])
-        if value is None or (simple[3] == b"/" and by == 0):
+        value, operand = row.get(simple[1]), float(simple[4])
+        if value is None or (simple[3] == b"/" and operand == 0):
             return None
-        return {b"*": value * by, b"/": value / (by or 1.0), b"+": value + by, b"-": value - by}[
-            simple[3]
-        ]
+        return {
+            b"*": value * operand,
+            b"/": value / (operand or 1.0),
+            b"+": value + operand,
+            b"-": value - operand,
+        }[simple[3]]
 
 
-def _list(cells: list[str]) -> str:
+def _describe_cells(cells: list[str]) -> str:
     """Return how many cells hold formulas, and the first."""
     return f"{len(cells)} cells hold formulas (first {cells[0]})"

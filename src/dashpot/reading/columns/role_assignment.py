@@ -184,7 +184,7 @@ def _floor(best: float) -> float:
 
 
 def _is_force(column: Column) -> bool:
-    return vocabulary.matches(column.name).get("force", 0.0) >= 1.5
+    return vocabulary.matches(column.name).get("force", 0.0) >= vocabulary.LEAST_SCORE
 
 
 def _is_named_acceleration(column: Column) -> bool:
@@ -257,7 +257,8 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
     message = vocabulary.matches(column.name)
     value = message.get(role, 0.0)
-    word = _get_stated_unit(column, role, options, by_role=value >= 1.5) or column.unit
+    is_named = value >= vocabulary.LEAST_SCORE
+    word = _get_stated_unit(column, role, options, by_role=is_named) or column.unit
     fits = word is not None and _fits(word, role)
     if fits is None:
         return 0.0

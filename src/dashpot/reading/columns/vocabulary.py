@@ -163,6 +163,8 @@ OF_BASE = (
     "reference", "control", "drive",
 )  # fmt: skip
 """Words for what is shaken, of two that move."""
+LEAST_SCORE = 1.5
+"""How well a name says a role at least, so that it counts: the score of a second meaning."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
 _HUMP = re.compile(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
@@ -264,7 +266,7 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     """The roles that one word may mean, and how surely."""
     first = FIRST.get(spelling, ())
     yield from ((role, 3.0) for role in first)
-    yield from ((role, 1.5) for role in SECOND.get(spelling, ()))
+    yield from ((role, LEAST_SCORE) for role in SECOND.get(spelling, ()))
     if first:
         return
     # German puts the head of a compound last: Standardkraft is a force

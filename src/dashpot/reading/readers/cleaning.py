@@ -12,7 +12,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, score
-from dashpot.reading.columns.vocabulary import STEP_TIME, Role, has_word
+from dashpot.reading.columns.vocabulary import LEAST_SCORE, STEP_TIME, Role, has_word
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.table import FileTable, LoadedColumns, Question
@@ -325,7 +325,7 @@ def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Q
     indices = [
         i
         for i in answer.rivals
-        if score(table.columns[i], "time", options) >= 1.5
+        if score(table.columns[i], "time", options) >= LEAST_SCORE
         and has_word(table.columns[i].name, STEP_TIME)
     ]
     return (
