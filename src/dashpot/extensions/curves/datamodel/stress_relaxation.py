@@ -18,8 +18,8 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 
-LENGTH, AREA = 1e-3, 1e-6
-"""m and m^2: of the specimen as whose test a strain and a stress are fitted."""
+UNIT_LENGTH, UNIT_AREA = 1e-3, 1e-6
+"""Length, m, and area, m^2, of the unit specimen as whose test strain and stress are fitted."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,8 +69,8 @@ class StressRelaxationTest(EqualByValue, HasSummary, Serialisable):
     def make_unit_specimen_test(self) -> RelaxationTest:
         """Return the test of a specimen of 1 mm by 1 mm^2: 1 N/mm of it is 1 MPa."""
         return RelaxationTest(
-            self.time, LENGTH * self.strain, AREA * self.stress, self.specimen, self.source,
-            units="SI",
+            self.time, UNIT_LENGTH * self.strain, UNIT_AREA * self.stress, self.specimen,
+            self.source, units="SI",
         )  # fmt: skip
 
     @property

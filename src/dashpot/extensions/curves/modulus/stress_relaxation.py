@@ -11,22 +11,22 @@ from dashpot.base.provenance import Step
 from dashpot.datamodel.fit import Fit, scale_stiffness
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.extensions.curves.datamodel.stress_relaxation import (
-    AREA,
-    LENGTH,
+    UNIT_AREA,
+    UNIT_LENGTH,
     StressRelaxationTest,
 )
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.preprocessing.prepare import prepare
 
-_STRESS = {"µN": "Pa", "mN": "kPa", "N": "MPa", "kN": "GPa"}
-"""What a force on 1 mm² is called as a stress."""
-_STRAIN = {"nm": 1e-4, "µm": 1e-1, "mm": 1e2}
-"""What a change of 1 mm is as a strain, %."""
-_FORCE = re.compile(r"(?<=\d )(µN|mN|N|kN)(?=\b)")
-_MOVED = re.compile(r"(?<![\w.])(\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?) (nm|µm|mm)\b")
+_STRESS_UNITS = {"µN": "Pa", "mN": "kPa", "N": "MPa", "kN": "GPa"}
+"""Unit of a stress by that of a force on 1 mm²."""
+_STRAIN_FACTORS = {"nm": 1e-4, "µm": 1e-1, "mm": 1e2}
+"""Strain of a length of 1 mm, %, by the unit of the change."""
+_FORCE_UNIT = re.compile(r"(?<=\d )(µN|mN|N|kN)(?=\b)")
+_DISPLACEMENT = re.compile(r"(?<![\w.])(\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?) (nm|µm|mm)\b")
 _MACHINE = "machine"
 _WORDS = {"displacement": "strain", "force": "stress", "stiffness": "modulus"}
-_NAMED = re.compile(rf"\b({'|'.join(_WORDS)})\b")
+_QUANTITIES = re.compile(rf"\b({'|'.join(_WORDS)})\b")
 
 
 def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any) -> Fit:
@@ -59,10 +59,10 @@ def convert_to_material(fit: Fit) -> Fit:
     """Return the fit of a specimen of 1 mm by 1 mm² as that of its material: Pa for N/m."""
     step = Step(
         "material",
-        (("length_m", repr(LENGTH)), ("area_m2", repr(AREA))),
+        (("length_m", repr(UNIT_LENGTH)), ("area_m2", repr(UNIT_AREA))),
         "strain and stress fitted as the test of a specimen of 1 mm by 1 mm²: MPa are its N/mm",
     )
-    scaled = scale_stiffness(fit, LENGTH / AREA, step)
+    scaled = scale_stiffness(fit, UNIT_LENGTH / UNIT_AREA, step)
     residual = fit.estimate.residual
     return replace(
         scaled,
@@ -71,14 +71,16 @@ def convert_to_material(fit: Fit) -> Fit:
         estimate=replace(
             scaled.estimate,
             residual=replace(
-                residual, sse=residual.sse / AREA**2, rms=residual.rms / AREA, unit="Pa"
+                residual, sse=residual.sse / UNIT_AREA**2, rms=residual.rms / UNIT_AREA, unit="Pa"
             ),
             nuisance=tuple(map(_convert_nuisance, fit.estimate.nuisance)),
         ),
         evidence=replace(
             fit.evidence,
             checks=tuple(map(_convert_check, fit.checks)),
-            orders=tuple(replace(order, sse=order.sse / AREA**2) for order in fit.evidence.orders),
+            orders=tuple(
+                replace(order, sse=order.sse / UNIT_AREA**2) for order in fit.evidence.orders
+            ),
             end_of_hold=scaled.evidence.end_of_hold,
             alternative=scaled.evidence.alternative,
         ),
@@ -92,10 +94,10 @@ def _convert_nuisance(nuisance: Nuisance) -> Nuisance:
     prior = nuisance.prior_sd
     return replace(
         nuisance,
-        value=nuisance.value / AREA,
-        standard_error=nuisance.standard_error / AREA,
+        value=nuisance.value / UNIT_AREA,
+        standard_error=nuisance.standard_error / UNIT_AREA,
         unit=nuisance.unit.replace("N", "Pa", 1),
-        prior_sd=None if prior is None else prior / AREA,
+        prior_sd=None if prior is None else prior / UNIT_AREA,
     )
 
 
@@ -118,10 +120,10 @@ def convert_sentence(text: str) -> str:
     'The stress falls by 12 kPa at 5 %; modulus 2 MPa.'
     """
     text = re.sub(r"(?<=\d )N/mm\b", "MPa", text)
-    text = _FORCE.sub(lambda match: _STRESS[match[1]], text)
-    text = _MOVED.sub(_as_strain, text)
-    return _NAMED.sub(lambda match: _WORDS[match[1]], text)
+    text = _FORCE_UNIT.sub(lambda match: _STRESS_UNITS[match[1]], text)
+    text = _DISPLACEMENT.sub(_format_strain, text)
+    return _QUANTITIES.sub(lambda match: _WORDS[match[1]], text)
 
 
-def _as_strain(match: re.Match[str]) -> str:
-    return f"{float(match[1].replace(',', '')) * _STRAIN[match[2]]:.4g} %"
+def _format_strain(match: re.Match[str]) -> str:
+    return f"{float(match[1].replace(',', '')) * _STRAIN_FACTORS[match[2]]:.4g} %"

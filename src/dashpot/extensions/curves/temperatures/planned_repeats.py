@@ -15,8 +15,6 @@ from dashpot.planning.planned_ramp_hold import Bench, PlannedRows, Repeat
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
-# Repeats at other temperatures, where the arms are slower or faster.
-#
 # Every test shares the solid :math:`\theta = (k_\infty, k_j, \ln\tau_j)`; at :math:`T_i` its arms
 # are :math:`a_i \tau_j`, its stiffnesses :math:`b_i k_j`, and the fit finds
 #
@@ -29,25 +27,25 @@ from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
 
 SLOPE_SD = 0.03
-"""Known before of the slope of the shifts, per decade of relaxation time."""
-_MIDDLE = 0.5
-"""Arms of this relaxation time, s, shift by a_i whatever the slope."""
+"""Prior standard deviation of the slope of the shifts, per decade of relaxation time."""
+_MIDDLE_TAU = 0.5
+"""Relaxation time whose shift does not depend on the slope, s."""
 
 
-def plan_repeat(temperature: float, margin: float, law: TemperatureLaw) -> Repeat:
-    """Return what the law, and stiffness in proportion to T, suppose at a temperature, K.
+def plan_repeat(temperature: float, test_temperature: float, law: TemperatureLaw) -> Repeat:
+    """Return a repeat at a temperature, K, with its shift factors of time and stiffness.
 
-    The solid is that of the `margin`, K.
+    The stiffness is in proportion to T; both factors are 1 at `test_temperature`, K.
 
     Raises
     ------
     DataError
         If that is no other temperature, or nearer than 10 K to the glass transition.
     """
-    if abs(temperature - margin) <= SAME_TEMPERATURE:
+    if abs(temperature - test_temperature) <= SAME_TEMPERATURE:
         raise DataError(
-            f"the test is at {celsius(margin)} and is to be repeated at {celsius(temperature)}; "
-            "expected another temperature"
+            f"the test is at {celsius(test_temperature)} and is to be repeated at "
+            f"{celsius(temperature)}; expected another temperature"
         )
     coldest = law.glass + ABOVE_GLASS if isinstance(law, WLF) else 0.0
     if temperature < coldest:
@@ -55,21 +53,21 @@ def plan_repeat(temperature: float, margin: float, law: TemperatureLaw) -> Repea
             f"{celsius(temperature)} is nearer than {ABOVE_GLASS:g} K to the glass transition that "
             f"the law supposes; expected {celsius(coldest)} or more"
         )
-    a_t = float(law.a_t(temperature) / law.a_t(margin))
-    return Repeat(temperature, a_t, temperature / margin)
+    a_t = float(law.a_t(temperature) / law.a_t(test_temperature))
+    return Repeat(temperature, a_t, temperature / test_temperature)
 
 
 def plan_repeats(
-    temperatures: Sequence[float], margin: float, law: TemperatureLaw
+    temperatures: Sequence[float], test_temperature: float, law: TemperatureLaw
 ) -> tuple[Repeat, ...]:
-    """Return the repeats of a test at `margin`, K, at other temperatures, K.
+    """Return the repeats of a test at `test_temperature`, K, at other temperatures, K.
 
     Raises
     ------
     DataError
         If two temperatures are one, or :func:`plan_repeat` refuses one.
     """
-    repeats = tuple(plan_repeat(kelvin, margin, law) for kelvin in temperatures)
+    repeats = tuple(plan_repeat(kelvin, test_temperature, law) for kelvin in temperatures)
     _refuse_equal_temperatures(temperatures)
     return repeats
 
@@ -81,11 +79,11 @@ def _refuse_equal_temperatures(temperatures: Sequence[float]) -> None:
     ------
     DataError
     """
-    for one, other in pairwise(sorted(temperatures)):
-        if other - one <= SAME_TEMPERATURE:
+    for lower, higher in pairwise(sorted(temperatures)):
+        if higher - lower <= SAME_TEMPERATURE:
             raise DataError(
-                f"the test is to be repeated at {celsius(one)} and at {celsius(other)}, which is "
-                f"one temperature; expected each once, more than {SAME_TEMPERATURE:g} K apart"
+                f"the test is to be repeated at {celsius(lower)} and at {celsius(higher)}, which "
+                f"is one temperature; expected each once, more than {SAME_TEMPERATURE:g} K apart"
             )
 
 
@@ -95,7 +93,7 @@ def build_planned_rows(
     repeats: Sequence[Repeat],
     slope_sd: float = SLOPE_SD,
 ) -> PlannedRows:
-    """Return what the test and its repeats tell a fit of all, and what each rig may add to that.
+    """Return the rows of a fit of the test and all its repeats, with the errors of each rig.
 
     The first columns are those of the solid, as in
     :class:`~dashpot.planning.planned_ramp_hold.Bench`; a `slope_sd` of 0 supposes that one factor
@@ -110,17 +108,17 @@ def build_planned_rows(
     rows = np.hstack(
         (
             np.vstack([rows.rows[:, :shared] for rows in every]),
-            _block_diagonal(*private),
+            _build_block_diagonal(*private),
             np.concatenate(slope)[:, None],
         )
     )
     values = np.zeros((1, rows.shape[1]))
     values[0, -1] = 1 / max(slope_sd, 1e-12)
-    diag = _block_diagonal(*(rows.unseen for rows in every), np.zeros((1, 0)))
+    diag = _build_block_diagonal(*(rows.unseen for rows in every), np.zeros((1, 0)))
     return PlannedRows(np.vstack((rows, values)), diag)
 
 
-def _block_diagonal(*blocks: FloatArray) -> FloatArray:
+def _build_block_diagonal(*blocks: FloatArray) -> FloatArray:
     """Return a matrix of blocks along its diagonal; SciPy's takes 120 ms to import."""
     ends = np.cumsum([block.shape for block in blocks], axis=0)
     matrix = np.zeros(ends[-1])
@@ -129,9 +127,9 @@ def _block_diagonal(*blocks: FloatArray) -> FloatArray:
     return matrix
 
 
-def _build_repeat_rows(model: GeneralizedMaxwell, bench: Bench, there: Repeat) -> PlannedRows:
+def _build_repeat_rows(model: GeneralizedMaxwell, bench: Bench, repeat: Repeat) -> PlannedRows:
     """Return rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
-    solid = model.shift_to_temperature(there.a_t, there.b_t)
+    solid = model.shift_to_temperature(repeat.a_t, repeat.b_t)
     values, unmeasured = bench.rows(solid, several=True)
     n = model.arms
     stiff, slow, nuisances = (
@@ -139,11 +137,11 @@ def _build_repeat_rows(model: GeneralizedMaxwell, bench: Bench, there: Repeat) -
         values[:, 1 + n : 1 + 2 * n],
         values[:, 1 + 2 * n :],
     )
-    decades = np.log10(np.asarray(model.tau) / _MIDDLE)
+    decades = np.log10(np.asarray(model.tau) / _MIDDLE_TAU)
     changes = [
         slow.sum(axis=1),
         stiff @ np.array([solid.k_inf, *solid.k]),
         *nuisances.T,
-        np.log(there.a_t) * slow @ decades,
+        np.log(repeat.a_t) * slow @ decades,
     ]
-    return PlannedRows(np.hstack((there.b_t * stiff, slow, np.column_stack(changes))), unmeasured)
+    return PlannedRows(np.hstack((repeat.b_t * stiff, slow, np.column_stack(changes))), unmeasured)
