@@ -11,9 +11,6 @@ from typing import Any
 from dashpot.base.errors import ReadError
 from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp, path_in
 
-BLOCK = 1 << 20
-"""Bytes that are hashed at a time."""
-
 
 class FileWatch:
     """State of open files against the files on disk that they were read from.
@@ -33,27 +30,33 @@ class FileWatch:
         self._seen: dict[str, tuple[int, ...]] = {}
 
     def look(self, files: Sequence[Any]) -> dict[str, dict[str, Any]]:
-        """Return of each file its hash, its time, its state, and of a changed one its new identity.
+        """Return hash, time and state of each file, and the new identity of a changed one.
 
         The state is empty, ``"writing"``, ``"gone"`` or ``"changed"``.
         """
         return {
-            name: self._look_at(name)
+            name: self._inspect_file(name)
             for name in dict.fromkeys(item for item in files if isinstance(item, str))
-            if self._is_here(name)
+            if self._is_stored(name)
         }
 
-    def _is_here(self, identity: str) -> bool:
+    def _is_stored(self, identity: str) -> bool:
         try:
             path_in(self._store.folder, identity)
         except ReadError:
             return False
         return True
 
-    def _look_at(self, identity: str) -> dict[str, Any]:
-        kept = path_in(self._store.folder, identity)
-        when = datetime.fromtimestamp(kept.stat().st_mtime, UTC).isoformat(timespec="seconds")
-        row: dict[str, Any] = {"sha256": self._hash(identity, kept), "when": when, "state": ""}
+    def _inspect_file(self, identity: str) -> dict[str, Any]:
+        stored_path = path_in(self._store.folder, identity)
+        read_at = datetime.fromtimestamp(stored_path.stat().st_mtime, UTC).isoformat(
+            timespec="seconds"
+        )
+        row: dict[str, Any] = {
+            "sha256": self._get_hash(identity, stored_path),
+            "when": read_at,
+            "state": "",
+        }
         origin = self._store.get_origin(identity)
         if origin is None:
             return row
@@ -63,9 +66,9 @@ class FileWatch:
             return row | {"state": "gone"}
         if now == stamp:
             return row
-        settled = self._seen.get(identity) == now
+        is_settled = self._seen.get(identity) == now
         self._seen[identity] = now
-        if not settled:
+        if not is_settled:
             return row | {"state": "writing"}
         if path.stat().st_size > LIMIT:
             return row | {"state": "gone"}
@@ -74,11 +77,8 @@ class FileWatch:
             return row
         return row | {"state": "changed", "new": {"id": name, "name": path.name}}
 
-    def _hash(self, identity: str, path: Path) -> str:
+    def _get_hash(self, identity: str, path: Path) -> str:
         if identity not in self._hashes:
-            digest = hashlib.sha256()
             with path.open("rb") as file:
-                while block := file.read(BLOCK):
-                    digest.update(block)
-            self._hashes[identity] = digest.hexdigest()
+                self._hashes[identity] = hashlib.file_digest(file, "sha256").hexdigest()
         return self._hashes[identity]

@@ -35,9 +35,9 @@ from dashpot.report.result_page import kind_page, text_of
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import ImpactResult, modes_of_hits
 
-SINGLE, OFF = Pen("fit", 1.0), Pen("bad", 1.0, (5, 3))
+ACCEPTED_PEN, REJECTED_PEN = Pen("fit", 1.0), Pen("bad", 1.0, (5, 3))
 """Of the FRF of one hit: accepted, and rejected."""
-SPAN = 5.0
+VIEW_RATIO = 5.0
 """Times the peak to either side that the FRFs of hits show."""
 
 
@@ -76,18 +76,18 @@ def _find_modes(request: HammerRequest) -> tuple[ImpactResult, str]:
     return modes_of_hits(test, hammer=request.hammer, band=request.band)
 
 
-_singles: dict[tuple[int, HammerChoices], tuple[ImpactTest, dict[str, FRF]]] = {}
-"""Of hits, by which they are and how they were averaged, the FRF of each."""
+_single_hit_cache: dict[tuple[int, HammerChoices], tuple[ImpactTest, dict[str, FRF]]] = {}
+"""FRF of each hit, by the identity of the record and the choices of its average."""
 
 
 def get_single_hits(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
     """Return the FRF of every hit alone; which hits are averaged changes none of them."""
     key = id(impact), replace(choices, accept=(), reject=())
-    if key not in _singles:
-        while len(_singles) >= KEPT:
-            del _singles[next(iter(_singles))]
-        _singles[key] = impact, estimate_each_hit(impact, frf, choices)
-    return _singles[key][1]
+    if key not in _single_hit_cache:
+        while len(_single_hit_cache) >= KEPT:
+            del _single_hit_cache[next(iter(_single_hit_cache))]
+        _single_hit_cache[key] = impact, estimate_each_hit(impact, frf, choices)
+    return _single_hit_cache[key][1]
 
 
 def draw_hits(
@@ -97,18 +97,21 @@ def draw_hits(
     single = get_single_hits(impact, frf, choices)
     accepted = {hit.name for hit in frf.hits if hit.accepted}
     peak = frf.frequency[int(np.argmax(np.abs(frf.value)))]
-    view = max(peak / SPAN, float(frf.frequency[1])), min(peak * SPAN, float(frf.frequency[-1]))
+    view = (
+        max(peak / VIEW_RATIO, float(frf.frequency[1])),
+        min(peak * VIEW_RATIO, float(frf.frequency[-1])),
+    )
     marks: list[Mark] = []
-    for name, one in sorted(single.items(), key=lambda pair: pair[0] not in accepted):
-        pen = SINGLE if name in accepted else OFF
+    for name, hit_frf in sorted(single.items(), key=lambda pair: pair[0] not in accepted):
+        pen = ACCEPTED_PEN if name in accepted else REJECTED_PEN
         label = "each hit" if name in accepted else f"hit {name}, rejected"
-        marks.append(Line(*_select_view(one, view), pen, label))
+        marks.append(Line(*_select_view(hit_frf, view), pen, label))
     marks.append(Line(*_select_view(frf, view), MEASURED, "average"))
     tops = [mark.y for mark in marks if isinstance(mark, Line)]
     axis = Scale("frequency, Hz", view, log=True)
-    above = Panel(axis, Scale("accelerance, 1/kg", compute_padded_log_limits(*tops), log=True),
+    panel = Panel(axis, Scale("accelerance, 1/kg", compute_padded_log_limits(*tops), log=True),
                   tuple(marks))  # fmt: skip
-    panels = (above, *coherence_panels(frf, axis))
+    panels = (panel, *coherence_panels(frf, axis))
     title = "FRF of each hit, 1/kg; coherence"
     return {"hit-frf": view_models.render_panels("hit-frf", panels, sizes, title=title)}
 
@@ -118,19 +121,19 @@ def _select_view(frf: FRF, view: tuple[float, float]) -> tuple[FloatArray, Float
     return frf.frequency[inside], np.abs(frf.value[inside])
 
 
-def propose(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> HitSelection:
+def propose_selection(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> HitSelection:
     """Return which hits to keep, of those that are accepted now."""
     return propose_hits(frf, get_single_hits(impact, frf, choices))
 
 
 def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the modes of hits that no relaxation test goes with, and what the hits show."""
-    asked = _parse_request(request, folder)
-    result, reason = _find_modes(asked)
+    hammer_request = _parse_request(request, folder)
+    result, reason = _find_modes(hammer_request)
     page, sizes = kind_page(result), sizes_of(request)
-    test = _read_hits(asked.files, asked.options)
+    test = _read_hits(hammer_request.files, hammer_request.options)
     is_hits = isinstance(test, ImpactTest) and bool(result.frf.hits)
-    head: dict[str, Any] = {
+    message: dict[str, Any] = {
         "verdict": view_models.verdict(result.verdict, page.lights),
         "colour": VERDICT_COLOURS[result.verdict.use],
         "answers": view_models.groups(page.groups, page.told, reason or page.note),
@@ -138,25 +141,25 @@ def hammer(request: Mapping[str, Any], folder: Path) -> bytes:
         "arms": "",
         "checks": view_models.check_list(result.checks),
         "simulated": any(source.simulated for source in page.sources),
-        "command": _line(asked),
+        "command": _format_command(hammer_request),
         "hits": "",
         "hit_panels": {},
         "poles": [],
     }
     if is_hits:
-        head["hits"] = view_models.hit_table(
-            test, result.frf, propose(test, result.frf, asked.hammer)
+        message["hits"] = view_models.hit_table(
+            test, result.frf, propose_selection(test, result.frf, hammer_request.hammer)
         )
         draw = find_handler("pole figure", result.frf)
         list_poles = find_handler("poles", result.frf)
-        head["poles"] = [] if list_poles is None else list_poles(result.frf)
-        head["hit_panels"] = {
-            **draw_hits(test, result.frf, asked.hammer, sizes),
+        message["poles"] = [] if list_poles is None else list_poles(result.frf)
+        message["hit_panels"] = {
+            **draw_hits(test, result.frf, hammer_request.hammer, sizes),
             **view_models.pulse_panels(
                 test, result.frf, None if draw is None else draw(result.frf), sizes
             ),
         }
-    return wire_format.encode_message(head)
+    return wire_format.encode_message(message)
 
 
 def download_hammer(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -167,7 +170,7 @@ def download_hammer(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def _line(request: HammerRequest) -> str:
+def _format_command(request: HammerRequest) -> str:
     """Return the command that gives the same."""
     names: Sequence[str] = [Path(path).name for path in request.files]
     words = [*words_of(request.hammer), *words_of(request.options)]

@@ -3,7 +3,7 @@ r"""Which hits of a hammer test to keep: how far the FRF of each is from those o
 Of each accepted hit :math:`i` with its own FRF :math:`A_i`, over the lines within a factor of 2.3
 of the resonance,
 
-.. math:: d_i = \\frac{\\|A_i - m_i\\|}{\\|m_i\\|}
+.. math:: d_i = \frac{\|A_i - m_i\|}{\|m_i\|}
 
 where :math:`m_i` is the median, of real and imaginary part, of all the other accepted hits. The hit
 that is farthest off is left out while it is off by three times the median of all and by 5 %, and
@@ -28,13 +28,13 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
-MOST = 24
-"""Hits whose own FRFs are estimated."""
-ABOUT = 2.3
-"""Times the resonance to either side, Hz/Hz."""
-FEWEST = 3
+MOST_HITS = 24
+"""Hits whose own FRFs are estimated, at most."""
+BAND_RATIO = 2.3
+"""Highest of the compared frequencies over the resonance, and the resonance over the lowest."""
+LEAST_HITS = 3
 """Hits that are kept at least."""
-FACTOR, LEAST = 3.0, 0.05
+DEVIATION_RATIO, LEAST_DEVIATION = 3.0, 0.05
 """Times the median deviation, and the deviation, above which a hit is left out."""
 
 
@@ -49,17 +49,21 @@ class HitSelection(NamedTuple):
     def message(self) -> str:
         """What is proposed, and why."""
         if not self.deviations:
-            return "" if len(self.keep) >= FEWEST else "Record at least three hits that pass."
-        rest = max(self.deviations[name] for name in self.keep)
-        within = f"about the resonance by at most {_part(rest)}"
+            return "" if len(self.keep) >= LEAST_HITS else "Record at least three hits that pass."
+        largest = max(self.deviations[name] for name in self.keep)
+        within = f"about the resonance by at most {_format_deviation(largest)}"
         if not self.drop:
             return f"Keep all {len(self.keep)}: each differs from the others {within}."
-        off = ", ".join(f"{name} by {_part(self.deviations[name])}" for name in self.drop)
+        dropped = ", ".join(
+            f"{name} by {_format_deviation(self.deviations[name])}" for name in self.drop
+        )
         word = "hit" if len(self.drop) == 1 else "hits"
-        return f"Keep {', '.join(self.keep)}: each differs from the others {within}, {word} {off}."
+        return (
+            f"Keep {', '.join(self.keep)}: each differs from the others {within}, {word} {dropped}."
+        )
 
 
-def _part(value: float) -> str:
+def _format_deviation(value: float) -> str:
     return percent(value).lstrip("+")
 
 
@@ -76,14 +80,14 @@ def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> d
     """
     names = [hit.name for hit in frf.hits]
     single: dict[str, FRF] = {}
-    unturned = choices.polarity or (1,) * len(impact.acceleration)
-    for name in names[:MOST]:
+    polarity = choices.polarity or (1,) * len(impact.acceleration)
+    for name in names[:MOST_HITS]:
         others = tuple(other for other in names if other != name)
-        alone = replace(choices, accept=(name,), reject=others)
-        # one hit may be too soft to tell how its accelerometers are turned
-        for asked in (alone, replace(alone, polarity=unturned)):
+        single_choices = replace(choices, accept=(name,), reject=others)
+        # one hit may be too soft to tell the polarity of its accelerometers
+        for item in (single_choices, replace(single_choices, polarity=polarity)):
             with suppress(DashpotError):
-                single[name] = average(impact, choices=asked)
+                single[name] = average(impact, choices=item)
                 break
     return single
 
@@ -100,40 +104,44 @@ def propose_hits(frf: FRF, single: Mapping[str, FRF]) -> HitSelection:
     """
     accepted = tuple(hit.name for hit in frf.hits if hit.accepted)
     names = [name for name in accepted if name in single]
-    if len(names) < FEWEST:
+    if len(names) < LEAST_HITS:
         return HitSelection(accepted, (), {})
     peak = find_peak(frf).frequency
     # a softer blow reaches less far: only lines that all of them have are compared
-    ends = [peak * ABOUT, *(float(single[name].frequency[-1]) for name in names)]
-    near = (frf.frequency > peak / ABOUT) & (frf.frequency < min(ends))
-    lines, whole = frf.frequency[near], frf.value[near]
-    rows = {name: _align_phase(_on_lines(single[name], lines), whole) for name in names}
-    deviations = {name: _deviation(rows, name, names) for name in names}
+    ends = [peak * BAND_RATIO, *(float(single[name].frequency[-1]) for name in names)]
+    is_near = (frf.frequency > peak / BAND_RATIO) & (frf.frequency < min(ends))
+    lines, average_value = frf.frequency[is_near], frf.value[is_near]
+    rows = {
+        name: _align_phase(_interpolate_lines(single[name], lines), average_value) for name in names
+    }
+    deviations = {name: _compute_deviation(rows, name, names) for name in names}
     keep = list(names)
-    while len(keep) > FEWEST:
-        now = {name: _deviation(rows, name, keep) for name in keep}
+    while len(keep) > LEAST_HITS:
+        now = {name: _compute_deviation(rows, name, keep) for name in keep}
         worst = max(now, key=lambda name: now[name])
-        if now[worst] <= max(FACTOR * float(np.median(list(now.values()))), LEAST):
+        if now[worst] <= max(
+            DEVIATION_RATIO * float(np.median(list(now.values()))), LEAST_DEVIATION
+        ):
             break
         deviations[worst] = now[worst]
         keep.remove(worst)
-    deviations |= {name: _deviation(rows, name, keep) for name in keep}
+    deviations |= {name: _compute_deviation(rows, name, keep) for name in keep}
     drop = tuple(name for name in names if name not in keep)
     return HitSelection(tuple(name for name in accepted if name not in drop), drop, deviations)
 
 
-def _on_lines(frf: FRF, lines: FloatArray) -> ComplexArray:
+def _interpolate_lines(frf: FRF, lines: FloatArray) -> ComplexArray:
     """Return an FRF on lines that it has, or between its own."""
     f, value = frf.frequency, frf.value
     return np.interp(lines, f, value.real) + 1j * np.interp(lines, f, value.imag)
 
 
-def _align_phase(value: ComplexArray, whole: ComplexArray) -> ComplexArray:
-    """Return an FRF with the sign of the average: one hit alone may be turned by its own."""
-    return -value if np.vdot(whole, value).real < 0 else value
+def _align_phase(value: ComplexArray, average_value: ComplexArray) -> ComplexArray:
+    """Return an FRF with the sign of the average, from which that of one hit may differ."""
+    return -value if np.vdot(average_value, value).real < 0 else value
 
 
-def _deviation(rows: Mapping[str, ComplexArray], name: str, among: Sequence[str]) -> float:
+def _compute_deviation(rows: Mapping[str, ComplexArray], name: str, among: Sequence[str]) -> float:
     others = np.array([rows[other] for other in among if other != name])
     middle = np.median(others.real, axis=0) + 1j * np.median(others.imag, axis=0)
     return float(np.linalg.norm(rows[name] - middle) / np.linalg.norm(middle))

@@ -24,10 +24,10 @@ from dashpot.plot.style import sequential
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
 
-MOST = 60
+MOST_TESTS = 60
 """Tests that are laid over each other, at most."""
-NAMED = 6
-"""Tests that have names in the key; of more the table tells."""
+MOST_NAMES = 6
+"""Tests that have names in the key, at most; others have theirs in the table."""
 
 
 class OverlaidTest(NamedTuple):
@@ -66,19 +66,21 @@ class OverlaidRow(NamedTuple):
 def overlay(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the figure and the table of all tests that are open, each fitted alone."""
     jobs = get_list(request, "jobs")
-    if not 0 < len(jobs) <= MOST:
-        raise DataError(f"{format_count(len(jobs), 'test')}; expected 1 to {MOST}")
-    tests = [_fit_one(options, folder) for options in jobs]
+    if not 0 < len(jobs) <= MOST_TESTS:
+        raise DataError(f"{format_count(len(jobs), 'test')}; expected 1 to {MOST_TESTS}")
+    tests = [_fit_test(options, folder) for options in jobs]
     fitted = [test for test in tests if test.fit is not None]
     median = float(np.median([test.stiffness for test in fitted])) if fitted else float("nan")
     sizes = sizes_of(request)
     return wire_format.encode_message(
         {
-            "verdict": view_models.render_template("overlaid", message=_says(tests, median)),
+            "verdict": view_models.render_template(
+                "overlaid", message=_format_message(tests, median)
+            ),
             "colour": "open",
-            "panels": {"seals-hold": _hold_panel(fitted, sizes)} if fitted else {},
+            "panels": {"seals-hold": _render_hold_panel(fitted, sizes)} if fitted else {},
             "table": view_models.render_template(
-                "overlaid_table", rows=[_row(test, median) for test in tests]
+                "overlaid_table", rows=[_make_row(test, median) for test in tests]
             ),
             "simulated": any(
                 source.simulated for test in fitted if test.fit for source in test.fit.source
@@ -88,7 +90,7 @@ def overlay(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def _fit_one(options: Any, folder: Path) -> OverlaidTest:
+def _fit_test(options: Any, folder: Path) -> OverlaidTest:
     job = result_cache.select_fit_choices(job_of(options, folder))
     path = Path(job.relaxation)
     send_progress(f"fitting {path.name}")
@@ -100,23 +102,23 @@ def _fit_one(options: Any, folder: Path) -> OverlaidTest:
     return OverlaidTest(path.name, path.parent.name, job, fit, prepared)
 
 
-def _says(tests: Sequence[OverlaidTest], median: float) -> str:
+def _format_message(tests: Sequence[OverlaidTest], median: float) -> str:
     fitted = [test for test in tests if test.fit is not None]
     if not fitted:
         return "None of the tests could be fitted: the table says why."
     values = [test.stiffness for test in fitted]
-    far = max(fitted, key=lambda test: abs(test.stiffness - median))
-    away = percent(far.stiffness / median - 1)
+    farthest = max(fitted, key=lambda test: abs(test.stiffness - median))
+    difference = percent(farthest.stiffness / median - 1)
     text = (
         f"Stiffness at the end of the hold: {round_to_error(min(values), digits=4)} to "
         f"{round_to_error(max(values), digits=4)} N/mm, median {round_to_error(median, digits=4)} "
-        f"N/mm. Farthest from it: {far.name}, {away}."
+        f"N/mm. Farthest from it: {farthest.name}, {difference}."
     )
     missing = len(tests) - len(fitted)
     return f"{text} {format_count(missing, 'test')} not fitted." if missing else text
 
 
-def _hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) -> str:
+def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) -> str:
     """Return force over depth of every test against time since the end of its ramp."""
     order = sorted(tests, key=lambda test: test.stiffness)
     colours = dict(zip((test.file for test in order), sequential(len(order)), strict=True))
@@ -124,10 +126,10 @@ def _hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) -> str:
     for test in tests:
         if test.prepared is None:
             continue
-        held = test.prepared.time > test.prepared.ramp_end
-        since = test.prepared.time[held] - test.prepared.ramp_end
-        stiffness = convert_to_unit(test.prepared.force[held] / test.prepared.depth, "N/mm")
-        x, y = downsample_to_means(since, stiffness, log=True)
+        is_held = test.prepared.time > test.prepared.ramp_end
+        elapsed = test.prepared.time[is_held] - test.prepared.ramp_end
+        stiffness = convert_to_unit(test.prepared.force[is_held] / test.prepared.depth, "N/mm")
+        x, y = downsample_to_means(elapsed, stiffness, log=True)
         marks.append(Line(x, y, Pen(colours[test.file], 1.8), test.name))
     curves = [mark for mark in marks if isinstance(mark, Line)]
     span = min(mark.x[0] for mark in curves), max(mark.x[-1] for mark in curves)
@@ -138,18 +140,18 @@ def _hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) -> str:
     )
     note = (
         ""
-        if len(tests) <= NAMED
+        if len(tests) <= MOST_NAMES
         else f"{len(tests)} tests, coloured from the softest to the stiffest"
     )
     title = "Force over depth, N/mm"
     return view_models.render_panels("seals-hold", panel, sizes, title=title, note=note)
 
 
-def _row(test: OverlaidTest, median: float) -> OverlaidRow:
+def _make_row(test: OverlaidTest, median: float) -> OverlaidRow:
     if test.fit is None or test.prepared is None:
         return OverlaidRow(test.name, test.file, "", "", "", "", "", "", "bad", test.error)
-    known = {fact.name: fact for fact in list_known_values(test.fit)}
-    fact = known.get("k_end", known.get("k_inf"))
+    facts = {fact.name: fact for fact in list_known_values(test.fit)}
+    fact = facts.get("k_end", facts.get("k_inf"))
     value, low, high = ("", "", "") if fact is None else fact.cell_texts
     return OverlaidRow(
         test.name, test.file, round_to_error(convert_to_unit(test.prepared.depth, "mm"), digits=3),

@@ -257,7 +257,7 @@ def _draw_hammer(study: Study, job: Job, sizes: view_models.Sizes) -> dict[str, 
     impact, frf = study.impact, study.measured
     if impact is None or frf is None or not frf.hits:
         return {"hits": view_models.hit_table(impact, frf, None), "hit_panels": {}}
-    selection = hammer_results.propose(impact, frf, job.hammer)
+    selection = hammer_results.propose_selection(impact, frf, job.hammer)
     panels = view_models.hit_panels(study, sizes)
     panels |= hammer_results.draw_hits(impact, frf, job.hammer, sizes)
     return {"hits": view_models.hit_table(impact, frf, selection), "hit_panels": panels}
