@@ -10,13 +10,13 @@ import pytest
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.extensions.acceptance.result_values import ResultValue
 from dashpot.extensions.acceptance.judgement import POWER, count_further_tests, judge_interval
 from dashpot.extensions.acceptance.limit_files import (
     parse_expression,
     read_limits,
     split_expression,
 )
+from dashpot.extensions.acceptance.result_values import ResultValue
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 from dashpot.base.checks import Finding, Remedy, criterion
-from dashpot.extensions.transfer_stiffness.stiffness_sheet import BLOCKED
 from dashpot.extensions.transfer_stiffness.third_octaves import LEAST_LINES
+
+BLOCKED = 20.0
+"""dB by which the output moves less than the input where it counts as blocked."""
 
 
 @criterion("level difference, dB", ">=", BLOCKED, "ISO 10846-2, ISO 10846-3")

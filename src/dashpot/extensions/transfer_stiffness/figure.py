@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.units import convert_to_unit
+from dashpot.extensions.transfer_stiffness.checks import BLOCKED
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
-    BLOCKED,
     TransferStiffness,
     compute_level,
 )

@@ -24,8 +24,6 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import convert_to_unit
 
 Method: TypeAlias = Literal["direct", "indirect", "predicted"]
-BLOCKED = 20.0
-"""dB by which the output moves less than the input where it counts as blocked."""
 
 
 def compute_level(stiffness: FloatArray) -> FloatArray:

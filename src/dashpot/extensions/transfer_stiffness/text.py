@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dashpot.base.units import convert_to_unit, format_quantity
+from dashpot.extensions.transfer_stiffness.checks import BLOCKED
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
-    BLOCKED,
     BandStiffness,
     TransferStiffness,
 )

@@ -20,8 +20,8 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.extensions.transfer_stiffness import checks
+from dashpot.extensions.transfer_stiffness.checks import BLOCKED
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
-    BLOCKED,
     BandStiffness,
     Method,
     TransferStiffness,
