@@ -31,7 +31,7 @@ _CURVE = frozenset({
 def make_page_part(fit: Fit) -> TemperaturePart:
     """Return what the page of a fit at several temperatures says of them."""
     shifts = fit.temperatures
-    assert shifts is not None  # noqa: S101
+    assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")
     temperatures = [shift.temperature for shift in shifts.shifts]
     ends = " to ".join(

@@ -18,7 +18,7 @@ def format_shift_table(fit: Fit) -> str:
     The columns are ``temperature [degC], log10_a_t [1], se [1], b_t [1]``; `se` is of log10_a_t.
     """
     shifts = fit.temperatures
-    assert shifts is not None  # noqa: S101
+    assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     all_shifts = shifts.shifts
     head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
     columns = [

@@ -12,7 +12,7 @@ from dashpot.text_output.layout import table
 def format_shifts(fit: Fit) -> list[str]:
     """Return the law of temperature and the shifts of a fit at several."""
     shifts = fit.temperatures
-    assert shifts is not None  # noqa: S101
+    assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     rows = [["", "log10 a_T", get_error_label(fit), "b_T"]]
     for shift in shifts.shifts:
         along, across = (fact.cells.ascii for fact in shift.facts)
