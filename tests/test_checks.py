@@ -1296,6 +1296,8 @@ BLANK_TESTS = [
         "stop_and_spring_delay_agree",
         lambda x: blank.stop_and_spring_delay_agree(x, 2e-3, 1e-3), -2.99, 3.01,
     ),
+    Case("repeated_stops_agree", blank.repeated_stops_agree, 0.099, 0.101),
+    Case("repeated_springs_agree", blank.repeated_springs_agree, 0.0099, 0.0101),
     Case("gain_plausible", blank.gain_plausible, 1.099, 1.101),
     Case("gain_plausible", blank.gain_plausible, 1 / 1.099, 1 / 1.101),
     Case(
@@ -2031,6 +2033,8 @@ LIMITS = {
         "spring_follows_machine": 0.002,
         "stop_and_spring_creep_agree": 3.0,
         "stop_and_spring_delay_agree": 3.0,
+        "repeated_stops_agree": 0.1,
+        "repeated_springs_agree": 0.01,
         "gain_plausible": 1.1,
         "empty_run_force_free_of_motion": 5.0,
         "empty_run_plate_steady": 0.15,

@@ -137,6 +137,28 @@ def test_repeats_are_combined() -> None:
     assert both["noise"].error < single["noise"].error
 
 
+def test_repeats_that_contradict_each_other_are_not_used() -> None:
+    one, other = measure(Rig(), 5), measure(Rig(compliance=60e-6), 6)
+    stops = fit(one[0], other[0], *one[1:])
+    assert [check.name for check in stops.checks if check.failed] == ["repeated_stops_agree"]
+    assert stops.verdict.use == "use with care"
+    springs = fit(*one, read(make_spring(Rig(), 6, 1.03 * SPRING)))
+    assert [check.name for check in springs.checks if check.failed] == ["repeated_springs_agree"]
+
+
+def test_record_given_twice_is_refused() -> None:
+    records = measure(Rig(), 5)
+    with pytest.raises(DataError, match="was given before: it counts once"):
+        fit(*records, records[1])
+
+
+def test_empty_run_without_noise_is_refused() -> None:
+    stop, spring, _ = measure(Rig(), 5)
+    time, x, force = make_empty(Rig(), 5)
+    with pytest.raises(DataError, match="the force is the same in every row"):
+        fit(stop, spring, read((time, x, 0 * force), "empty"))
+
+
 def test_spring_without_a_stated_stiffness_gives_delay_and_no_gain() -> None:
     found = fit(*measure(Rig(), 7), spring_stiffness=None)
     assert found.get_value("gain") is None

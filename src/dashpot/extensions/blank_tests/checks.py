@@ -42,6 +42,8 @@ def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, 
         spring_follows_machine(_find_worst(springs, lambda press: press.misfit)),
         stop_and_spring_creep_agree(*_compare_estimates(stop, spring, "creep", _CREEP_TOLERANCE)),
         stop_and_spring_delay_agree(*_compare_estimates(stop, spring, "delay", _DELAY_TOLERANCE)),
+        repeated_stops_agree(_measure_repeats(stops)),
+        repeated_springs_agree(_measure_repeats(springs)),
         gain_plausible(facts["gain"].value if "gain" in facts else None),
         empty_run_force_free_of_motion(empty),
         empty_run_plate_steady(None if empty is None else empty.wander),
@@ -59,6 +61,16 @@ def _measure_bend(press: Press) -> float:
     """Return the curvature of a force, over its peak, less three of its standard errors."""
     value, error = press.curvature
     return math.copysign(max(abs(value) - _CLEAR_ERRORS * error, 0.0), value)
+
+
+def _measure_repeats(records: Sequence[Press]) -> float | None:
+    """Return by how much the stiffness of repeats differs beyond chance, over the smallest."""
+    if len(records) < 2:
+        return None
+    stiffest = max((press.stiffness for press in records), key=lambda estimate: estimate.value)
+    softest = min((press.stiffness for press in records), key=lambda estimate: estimate.value)
+    chance = _CLEAR_ERRORS * math.hypot(stiffest.error, softest.error)
+    return max(stiffest.value - softest.value - chance, 0.0) / softest.value
 
 
 def _compare_estimates(
@@ -199,6 +211,18 @@ def stop_and_spring_delay_agree(difference: float | None, stop: float, spring: f
     )
 
 
+@criterion("part of the stiffness", "<=", 0.1, "our choice: contact of steel on steel")
+def repeated_stops_agree(apart: float | None) -> Finding:
+    """Repeated stops show the same stiffness."""
+    return _judge_repeats("stop", apart, "One of them was no rigid stop, or was mounted otherwise")
+
+
+@criterion("part of the stiffness", "<=", 0.01, "our choice: a calibrated spring")
+def repeated_springs_agree(apart: float | None) -> Finding:
+    """Repeated springs show the same stiffness."""
+    return _judge_repeats("spring", apart, "They were two springs, or one left its seat")
+
+
 @criterion("factor", "x/", 1.1, "our choice: no calibrated cell is off by 10 %")
 def gain_plausible(gain: float | None) -> Finding:
     """The gain is that of a calibrated cell."""
@@ -265,6 +289,17 @@ def _judge_return(name: str, difference: float | None, reason: str) -> Finding:
         difference,
         reason,
         f"Use a {'steel block' if name == 'stop' else 'calibrated steel spring'}.",
+    )
+
+
+def _judge_repeats(name: str, apart: float | None, reason: str) -> Finding:
+    if apart is None:
+        return Finding(f"Not more than one {name} was pressed, so none are compared")
+    return Finding(
+        f"The stiffness of the {name}s differs by {_percent(apart)}",
+        apart,
+        reason,
+        "Repeat what differs, and leave out the other record.",
     )
 
 

@@ -549,6 +549,11 @@ def estimate_empty_run(record: BlankTest) -> EmptyRun:
         for column, error in zip(motions, fit.errors[2:], strict=False)
     ]
     noise = float(np.sqrt(fit.noise.autocovariance[0]))
+    if not noise > 0:
+        raise DataError(
+            "the force is the same in every row, so neither noise nor drift shows: its resolution "
+            "is coarser than both. Leave the file out, or record the force with more digits"
+        )
     return EmptyRun(
         RigEstimate(noise, noise * _compute_relative_error(fit.noise)),
         RigEstimate(float(fit.values[1]), float(fit.errors[1])),

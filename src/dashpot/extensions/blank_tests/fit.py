@@ -78,6 +78,7 @@ def fit_blank_tests(
             "--spring-stiffness 1N/mm"
         )
     relative_error = SPRING_ERROR if relative_error is None else relative_error
+    _refuse_duplicates(records)
     roles = assign_roles(records, stiffness)
     blanks = estimate_blanks(records, roles)
     values = report_values(blanks, stiffness, relative_error)
@@ -93,6 +94,19 @@ def fit_blank_tests(
         (*checks.run_checks(blanks, values), *caution_checks(sources)),
         sources,
     )
+
+
+def _refuse_duplicates(records: Sequence[BlankTest]) -> None:
+    """Refuse one record given twice, which would count as two measurements."""
+    for i, record in enumerate(records):
+        if any(
+            np.array_equal(record.time, other.time) and np.array_equal(record.force, other.force)
+            for other in records[:i]
+        ):
+            raise DataError(
+                f"{name_record(record)} holds a record that was given before: it counts once. "
+                "Leave it out"
+            )
 
 
 def estimate_blanks(records: Sequence[BlankTest], roles: Sequence[AssignedRole]) -> Blanks:
