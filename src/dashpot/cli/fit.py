@@ -164,7 +164,10 @@ def command(*, files: tuple[str, ...], **said: Any) -> CommandResult:
     from dashpot.cli.fit_handlers import FitRequest
     from dashpot.workflow.fit_routing import find_selected_fit, route
 
-    stated = (kind.name for kind in KINDS.values() if kind.kind_option and said[kind.kind_option])
+    stated = (
+        kind.name for kind in KINDS.values()
+        if kind.kind_option and said[kind.kind_option] not in (None, (), "")
+    )  # fmt: skip
     if said["options"].kind is None and (name := next(stated, None)):
         said["options"] = replace(said["options"], kind=name)
     detections = detect_file_kinds(files, said["options"])

@@ -129,6 +129,22 @@ def test_machine_comes_back_from_its_file(tmp_path: Path) -> None:
         ("[machine]\ncreep = '-1um'\n", "creep"),
         ("[machine]\n[other]\n", r"\[other\] is unknown"),
         ("machine = 3\n", "expected a table of keys"),
+        ("[machine]\ngain = 1.01\n", "gain = 1.01 without its standard error"),
+        (
+            "[machine]\ngain = 1.01\ngain-error = 0.1\n",
+            "gain-error has no effect without compliance",
+        ),
+        ("[machine]\ncompliance-error = '1um/N'\n", "compliance-error has no effect"),
+        (
+            "[machine]\ngain-error = 0.1\ngain_error = 0.2\n",
+            "gain-error are one key",
+        ),
+        ("[machine]\ndelay = '1ms'\n[blank]\ndate = 2999-01-01\n", "days ahead"),
+        ("[machine]\ndelay = '1ms'\n[blank]\nverdict = 'do not use'\n", "Repeat them"),
+        (
+            "[machine]\ndelay = '1ms'\n[blank]\nverdict = 'good'\n",
+            "expected 'use'",
+        ),
     ],
 )
 def test_wrong_machine_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
@@ -142,6 +158,15 @@ def test_machine_file_by_hand_needs_no_origin(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text("[machine]\ncompliance = '50um/N'\nrest = '10min'\n")
     assert read_machine_file(path) == dp.Machine(compliance="50um/N", rest="10min")
+
+
+def test_machine_file_by_hand_gives_a_compliance_the_usual_error(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_text("[machine]\ncompliance = '50um/N'\ndelay = '1ms'\n[blank]\ndate = 2026-01-02\n")
+    known, plain = read_machine_file(path), dp.Machine(compliance="50um/N")
+    assert known.give_sd(8e-3, 2.0) == pytest.approx(plain.give_sd(8e-3, 2.0))
+    assert known.calibration is not None
+    assert "measured 2026-01-02 (" in known.calibration.source
 
 
 def test_calibration_takes_gain_delay_and_settling_off_a_record() -> None:
@@ -193,6 +218,14 @@ def test_role_for_no_file_is_refused(folder: Path, monkeypatch: pytest.MonkeyPat
         main, ["fit", "stop.csv", "--kind", "blank", "--role", "stop.csv:stop"]
     )
     assert stated.exit_code == 0, stated.output
+
+
+def test_spring_of_no_stiffness_is_refused_as_a_spring(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    words = ["fit", "stop.csv", "spring.csv", "--spring-stiffness", "0N/mm"]
+    assert "spring stiffness = 0 N/m; expected" in CliRunner().invoke(main, words).output
 
 
 def test_python_reads_and_fits_blank_tests(folder: Path) -> None:

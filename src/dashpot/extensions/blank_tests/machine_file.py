@@ -15,7 +15,7 @@ from dashpot.base.option_fields import iterate_option_fields
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import Dimension, convert_to_unit
 from dashpot.base.version import __version__, byline
-from dashpot.datamodel.machine import Machine, MachineCalibration
+from dashpot.datamodel.machine import USUAL, Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import MachineFit
 from dashpot.reading.toml import Section, tables_of
 
@@ -25,6 +25,7 @@ _DIMENSIONS: Mapping[str, Dimension] = {
     "settling": "length",
 }
 _RATIOS = ("gain", "gain_error")
+_VERDICTS = ("use", "use with care", "do not use")
 _FILE_UNITS = {
     "sync": "ms", "delay": "ms", "drift": "mN/s", "compliance": "um/N", "compliance_error": "um/N",
     "creep": "um", "settling": "um",
@@ -114,6 +115,8 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
     calibration |= {name: section.number(name) for name in _RATIOS}
     calibration = {name: value for name, value in calibration.items() if value is not None}
     _refuse_gain(where, calibration)
+    if calibration:
+        _complete_errors(where, values["compliance"], calibration)
     source = _describe_origin(
         where, _open_section(f"{where}, [blank]", tables.get("blank", {}), _ORIGIN)
     )
@@ -152,6 +155,9 @@ class MachineFields(Mapping[str, Any]):
 def _open_section(where: str, entries: Any, names: tuple[str, ...]) -> Section:
     """Return a table whose keys may be typed with a dash or an underline."""
     if isinstance(entries, Mapping):
+        for name in entries:
+            if "_" in name and name.replace("_", "-") in entries:
+                raise ReadError(f"{where}: {name} and {name.replace('_', '-')} are one key")
         entries = {name.replace("-", "_"): value for name, value in entries.items()}
     return Section(where, entries, names)
 
@@ -168,25 +174,60 @@ def _refuse_gain(where: str, calibration: Mapping[str, float]) -> None:
             )
 
 
+def _complete_errors(where: str, compliance: float | None, calibration: dict[str, float]) -> None:
+    """Add the error of a compliance that is stated without it; refuse errors that have no value.
+
+    What is corrected without an error would count as exact.
+    """
+    if calibration.get("gain", 1.0) != 1 and "gain_error" not in calibration:
+        raise ReadError(
+            f"{where}: gain = {calibration['gain']:.6g} without its standard error, which would make "
+            "it exact. Add gain-error, such as 0.002"
+        )
+    stated = [name for name in ("gain_error", "compliance_error") if calibration.get(name)]
+    if compliance is None and stated:
+        raise ReadError(
+            f"{where}: {stated[0].replace('_', '-')} has no effect without compliance. Add "
+            "compliance, 0um/N if the displacement is calibration at the seal"
+        )
+    if compliance is not None and "compliance_error" not in calibration:
+        calibration["compliance_error"] = USUAL["give, named"].size * compliance
+
+
 def _describe_origin(where: str, origin: Section) -> str:
     """Return the name of a machine file with the date, age and verdict of its tests.
 
     Raises
     ------
     ReadError
-        If its date is none.
+        If its date is none or lies ahead, or the verdict is none, or that of tests not to be used.
     """
-    date = origin.word("date")
     text = f"machine file {where}"
-    if date is None:
-        return text
-    try:
-        day = dt.date.fromisoformat(date)
-    except ValueError:
-        raise ReadError(
-            f"{where}: date = {date!r}; expected year-month-day, such as 2026-11-21"
-        ) from None
-    age = (dt.datetime.now(dt.UTC).date() - day).days
-    text += f", measured {date} ({format_count(age, 'day') + ' ago' if age > 0 else 'today'})"
+    stated = origin.entries.get("date")
+    if isinstance(stated, dt.date):  # TOML has dates, too
+        date: str | None = stated.isoformat()[:10]
+    else:
+        date = origin.word("date")
+    if date is not None:
+        try:
+            day = dt.date.fromisoformat(date)
+        except ValueError:
+            raise ReadError(
+                f"{where}: date = {date!r}; expected year-month-day, such as 2026-11-21"
+            ) from None
+        age = (dt.datetime.now(dt.UTC).date() - day).days
+        if age < -1:  # a day may differ between zones
+            raise ReadError(
+                f"{where}: date = {date!r} lies {format_count(-age, 'day')} ahead; expected that "
+                "of the blank tests"
+            )
+        text += f", measured {date} ({format_count(age, 'day') + ' ago' if age > 0 else 'today'})"
     verdict = origin.word("verdict")
+    if verdict not in {None, *_VERDICTS}:
+        raise ReadError(f"{where}: verdict = {verdict!r}; expected {', '.join(map(repr, _VERDICTS))}")
+    if verdict == "do not use":
+        raise ReadError(
+            f"{where}: the verdict of its blank tests is 'do not use'. Repeat them, and write the "
+            "file anew"
+        )
     return text if verdict in {None, "use"} else f"{text}, verdict of its tests: {verdict}"
