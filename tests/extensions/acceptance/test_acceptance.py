@@ -91,9 +91,35 @@ def test_a_bound_is_open_to_no_number_of_tests(fit: dp.Fit) -> None:
 
 
 def test_a_limit_is_open_outside_the_valid_band(fit: dp.Fit) -> None:
-    (limit,) = _judge(fit, "loss factor at 500Hz <= 5").limits
+    (limit,) = _judge(fit, "loss factor at 500Hz <= 500%").limits
     assert limit.outcome == "open"
     assert "valid band" in limit.explanation
+
+
+def test_a_stiffness_before_the_ramp_shows_it_has_no_upper_limit(fit: dp.Fit) -> None:
+    fastest = 1 / (2 * math.pi * fit.band[1])
+    early = find_value(fit, f"stiffness at {fastest / 100!r}s")
+    assert math.isnan(early.fact.high)
+    assert early.fact.low <= float(fit.solid.relaxation(fastest))
+    value = early.fact.value / 1e3
+    (most,) = _judge(fit, f"stiffness at {fastest / 100!r}s <= {2 * value}N/mm").limits
+    assert most.outcome == "open"
+    assert "shorter than the test shows" in most.remedy
+    (least,) = _judge(fit, f"stiffness at {fastest / 100!r}s >= {value / 2}N/mm").limits
+    assert least.outcome == "met"
+
+
+def test_a_share_above_one_needs_its_sign(fit: dp.Fit) -> None:
+    with pytest.raises(DataError, match="8 would be 800 %; write 8% if that is meant"):
+        _judge(fit, "loss factor at 0.1Hz <= 8")
+    assert _judge(fit, "loss factor at 0.1Hz <= 800%").limits[0].upper == 8
+
+
+def test_an_empty_limit_and_a_result_without_values_are_refused() -> None:
+    with pytest.raises(DataError, match="a limit is empty"):
+        dp.files.read_limits("")
+    with pytest.raises(DataError, match="this kind of result takes no limits"):
+        find_value(object(), "x")
 
 
 def test_further_tests_follow_from_the_interval(fit: dp.Fit) -> None:

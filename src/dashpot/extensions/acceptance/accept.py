@@ -95,6 +95,8 @@ def read_limits(*sources: str | Path) -> AcceptanceLimits:
     for source in sources:
         if isinstance(source, str) and is_expression(source):
             split_expression(source)
+        elif not str(source).strip():
+            raise DataError('a limit is empty; expected such as "damping >= 3%" or "limits.toml"')
     return AcceptanceLimits(sources)
 
 

@@ -17,6 +17,8 @@ _KEYS = ("lower", "upper", "cpk")
 _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)"
 _QUANTITIES: Mapping[str, str] = {"frequency": "frequency", "stiffness": "stiffness"}
 """Quantity of a dimension that a user may have meant."""
+_SHARES = ("damping_ratio", "loss_factor")
+"""Plain numbers that are said in per cent, and hardly exceed 1."""
 _SPELLINGS = str.maketrans({"≤": "<=", "≥": ">="})
 
 
@@ -184,4 +186,6 @@ def _parse_number(value: object, quantity: LimitedQuantity) -> float | None:
             ) from None
     if not math.isfinite(number):
         raise ValueError(f"{value} is no limit; expected a finite number")
+    if abs(number) > 1 and quantity.column.startswith(_SHARES) and "%" not in str(value):
+        raise DataError(f"{value} would be {100 * number:g} %; write {value}% if that is meant")
     return number

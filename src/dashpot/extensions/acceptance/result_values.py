@@ -136,7 +136,11 @@ def find_value(result: Any, name: str) -> ResultValue:
     value = _find_by_name(result, parsed)
     if value is None:
         there = ", ".join(dict.fromkeys(list_names(result)))
-        raise DataError(f"'{name}' is no value of this result; there are {there}")
+        raise DataError(
+            f"'{name}' is no value of this result; there are {there}"
+            if there
+            else f"'{name}': this kind of result takes no limits"
+        )
     return value
 
 
@@ -289,9 +293,23 @@ def _format_time(seconds: float) -> str:
 def _find_at_time(fit: Fit, name: _Name, t: float) -> ResultValue:
     """Return the relaxation function at a time after the ramp, N/m."""
     label = "modulus" if fit.unit == "Pa" else "stiffness"
-    return _make_time_value(
-        fit, name, t, lambda solid: float(solid.relaxation(t)), unit=fit.unit, label=label
+
+    def find_at(time: float) -> ResultValue:
+        return _make_time_value(
+            fit, name, time, lambda solid: float(solid.relaxation(time)), unit=fit.unit, label=label
+        )
+
+    result, fastest = find_at(t), 1 / (2 * math.pi * fit.band[1]) if fit.band[1] > 0 else 0.0
+    if t >= fastest:
+        return result
+    # arms that the ramp hides add to it, and nothing bounds them; it never is below a later value
+    low = min(find_at(fastest).fact.low, result.fact.value)
+    fact = replace(result.fact, low=low, high=math.nan)
+    remedy = (
+        f"{_format_time(t)} is shorter than the test shows: its valid band is "
+        f"{format_frequencies(fit.band)}."
     )
+    return ResultValue(result.column, fact, "bound", remedy)
 
 
 def _find_force(study: Study, fit: Fit, name: _Name) -> ResultValue:
