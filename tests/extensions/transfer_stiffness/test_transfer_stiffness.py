@@ -254,6 +254,11 @@ def test_transfer_stiffness_refuses_unsuitable_options(
         transfer_stiffness(measured, **options)
 
 
+def test_a_fit_has_no_third_octave_at_0_hz():
+    with pytest.raises(DataError, match=r"frequency = 0.0 Hz; expected a number > 0"):
+        transfer_stiffness(dp.fit(dp.simulate("relaxation", seed=1), arms=1), band=(0.0, 10.0))
+
+
 def test_hits_are_no_transfer_stiffness():
     hits = frf(F, two_seals(F), "accelerance", record=5.0)
     with pytest.raises(DataError, match="hits on a mass show mass and mount together"):

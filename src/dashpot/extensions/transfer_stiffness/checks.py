@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.number_format import format_count
 from dashpot.extensions.transfer_stiffness.third_octaves import LEAST_LINES
 
 BLOCKED = 20.0
@@ -71,7 +72,8 @@ def third_octaves_resolved(fewest: int, *, centre: float) -> Finding:
     return Finding(
         f"Every third octave has {fewest} lines or more",
         fewest,
-        failure=f"The third octave at {centre:g} Hz has {fewest} lines, of which no mean is taken",
+        failure=f"The third octave at {centre:g} Hz has {format_count(fewest, 'line')}, of which "
+        "no mean is taken",
         remedy="Measure with a finer frequency resolution.",
     )
 

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
@@ -246,8 +247,8 @@ def _select_lines(frf: FRF, request: _Request) -> FRF:
     frf = frf.only((frf.frequency > 0) & (np.abs(frf.value) > 0))
     if len(frf.frequency) < LEAST_LINES:
         raise DataError(
-            f"{len(frf.frequency)} lines are left; expected {LEAST_LINES} or more: widen the band "
-            "(--band)"
+            f"{format_count(len(frf.frequency), 'line')} left; expected {LEAST_LINES} "
+            "or more: widen the band (--band)"
         )
     return frf
 
@@ -593,6 +594,7 @@ def _predict(
         fit = fit.at_compression(compression)
     prepared = [test.prepare() if isinstance(test, RelaxationTest) else test for test in tests]
     low, high = request.band or _USUAL_BAND
+    require_positive(frequency=low, unit=" Hz")
     bands = list_third_octaves(low, high)
     if not bands:
         raise _make_no_band_error(np.array([low, high]))
