@@ -1324,6 +1324,19 @@ CSR = [
     ),
     Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
     Case(
+        "activation_energy_plausible",
+        lambda x: csr.activation_energy_plausible(9e4 * x),
+        2.99,
+        3.01,
+    ),
+    Case(
+        "activation_energy_plausible",
+        lambda x: csr.activation_energy_plausible(9e4 * x),
+        0.34,
+        -0.5,
+    ),
+    Case("aging_answer_known", csr.aging_answer_known, 0.99, 1.01),
+    Case(
         "one_activation_energy_explains_ovens", csr.one_activation_energy_explains_ovens, 8.99, 9.01
     ),
     *(
@@ -2143,7 +2156,8 @@ LIMITS = {
     "extensions/materials/csr": {
         "force_falls": 3, "f0_read": 2, "readings_residuals_random": 3,
         "readings_residual_small": 0.04,
-        "chemical_aging_resolved": 4, "ovens_enough": 3,
+        "chemical_aging_resolved": 4, "ovens_enough": 3, "activation_energy_plausible": 3,
+        "aging_answer_known": 1,
         "one_activation_energy_explains_ovens": 9, "aging_exceeds_cell_drift": 1,
         "load_cell_zero_stable": 3,
         "temperature_near_ovens": 30, "robust_to_lower_activation_energy": 2,

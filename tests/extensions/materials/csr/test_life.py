@@ -153,9 +153,31 @@ def test_the_page_of_the_law_shows_lives(folder):
     assert "Time until F/F0 is 50 %" in page
 
 
+def test_ovens_exchanged_give_no_life_to_use():
+    one = recorded()
+    turned = CSRTest(
+        one.time, one.force, one.temperature.max() + one.temperature.min() - one.temperature,
+        one.specimen_number, units="SI",
+    )  # fmt: skip
+    life = fit_life([turned], use_at="85degC")
+    assert "activation_energy_plausible" in failed(life)
+    assert life.verdict.use != "use"
+
+
+def test_a_life_without_size_is_not_used():
+    life = fit_life([recorded()], machine=Machine(oven=30.0), use_at="85degC")
+    assert "aging_answer_known" in failed(life)
+    assert life.verdict.use == "use with care"
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
-    [("85", "85degC"), ("85mm", "temperature"), ("20degC --arms 2", "--arms is for")],
+    [
+        ("85", "85degC"),
+        ("-300degC", "--use-at = -26.85 K"),
+        ("85mm", "temperature"),
+        ("20degC --arms 2", "--arms is for"),
+    ],
 )
 def test_fit_refuses_a_wrong_temperature_of_use(folder, words, message):
     done = ran("fit", folder / "ovens.csv", "--use-at", *words.split())

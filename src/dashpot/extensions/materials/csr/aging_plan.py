@@ -243,7 +243,8 @@ def plan_aging(
         )
     seconds = convert_to_si(longest, "time")
     if not parse_quantity("24h", "time") <= seconds <= parse_quantity("100000h", "time"):
-        raise DataError(f"--longest {longest}: expected 24 h to 100,000 h, such as 1000h")
+        hours = format_quantity(seconds, "h", ".6g")
+        raise DataError(f"--longest {hours}: expected 24 h to 100,000 h, such as 1000h")
     if not 3 <= ovens <= 5:
         raise DataError(
             f"--ovens {ovens}: expected 3 to 5; a line over 1/T needs three (ISO 11346)"

@@ -16,6 +16,7 @@ LEAST_SIGNIFICANCE = 4.0
 """Standard errors by which the hottest oven must show chemistry."""
 REACH = 30.0
 """Distance of a temperature below the coldest oven, K, at most."""
+USUAL_ENERGY = parse_quantity("90kJ/mol", "molar energy")
 
 
 def run_checks(
@@ -42,6 +43,7 @@ def run_checks(
         readings_residual_small(aging.scatter),
         chemical_aging_resolved(hottest.significance, hottest.temperature),
         ovens_enough(len(aging.ovens)),
+        activation_energy_plausible(aging.law.activation or None),
         one_activation_energy_explains_ovens(strain),
         load_cell_zero_stable(*_estimate_drift(estimate, drift)),
         aging_exceeds_cell_drift(None if aging.law.bound_alone else coldest.rate, drift),
@@ -127,6 +129,21 @@ def ovens_enough(ovens: int) -> Finding:
     )
 
 
+@criterion("energy / 90 kJ/mol", "x/", 3.0, "our choice: elastomers have 40 to 200 kJ/mol")
+def activation_energy_plausible(energy: float | None) -> Finding:
+    """The activation energy is one of rubber."""
+    if energy is None:
+        return Finding("No activation energy was found, so it is not judged")
+    return Finding(
+        f"The activation energy is {format_quantity(energy, 'kJ/mol', '.3g')}",
+        energy / USUAL_ENERGY,
+        "Hotter ovens do not age the seal faster, as the law supposes"
+        if energy <= 0
+        else "No rubber is known to age so",
+        "Check which oven each specimen was in.",
+    )
+
+
 @criterion("chi square / degrees of freedom", "<=", 9.0, "our choice: chance, once in 370")
 def one_activation_energy_explains_ovens(strain: float | None) -> Finding:
     """One activation energy fits all ovens within the error of their temperatures."""
@@ -207,6 +224,19 @@ def end_point_reached(reached: int | None, part: float) -> Finding:
         float(reached),
         "The course of the law down to there was not seen",
         "Read the hottest oven for longer, or ask for a smaller loss.",
+    )
+
+
+@criterion("standard error / value", "<=", 1.0, "our choice: else not even its size is known")
+def aging_answer_known(error: float | None) -> Finding:
+    """The answer is known to its order of magnitude."""
+    if error is None:
+        return Finding("The answer has no standard error, so it is not judged")
+    return Finding(
+        f"The standard error of the answer is {100 * error:.3g} % of it",
+        error,
+        "The test does not determine it",
+        Remedy("Read longer, add ovens, or say how well each is known.", "machine", "oven=1K"),
     )
 
 

@@ -19,6 +19,7 @@ from dashpot.datamodel.fit import Fit, scale_stiffness
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.checks import (
+    aging_answer_known,
     end_point_reached,
     robust_to_lower_activation_energy,
     stiffness_follows_force,
@@ -134,7 +135,7 @@ def predict_aging(
     if len(distances) == 1 and distances[0] > ONE_OVEN and not law.bound_alone:
         raise DataError(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
-            "more ovens together with it, or ask --temperature of the oven"
+            "more ovens together with it, or ask for the temperature of the oven"
         )
     questions = _parse_questions(until) or ("50%",)
     furthest = max(
@@ -150,8 +151,20 @@ def predict_aging(
         ),
         time_near_readings(math.log10(furthest / aging.longest), aging.longest),
         end_point_reached(*count_ovens_at_end_point(aging, questions)),
+        aging_answer_known(_find_widest(aging, temperature, questions)),
     )
     return Aged(aging, temperature, questions, furthest, (*checks, *aging.checks))
+
+
+def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
+    """Return the widest standard error of the answers, over each; None where none is estimated."""
+    errors = [
+        fact.error / fact.value
+        for question in questions
+        for fact in _facts(aging, temperature, *_end(question))
+        if fact.error is not None and fact.value > 0
+    ]
+    return max(errors, default=None)
 
 
 def fit_life(
@@ -175,6 +188,9 @@ def fit_life(
     DataError, FitError
         As there, and if the ovens say nothing of the temperature.
     """
+    if use_at is not None:
+        use_at = convert_to_si(use_at, "temperature")
+        tested_at("--use-at", use_at)
     aging = fit_aging(records, machine=machine)
     return aging if use_at is None else predict_aging(aging, temperature=use_at)
 
