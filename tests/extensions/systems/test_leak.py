@@ -10,18 +10,22 @@ import numpy as np
 import pytest
 from kit import shell
 from kit.fits import a_fit
+from kit.foreign.aging import Rubber, lot
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.seal_line import SealSection
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.materials.csr.datamodel import CSRTest
+from dashpot.extensions.materials.csr.fit import fit_aging
 from dashpot.extensions.systems.door.leak_analysis import (
     Interval,
     SectionState,
     compute_contact_force,
     find_leak,
 )
+from dashpot.extensions.systems.door.leak_from_file import find_leak_speeds
 from dashpot.extensions.systems.door.leak_setup import (
     LeakSetup,
     LeakState,
@@ -219,6 +223,23 @@ def test_read_door_refuses_impossible_leak_tables(folder: Path, text: str, messa
 def test_leak_speed_names_what_the_file_lacks(folder: Path, text: str, message: str):
     with pytest.raises(DataError, match=message):
         dp.predict(dp.read(door_file(folder, text)), leak=True)
+
+
+def test_a_force_aged_beyond_its_ovens_is_no_leak_speed_to_use(folder: Path):
+    one = lot(Rubber(), 0)
+    tests = [CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")]
+    (folder / "csr.json").write_text(to_json(fit_aging(tests)), encoding="utf-8")
+    state = '[[leak.state]]\nname = "aged"\naging = "csr.json"\naging_time = "{}"\n'
+    aged = DOOR + state.format("500000h") + 'aging_temperature = "20degC"\n'
+    result = find_leak_speeds(door_file(folder, aged))
+    check = next(check for check in result.checks if check.name == "temperature_near_ovens")
+    assert check.failed
+    assert "In state 'aged'" in check.message
+    assert result.verdict.use == "use with care"
+    near = DOOR + state.format("500h") + 'aging_temperature = "100degC"\n'
+    assert "temperature_near_ovens" not in [
+        check.name for check in find_leak_speeds(door_file(folder, near)).checks if check.failed
+    ]
 
 
 def test_station_without_contact_leaks_at_rest(folder: Path):

@@ -71,6 +71,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
         seal_fit = read_fit(door.seal.fit)
         seal_temperature = door.seal.temperature if temperature is None else temperature
         cases = []
+        aged: list[Check] = []
         for state in (LeakState(NEW), *door.leak.states):
             temperature_there = seal_temperature if state.temperature is None else state.temperature
             fit_there = (
@@ -85,9 +86,9 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
             density = (
                 compute_air_density(air_temperature) if state.density is None else state.density
             )
-            cases.append(
-                (fit_there, SectionState(state, section, density, _evaluate_retention(state)))
-            )
+            retention, doubts = _evaluate_retention(state)
+            aged += doubts
+            cases.append((fit_there, SectionState(state, section, density, retention)))
         leaks = tuple(
             find_leak(
                 case, door.leak, fit=fit_there, compression=compression, factor=stations.factor
@@ -95,20 +96,18 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
             for fit_there, case in cases
         )
         result = LeakResult(door, door.leak, fit, stations, compression, leaks, ())
-        checks_run = tuple(
-            _run_checks(result, [(case.state, fit_there) for fit_there, case in cases])
-        )
-    return replace(result, checks=checks_run)
+        checks_run = _run_checks(result, [(case.state, fit_there) for fit_there, case in cases])
+        every = (*checks_run, *aged)
+    return replace(result, checks=every)
 
 
-def _evaluate_retention(state: LeakState) -> Interval:
-    """Return the part of the force that aging leaves in a state, with its 95 % limits."""
+def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:
+    """Return the part of the force that aging leaves, with 95 % limits, and failed checks of it."""
     aging = state.aging
     if aging is None:
         half = NORMAL * state.retained_sd
-        return Interval(
-            state.retained, max(state.retained - half, 0.0), min(state.retained + half, 1.0)
-        )
+        low, high = max(state.retained - half, 0.0), min(state.retained + half, 1.0)
+        return Interval(state.retained, low, high), []
     document = read_json_document(aging.law_path)
     predict = find_handler("retained force", document)
     if predict is None:
@@ -118,10 +117,12 @@ def _evaluate_retention(state: LeakState) -> Interval:
         )
     predicted = predict(document, temperature=aging.temperature, until=f"{aging.time!r}s")
     fact = predicted.answers[0]
+    where = f"in state '{state.name}'"
+    doubts = [check.with_location(where) for check in predicted.checks if check.failed]
     if np.isnan(fact.value):  # the ovens bound what is left from below alone
-        return Interval(fact.low, fact.low, 1.0)
+        return Interval(fact.low, fact.low, 1.0), doubts
     low, high = (fact.low, fact.high) if np.isfinite([fact.low, fact.high]).all() else (0.0, 1.0)
-    return Interval(min(fact.value, 1.0), max(low, 0.0), min(high, 1.0))
+    return Interval(min(fact.value, 1.0), max(low, 0.0), min(high, 1.0)), doubts
 
 
 def _run_checks(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iterator[Check]:
