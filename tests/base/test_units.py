@@ -177,3 +177,8 @@ def test_what_people_read_is_the_same_quantity() -> None:
 def test_a_unit_that_is_not_in_the_table_is_refused() -> None:
     with pytest.raises(DataError, match="'furlong' is not a known unit"):
         convert_to_unit(1.0, "furlong")
+
+
+def test_a_share_without_a_unit_is_shown_with_its_sign():
+    with pytest.raises(DataError, match="for example '4%'"):
+        parse_quantity("4", "strain")

@@ -325,7 +325,7 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
         names = [unit.word for unit in _filter_units(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
-            f"{_USUAL.get(dimension, names[0])}' (known: {', '.join(names)})"
+            f"{_USUAL.get(dimension, names[names[0] == '1'])}' (known: {', '.join(names)})"
         )
     if re.match(r",\d", match[2]):
         bare = text.strip().replace(",", "")
