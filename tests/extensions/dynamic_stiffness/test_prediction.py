@@ -2,12 +2,15 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 from kit.shell import ran
 
 import dashpot as dp
+from dashpot.base.errors import DataError
 from dashpot.extensions.dynamic_stiffness.figure import draw_stiffness_prediction
+from dashpot.extensions.dynamic_stiffness.prediction import predict_stiffness
 
 K_INF, ARMS = 180.0, ((120.0, 0.5), (20.0, 16.0))
 
@@ -39,6 +42,11 @@ def test_limits_hold_the_value_in_the_valid_band(fit):
     low, high = fit.band
     for value in dp.predict(fit, frequency=math.sqrt(low * high)).values:
         assert value.low < value.value < value.high
+
+
+def test_a_modulus_has_no_number_of_seals(fit):
+    with pytest.raises(DataError, match="a modulus is of the material"):
+        predict_stiffness(replace(fit, unit="Pa"), frequency=0.1, seals=2)
 
 
 def test_frequency_outside_the_band_has_no_limits_and_is_extrapolated(fit):

@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict
@@ -117,6 +118,11 @@ def predict_stiffness(
     for value in hertz:
         require_positive(frequency=value, unit=" Hz")
     require_positive(seals=seals)
+    if fit.unit == "Pa" and seals != 1:
+        raise DataError(
+            "a modulus is of the material, however many seals there are: leave out --seals "
+            "(Python: seals)"
+        )
     limits = None
     if records:
         from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
