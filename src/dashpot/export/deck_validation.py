@@ -175,9 +175,10 @@ def open_deck(
     fit = deck.linear_fit
     missing = []
     if form != "prony" and fit and fit.unit != "N/m":
+        card = "write a material card: --form prony (Python: form='prony')"
         missing.append(
-            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; write "
-            "a material card: --form prony (Python: form='prony')"
+            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; "
+            f"{card if 'prony' in forms else f'{target} has no material card'}"
         )
     problems = {name: (message, _REMEDIES[name]) for name, message in _problems(deck).items()}
     return replace(

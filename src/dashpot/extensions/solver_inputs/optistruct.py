@@ -58,10 +58,11 @@ def optistruct(
         )
         return text
     terms = deck.prony
+    of_material = deck.linear_fit is not None and deck.linear_fit.unit == "Pa"
     if len(terms) > _MOST_TERMS:
         raise ExportError(
-            f"MATVE holds {_MOST_TERMS} terms, and the model has {len(terms)} arms: fit fewer, or "
-            "use --form table"
+            f"MATVE holds {_MOST_TERMS} terms, and the model has {len(terms)} arms: fit "
+            f"fewer, --arms {_MOST_TERMS}{'' if of_material else ', or use --form table'}"
         )
     return deck.format_text(
         "$",
