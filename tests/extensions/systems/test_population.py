@@ -19,6 +19,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.batch.specimen_scatter import find_specimen_scatter
 from dashpot.extensions.systems.door.population import (
     DoorLimit,
+    DoorPopulation,
     SpecimenSpread,
     describe_quantity,
     parse_limit,
@@ -233,6 +234,14 @@ def test_predict_refuses_questions_that_suit_no_cars(folder, words, message):
     done = ran("predict", folder / "soft.toml", *words)
     assert done.exit_code == 2
     assert message in done.stderr
+
+
+def test_a_mode_without_the_seal_shows_no_rounding():
+    u = np.linspace(-0.2, 0.2, 11)
+    spread = SpecimenSpread(0.04)
+    one = describe_quantity("mode 3", u, np.full(11, 61.875310127), spread)
+    (fact,) = DoorPopulation(spread, (one,)).facts
+    assert fact.cells.value == "61.875310"
 
 
 def test_a_lot_that_does_not_suit_is_refused(folder):

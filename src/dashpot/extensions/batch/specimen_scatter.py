@@ -7,6 +7,7 @@ from typing import TypedDict
 import numpy as np
 
 from dashpot.base.errors import DataError
+from dashpot.base.number_format import format_count
 from dashpot.extensions.batch.api import read_lot
 from dashpot.extensions.batch.lot import Lot
 
@@ -51,7 +52,8 @@ def find_specimen_scatter(lot: Lot | str) -> SpecimenScatter:
         )
     if len(seals) < 2:
         raise DataError(
-            f"the lot has {len(seals)} seals with a stiffness; at least two show how they scatter"
+            f"the lot has {format_count(len(seals), 'seal')} with a stiffness; at least two show "
+            "how they scatter"
         )
     logs = [np.log(seal.values) for seal in seals]
     means = np.array([float(values.mean()) for values in logs])
