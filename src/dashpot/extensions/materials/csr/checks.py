@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
-from dashpot.base.units import celsius, format_quantity
+from dashpot.base.units import celsius, format_quantity, parse_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.law import FIRST, THOUSAND_HOURS
 from dashpot.extensions.materials.csr.preprocess import Readings

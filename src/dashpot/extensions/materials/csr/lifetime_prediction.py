@@ -161,7 +161,7 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
     errors = [
         fact.error / fact.value
         for question in questions
-        for fact in _facts(aging, temperature, *_end(question))
+        for fact in _report_end(aging, temperature, *_parse_end(question))
         if fact.error is not None and fact.value > 0
     ]
     return max(errors, default=None)
