@@ -225,7 +225,7 @@ def test_leak_speed_names_what_the_file_lacks(folder: Path, text: str, message: 
         dp.predict(dp.read(door_file(folder, text)), leak=True)
 
 
-def test_leak_speed_of_force_aged_beyond_its_ovens_is_doubted(folder: Path):
+def test_leak_speed_of_extrapolated_aging_is_doubted(folder: Path):
     one = lot(Rubber(), 0)
     tests = [CSRTest(one.hours, one.force, one.celsius, one.specimen_number, units="h, N, degC")]
     (folder / "csr.json").write_text(to_json(fit_aging(tests)), encoding="utf-8")
