@@ -324,6 +324,8 @@ def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, mes
         ("fit seal.csv --method qqq", "Known are full and hold."),
         ("simulate relaxtion -o x.csv", "'relaxtion' is unknown. Did you mean 'relaxation'?"),
         ("export fit.json --to nastrn", "'nastrn' is unknown. Did you mean 'nastran'?"),
+        ("export fit.json --to kratos", "depends on the number of steps"),
+        ("export fit.json --to Marc", "--to csv"),
         ("record --driver serail -o x.csv", "'serail' is unknown. Did you mean 'serial'?"),
         ("fit seal.csv --column force", "write --column force=VALUE"),
     ],

@@ -222,7 +222,8 @@ class ChoiceWithSuggestion(click.Choice[str]):
         folded = {choice.lower(): choice for choice in self.choices} | dict(self.synonyms)
         value = folded.get(key) or folded.get(re.sub("[-_ ]", "", key), value)
         if value not in self.choices and not self._is_plugin(str(value)):
-            message = f"'{value}' is unknown. {format_suggestion(str(value), self.choices)}"
+            advice = find_handler("choice", key) or format_suggestion(key, self.choices)
+            message = f"'{value}' is unknown. {advice}"
             self.fail(message + self._more(), param, ctx)
         return str(value)
 

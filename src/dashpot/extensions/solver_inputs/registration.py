@@ -5,6 +5,12 @@ from dashpot.registry.row import Command, Extension, SolverInput
 EXTENSION = Extension(
     "solver_inputs",
     handlers={
+        "choice": {
+            "kratos": "dashpot.extensions.solver_inputs.unsupported_solvers:KRATOS",
+            "marc": "dashpot.extensions.solver_inputs.unsupported_solvers:UNCHECKED",
+            "msc-marc": "dashpot.extensions.solver_inputs.unsupported_solvers:UNCHECKED",
+            "exudyn": "dashpot.extensions.solver_inputs.unsupported_solvers:UNCHECKED",
+        },
         "procedures": {
             "solver input": "dashpot.extensions.solver_inputs.procedures:format_procedures",
         },
