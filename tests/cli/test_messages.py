@@ -127,7 +127,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/materials/hyperelastic/fit_handler.py": (),
     "extensions/materials/indentation/fit_handler.py": (),
     "extensions/materials/rod/fit_handler.py": (),
-    "extensions/dynamic_stiffness/command_options.py": ("predict",),
+    "extensions/dynamic_stiffness/": ("predict",),
     "extensions/guidance/": (),
     "extensions/materials/drop/command_options.py": (),
     "extensions/materials/drop/fit_handler.py": (),
