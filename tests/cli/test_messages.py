@@ -69,6 +69,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/materials/csr/aging_plan.py": ("plan",),
     "extensions/materials/csr/plan_command.py": ("plan",),
     "extensions/materials/csr/lifetime_prediction.py": ("predict",),
+    "extensions/materials/csr/lifetime_prediction.py:fit_life": ("fit",),
     "extensions/materials/drop/": ("fit",),
     "extensions/materials/drop/approach.py": ("fit", "predict"),
     "extensions/materials/drop/prediction.py": ("predict",),

@@ -577,7 +577,11 @@ def test_every_deck_is_listed_in_the_export_page():
 def test_every_file_of_a_deck_is_offered():
     folders = (Path(decks.__file__).with_name("decks"), Path(solver_inputs.__file__).parent)
     files = {path.stem for folder in folders for path in folder.glob("*.py")}
-    assert files - {"__init__", "registration", "unsupported_solvers"} == set(SOLVER_INPUTS) == set(TARGETS)
+    assert (
+        files - {"__init__", "registration", "unsupported_solvers"}
+        == set(SOLVER_INPUTS)
+        == set(TARGETS)
+    )
 
 
 def test_forms_and_targets_are_the_same_list():

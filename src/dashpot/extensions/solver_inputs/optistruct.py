@@ -62,7 +62,7 @@ def optistruct(
     if len(terms) > _MOST_TERMS:
         raise ExportError(
             f"MATVE holds {_MOST_TERMS} terms, and the model has {len(terms)} arms: fit "
-            f"fewer, --arms {_MOST_TERMS}{'' if of_material else ', or use --form table'}"
+            f"fewer (dashpot fit FILE --arms {_MOST_TERMS}){'' if of_material else ', or use --form table'}"
         )
     return deck.format_text(
         "$",
