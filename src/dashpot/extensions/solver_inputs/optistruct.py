@@ -60,9 +60,10 @@ def optistruct(
     terms = deck.prony
     of_material = deck.linear_fit is not None and deck.linear_fit.unit == "Pa"
     if len(terms) > _MOST_TERMS:
+        other = "" if of_material else ", or use --form table"
         raise ExportError(
             f"MATVE holds {_MOST_TERMS} terms, and the model has {len(terms)} arms: fit "
-            f"fewer (dashpot fit FILE --arms {_MOST_TERMS}){'' if of_material else ', or use --form table'}"
+            f"fewer (dashpot fit FILE --arms {_MOST_TERMS}){other}"
         )
     return deck.format_text(
         "$",
