@@ -46,9 +46,9 @@ slow *args:
 nightly:
     #!/usr/bin/env bash
     set -uo pipefail
-    room="$(mktemp -d)"
-    trap 'rm -rf "$room"' EXIT
-    night="$room/night"
+    folder="$(mktemp -d)"
+    trap 'rm -rf "$folder"' EXIT
+    night="$folder/night"
     export HYPOTHESIS_PROFILE=night
     failed=0
     mkdir -p "$night"
@@ -57,12 +57,12 @@ nightly:
     DASHPOT_FUZZ=1 pytest -q -m fuzz --junitxml "$night/fuzz.xml" || failed=1
     just release || failed=1
     for one in lowest newest wheel; do
-        .ci/room "$one" "$room/$one" || failed=1
-        [ -x "$room/$one/bin/pytest" ] || continue
-        "$room/$one/bin/dashpot" demo -o "$room/demo-$one" || failed=1
+        .ci/environment "$one" "$folder/$one" || failed=1
+        [ -x "$folder/$one/bin/pytest" ] || continue
+        "$folder/$one/bin/dashpot" demo -o "$folder/demo-$one" || failed=1
         # doctests of src would be those of the working copy
         paths=(); [ "$one" = wheel ] && paths=(tests docs README.md)
-        "$room/$one/bin/pytest" -q -m "not slow and not fuzz" --junitxml "$night/$one.xml" \
+        "$folder/$one/bin/pytest" -q -m "not slow and not fuzz" --junitxml "$night/$one.xml" \
             "${paths[@]}" || failed=1
     done
     python benchmarks/verdicts.py "$night/verdicts.jsonl" > "$night/verdicts.txt" || failed=1
@@ -104,9 +104,9 @@ findings *names:
     failed=0
     for name in "${names[@]}"; do
         before=$SECONDS
-        if told="$(bash "findings/$name.sh" 2>&1)"; then result=unchanged; else result=changed; failed=1; fi
+        if output="$(bash "findings/$name.sh" 2>&1)"; then result=unchanged; else result=changed; failed=1; fi
         printf '%-9s  %4d s  %s\n' "$result" "$((SECONDS - before))" "$name"
-        [ "$result" = unchanged ] || tail -n 12 <<< "$told" | sed 's/^/           /'
+        [ "$result" = unchanged ] || tail -n 12 <<< "$output" | sed 's/^/           /'
     done
     exit "$failed"
 
@@ -114,22 +114,22 @@ findings *names:
 speed before *args:
     #!/usr/bin/env bash
     set -euo pipefail
-    room="$(mktemp -d)"
-    trap 'git worktree remove --force "$room/tree"; rm -rf "$room"' EXIT
-    git worktree add --quiet --detach "$room/tree" "{{before}}"
+    folder="$(mktemp -d)"
+    trap 'git worktree remove --force "$folder/tree"; rm -rf "$folder"' EXIT
+    git worktree add --quiet --detach "$folder/tree" "{{before}}"
     # the version is written by the build, and a working copy has one
-    cp src/dashpot/base/_version.py "$room/tree/src/dashpot/base/"
+    cp src/dashpot/base/_version.py "$folder/tree/src/dashpot/base/"
     packages="$(python -c 'import numpy, pathlib; print(pathlib.Path(numpy.__file__).parents[1])')"
     for one in before after; do
-        python -m venv --without-pip "$room/$one"
-        source="$room/tree/src"; [ "$one" = before ] || source="$PWD/src"
-        paths=("$room/$one"/lib/python*/site-packages)
+        python -m venv --without-pip "$folder/$one"
+        source="$folder/tree/src"; [ "$one" = before ] || source="$PWD/src"
+        paths=("$folder/$one"/lib/python*/site-packages)
         printf '%s\n' "$source" "$packages" > "${paths[0]}/dashpot.pth"
         printf '#!%s\nimport sys\nfrom dashpot.cli import main\nsys.exit(main())\n' \
-            "$room/$one/bin/python" > "$room/$one/bin/dashpot"
-        chmod +x "$room/$one/bin/dashpot"
+            "$folder/$one/bin/python" > "$folder/$one/bin/dashpot"
+        chmod +x "$folder/$one/bin/dashpot"
     done
-    python benchmarks/side_by_side.py "$room/before" "$room/after" --most 1.25 {{args}}
+    python benchmarks/side_by_side.py "$folder/before" "$folder/after" --most 1.25 {{args}}
 
 # what the gate tests, pinned: constraints.txt, and requirements.txt with the hash of every file
 pins:
@@ -138,7 +138,7 @@ pins:
         --python-version 3.11 --no-annotate --quiet --output-file requirements.txt \
         --custom-compile-command "pip install --require-hashes -r requirements.txt; just pins writes it"
 
-# wheel, sdist and a bill of materials of what was tested, in dist/
+# wheel, sdist and an SBOM of what was tested, in dist/
 release:
     #!/usr/bin/env bash
     set -euo pipefail
@@ -148,16 +148,16 @@ release:
     fi
     rm -rf dist
     python -m build --outdir dist
-    room="$(mktemp -d)"
-    trap 'rm -rf "$room"' EXIT
-    python -m venv --without-pip "$room"
+    folder="$(mktemp -d)"
+    trap 'rm -rf "$folder"' EXIT
+    python -m venv --without-pip "$folder"
     wheel="$(echo dist/*.whl)"
-    python -m pip --python "$room/bin/python" install -q -c constraints.txt \
-        --report "$room/report.json" "$wheel[io]"
-    bill="${wheel%-py3-none-any.whl}"
-    sed "s|^dynamic = .*|version = \"${bill#dist/dashpot-}\"|" pyproject.toml > "$room/pyproject.toml"
-    cyclonedx-py environment --pyproject "$room/pyproject.toml" --mc-type library \
-        --output-reproducible --of JSON -o "$bill.cdx.json" "$room/bin/python"
-    python .ci/bill.py "$bill.cdx.json" "$room/report.json"
+    python -m pip --python "$folder/bin/python" install -q -c constraints.txt \
+        --report "$folder/report.json" "$wheel[io]"
+    sbom="${wheel%-py3-none-any.whl}"
+    sed "s|^dynamic = .*|version = \"${sbom#dist/dashpot-}\"|" pyproject.toml > "$folder/pyproject.toml"
+    cyclonedx-py environment --pyproject "$folder/pyproject.toml" --mc-type library \
+        --output-reproducible --of JSON -o "$sbom.cdx.json" "$folder/bin/python"
+    python .ci/sbom.py "$sbom.cdx.json" "$folder/report.json"
     cp requirements.txt dist
     cd dist && sha256sum -- * > SHA256SUMS

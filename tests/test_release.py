@@ -53,19 +53,19 @@ def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pinned):
         assert {canonicalize_name(Requirement(one).name) for one in group} <= {*held}
 
 
-def test_bill_has_the_hash_of_every_component_or_is_refused():
-    hashed = runpy.run_path(str(ROOT / ".ci" / "bill.py"))["hashed"]
+def test_sbom_has_the_hash_of_every_component_or_is_refused():
+    add_hashes = runpy.run_path(str(ROOT / ".ci" / "sbom.py"))["add_hashes"]
     file = {"archive_info": {"hashes": {"sha256": "ab" * 32}}}
     one = {"metadata": {"name": "Some_Part", "version": "1.0"}, "download_info": file}
     part, other = {"name": "some-part", "version": "1.0"}, {"name": "some-part", "version": "1.1"}
-    bill = hashed({"metadata": {"component": part}, "components": []}, {"install": [one]})
-    assert bill["metadata"]["component"]["hashes"] == [{"alg": "SHA-256", "content": "ab" * 32}]
+    sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    assert sbom["metadata"]["component"]["hashes"] == [{"alg": "SHA-256", "content": "ab" * 32}]
     with pytest.raises(KeyError):
-        hashed({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
+        add_hashes({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
 
 
-def test_a_bill_hashes_what_lay_on_this_machine_itself(tmp_path):
-    hashed = runpy.run_path(str(ROOT / ".ci" / "bill.py"))["hashed"]
+def test_sbom_hashes_local_files_itself(tmp_path):
+    add_hashes = runpy.run_path(str(ROOT / ".ci" / "sbom.py"))["add_hashes"]
     wheel = tmp_path / "part 1.whl"
     wheel.write_bytes(b"part")
     one = {
@@ -73,8 +73,8 @@ def test_a_bill_hashes_what_lay_on_this_machine_itself(tmp_path):
         "download_info": {"url": wheel.as_uri(), "archive_info": {}},
     }
     part = {"name": "part", "version": "1.0"}
-    bill = hashed({"metadata": {"component": part}, "components": []}, {"install": [one]})
-    assert bill["metadata"]["component"]["hashes"][0]["content"].startswith("37a680133bd09342")
+    sbom = add_hashes({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    assert sbom["metadata"]["component"]["hashes"][0]["content"].startswith("37a680133bd09342")
 
 
 def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the_newest():

@@ -1,8 +1,8 @@
-"""Give each part of a bill of materials the SHA-256 of the file that was installed.
+"""Give each part of a software bill of materials (SBOM) the SHA-256 of the file that was installed.
 
-``python .ci/bill.py BILL.cdx.json REPORT.json``: the bill of ``cyclonedx-py environment``, and the
+``python .ci/sbom.py SBOM.cdx.json REPORT.json``: the SBOM of ``cyclonedx-py environment``, and the
 report of ``pip install --report`` into that environment. A part that the report does not know is an
-error: a bill with holes proves nothing.
+error: an SBOM with holes proves nothing.
 """
 
 from __future__ import annotations
@@ -22,33 +22,33 @@ def key(name: str, version: str) -> tuple[str, str]:
     return re.sub(r"[-_.]+", "-", name).lower(), version
 
 
-def hashed(bill: dict[str, Any], report: dict[str, Any]) -> dict[str, Any]:
-    """Return the bill with hashes."""
+def add_hashes(sbom: dict[str, Any], report: dict[str, Any]) -> dict[str, Any]:
+    """Return the SBOM with hashes."""
     files = {
         key(one["metadata"]["name"], one["metadata"]["version"]): one["download_info"]
         for one in report["install"]
     }
-    parts = [bill["metadata"]["component"], *bill["components"]]
+    parts = [sbom["metadata"]["component"], *sbom["components"]]
     for part in parts:
         file = files[key(part["name"], part["version"])]
         part["hashes"] = [{"alg": "SHA-256", "content": _sha256(file)}]
-    return bill
+    return sbom
 
 
 def _sha256(file: dict[str, Any]) -> str:
-    """What the index says, or of a file of this machine, of which pip says nothing, its bytes'."""
-    told = file["archive_info"].get("hashes", {}).get("sha256")
-    if told is not None:
-        return str(told)
+    """Return the hash that the index states; of a local file, of which pip states none, its own."""
+    stated = file["archive_info"].get("hashes", {}).get("sha256")
+    if stated is not None:
+        return str(stated)
     place = url2pathname(urlsplit(file["url"]).path)
     return hashlib.sha256(Path(place).read_bytes()).hexdigest()
 
 
 def main() -> None:
-    """Write the bill anew."""
+    """Write the SBOM with hashes."""
     path, report = map(Path, sys.argv[1:])
-    bill = hashed(json.loads(path.read_text("utf-8")), json.loads(report.read_text("utf-8")))
-    path.write_text(json.dumps(bill, indent=2, sort_keys=True) + "\n", "utf-8")
+    sbom = add_hashes(json.loads(path.read_text("utf-8")), json.loads(report.read_text("utf-8")))
+    path.write_text(json.dumps(sbom, indent=2, sort_keys=True) + "\n", "utf-8")
 
 
 if __name__ == "__main__":
