@@ -46,7 +46,7 @@ from dashpot.text_output import results
 from dashpot.text_output.layout import facts
 from dashpot.workflow.dataframes import frame
 from dashpot.workflow.json_archive import to_document
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommended_solid import recommend_solid
 
 ARMS = ("seal_8mm.csv",)
 TESTS = {
@@ -395,7 +395,7 @@ def test_modes_say_the_same_in_text_and_app(bench):
 
 def test_the_answers_of_a_study_are_its_numbers():
     study = handmade.study()
-    found = recommendation(study)
+    found = recommend_solid(study)
     every = (*found.under_mass, *found.one_seal)
     assert every
     for one, printed in zip(every, answer_rows(every), strict=True):

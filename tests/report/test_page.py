@@ -40,7 +40,7 @@ from dashpot.text_output import results
 from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.json_archive import from_json, to_json
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommended_solid import recommend_solid
 from dashpot.workflow.stiffness_under_mass import find_static_equilibrium
 
 pytestmark = pytest.mark.once
@@ -303,7 +303,7 @@ def test_report_counts_checks_consistently(whole):
 
 
 def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
-    found = recommendation(S)
+    found = recommend_solid(S)
     table = whole[whole.index('<table class="answer">') : whole.index("From and to are the 95")]
     cells = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in table.split("<tr>")[1:]]
     numbers = [row for row in cells if row]
@@ -322,7 +322,7 @@ def test_report_table_and_figure_show_the_same_peak():
     alone = replace(S, comparison=None, measured=None, impact=None, direct=None, joint=None,
                     joint_comparison=None)  # fmt: skip
     page = html(alone)
-    (frequency, *_) = [one.value for one in recommendation(alone).under_mass]
+    (frequency, *_) = [one.value for one in recommend_solid(alone).under_mass]
     tag = float(re.search(r">predicted ([\d.]+) Hz, ", page)[1])
     assert tag == pytest.approx(frequency, abs=0.006)
 
@@ -610,7 +610,7 @@ def test_an_inferred_mass_is_called_inferred(sketch):
     text = sketch(replace(S, mass_inferred=True))
     assert "was found from the measured FRF, so the agreement in frequency proves nothing" in text
     found = replace(S, mass_inferred=True)
-    assert first_screen.under_mass(found, recommendation(found))[0].endswith("found from the FRF")
+    assert first_screen.under_mass(found, recommend_solid(found))[0].endswith("found from the FRF")
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.vibration.impact.hits import HitBlock, flat_topped, judge_hit, second_pulse
+from dashpot.vibration.impact.hit_faults import find_second_pulse, is_flat_topped, judge_hit
+from dashpot.vibration.impact.hits import HitBlock
 
 BEFORE = 200
 
@@ -70,7 +71,7 @@ def test_judge_hit_counts_a_smaller_pulse_before_the_main_pulse():
 def test_two_humps_that_touch_are_a_double_hit():
     t = np.arange(80) / 80
     humps = np.exp(-(((t - 0.3) / 0.1) ** 2)) + 0.8 * np.exp(-(((t - 0.7) / 0.1) ** 2))
-    height, after = second_pulse(hit(humps))
+    height, after = find_second_pulse(hit(humps))
     assert height > 0.5
     assert after == pytest.approx(0.4 * 80 / 2048, rel=0.1)
 
@@ -89,8 +90,8 @@ def test_an_overloaded_hammer_is_noticed_under_noise(level, noise):
 
 
 def test_a_short_pulse_is_flat_only_where_neighbours_are_equal():
-    assert flat_topped(np.array([0.5, 2.0, 2.0, 2.0, 0.6]), 0.0)
-    assert not flat_topped(np.array([0.5, 1.9, 2.0, 1.9, 0.6]), 0.0)
+    assert is_flat_topped(np.array([0.5, 2.0, 2.0, 2.0, 0.6]), 0.0)
+    assert not is_flat_topped(np.array([0.5, 1.9, 2.0, 1.9, 0.6]), 0.0)
 
 
 def test_an_overloaded_accelerometer_is_noticed():

@@ -14,8 +14,6 @@ from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import si_fields
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 
-# a baseline tells the drift where it leaves less than this part of what is usual
-_TOLD = 0.7
 # two channels of one clock are together to this part of a sample
 _ONE_CLOCK = 0.01
 
@@ -277,10 +275,8 @@ class Machine(Serialisable):
         final: float,
         duration: float,
         noise: float | None = None,
-    ) -> tuple[float, float, bool]:
-        r"""Return what a baseline and the cell say of the drift together: N/s.
-
-        Mean and standard deviation, and whether the baseline determined it.
+    ) -> tuple[float, float]:
+        r"""Return mean and standard deviation of the drift as baseline and cell say together, N/s.
 
         A baseline with the `slope` m and its error e, N/s, may have drifted otherwise than the
         record, by :math:`w = 10^{-3} F_e/T`. With s that of :meth:`drift_sd`
@@ -293,12 +289,12 @@ class Machine(Serialisable):
         mean, error = slope
         usual = self.drift_sd(final, duration, noise)
         if not math.isfinite(error) or usual == 0:
-            return 0.0, usual, False
+            return 0.0, usual
         if self.drift_conflict(slope, final, duration, noise) > 1:
-            return 0.0, math.hypot(usual, mean), False
+            return 0.0, math.hypot(usual, mean)
         seen = error**2 + (USUAL["drift changes"].size * final / duration) ** 2
         sd = 1 / math.sqrt(1 / seen + 1 / usual**2)
-        return mean * sd**2 / seen, sd, sd < _TOLD * usual
+        return mean * sd**2 / seen, sd
 
     def drift_conflict(
         self,

@@ -139,8 +139,6 @@ class LoadCellPriors(NamedTuple):
         Where the offset is known, s after the first sample.
     drift : Prior
         N/s.
-    drift_from : str
-        ``"baseline"``, ``"data sheet"`` or ``"unknown"``.
     delay : Prior
         Of the force behind the displacement, s.
     first : int
@@ -157,7 +155,6 @@ class LoadCellPriors(NamedTuple):
     offset: Prior
     at: float
     drift: Prior
-    drift_from: str
     delay: Prior
     first: int
     slope: Prior
@@ -189,14 +186,11 @@ def priors(record: RampHold) -> LoadCellPriors:
             first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
     machine, values = record.machine, (final, duration)
-    mean, sd, _ = machine.combine_drift(slope, *values)
-    *doubt, reported = machine.combine_drift(slope, *values, record.force_noise)
-    source = "unknown" if machine.drift is None else "data sheet"
+    doubt = machine.combine_drift(slope, *values, record.force_noise)
     return LoadCellPriors(
         offset,
         at,
-        Prior(mean, sd),
-        "baseline" if reported else source,
+        Prior(*machine.combine_drift(slope, *values)),
         delay_prior(record),
         first,
         slope,

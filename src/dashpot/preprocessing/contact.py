@@ -1,4 +1,4 @@
-"""First contact: load-cell baseline, onset of force, and its delay."""
+"""First contact of plate and seal: load-cell baseline, where the force begins, and its delay."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import STORAGE_LIMIT, DynamicStiffness
 from dashpot.workflow.json_archive import to_json
-from dashpot.workflow.recommendation import Answer, Recommendation
+from dashpot.workflow.recommended_solid import Answer, Recommendation
 from dashpot.workflow.study import Study
 
 # Header, lights, values and files.

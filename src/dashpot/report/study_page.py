@@ -8,7 +8,7 @@ from dashpot.base.provenance import Step
 from dashpot.report import first_screen, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.page_frame import VERDICT_COLOURS, frame, render_template
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommended_solid import recommend_solid
 from dashpot.workflow.study import Study
 
 
@@ -21,8 +21,8 @@ def _build_contents(study: Study) -> dict[str, Any]:
     """Return the values of the template by name."""
     length = study.prepared.specimen.length
     stages = first_screen.stages(study)
-    new_recommendation = recommendation(study)
-    decks = first_screen.decks(new_recommendation)
+    recommendation = recommend_solid(study)
+    decks = first_screen.decks(recommendation)
     return {
         "study": study,
         **frame(),
@@ -30,18 +30,18 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "header": first_screen.header(study),
         "verdict": study.verdict,
         "colour": VERDICT_COLOURS[study.verdict.use],
-        "lights": first_screen.lights(study, new_recommendation),
-        "found": new_recommendation,
-        "heading": first_screen.heading(new_recommendation),
-        "under_mass": first_screen.under_mass(study, new_recommendation),
+        "lights": first_screen.lights(study, recommendation),
+        "found": recommendation,
+        "heading": first_screen.heading(recommendation),
+        "under_mass": first_screen.under_mass(study, recommendation),
         "one_seal": (
-            *first_screen.rows(new_recommendation.one_seal),
-            first_screen.band_row(new_recommendation),
+            *first_screen.rows(recommendation.one_seal),
+            first_screen.band_row(recommendation),
         ),
-        "about_decks": first_screen.about_decks(new_recommendation, decks),
-        "files": first_screen.files(study, new_recommendation, decks),
-        "sentences": first_screen.sentences(study, new_recommendation),
-        "weighty": first_screen.select_decisive_checks(study, new_recommendation),
+        "about_decks": first_screen.about_decks(recommendation, decks),
+        "files": first_screen.files(study, recommendation, decks),
+        "sentences": first_screen.sentences(study, recommendation),
+        "weighty": first_screen.select_decisive_checks(study, recommendation),
         "simulated": first_screen.find_simulated_files(study),
         "straight": first_screen.straight(study),
         "inferred": first_screen.inferred_mass(study),
@@ -53,8 +53,8 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "figures": figures_of(study),
         "peaks": tables.peaks(study),
         "facts": tables.test_facts(study.prepared),
-        "solid_heading": first_screen.solid_heading(new_recommendation),
-        "recommended": tables.coefficients(new_recommendation.solid, length),
+        "solid_heading": first_screen.solid_heading(recommendation),
+        "recommended": tables.coefficients(recommendation.solid, length),
         "coefficients": tables.coefficients(study.fit, length),
         "orders": tables.orders(study),
         "routes": tables.two_routes(study),

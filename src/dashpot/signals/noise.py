@@ -1,4 +1,4 @@
-"""Noise of a channel: scatter, resolution, and disturbances by machine and climate."""
+"""Noise of a channel: scatter, spikes and resolution."""
 
 from __future__ import annotations
 

@@ -334,7 +334,7 @@ def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[
 
 def study(study: Study) -> Text:
     """Return the seal under the mass and its solid; the fits behind it for who asks."""
-    from dashpot.workflow.recommendation import recommendation  # a fit does without
+    from dashpot.workflow.recommended_solid import recommend_solid  # a fit does without
 
     lines, details = [], []
     if study.mass is not None and study.comparison is not None:
@@ -349,7 +349,7 @@ def study(study: Study) -> Text:
         lines.append(str(study.static_equilibrium))
     solid = fit(study.fit if study.joint is None else study.joint)
     rows = [["numbers of the page", "value", "from", "to", "unit"]]
-    for answer in recommendation(study, requested=True).answers:
+    for answer in recommend_solid(study, requested=True).answers:
         rows.append([answer.quantity, *answer.fact.cell_texts, answer.fact.word])
     details += ["", *table(rows)]
     if study.joint is not None:

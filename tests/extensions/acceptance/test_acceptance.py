@@ -16,7 +16,7 @@ from dashpot.base.errors import DataError
 from dashpot.cli import main
 from dashpot.extensions.acceptance.datamodel import Acceptance
 from dashpot.extensions.acceptance.result_values import find_value
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommended_solid import recommend_solid
 
 K_INF, K, TAU, DEPTH, RAMP = 200.0, 60.0, 2.0, 4e-3, 0.1
 """Of the simulated seal with one arm: N/m, s, m."""
@@ -142,7 +142,7 @@ def test_force_is_that_of_the_record(fit: dp.Fit) -> None:
 
 
 def test_a_report_judges_what_its_first_screen_shows(study: dp.Study) -> None:
-    shown = {answer.quantity: answer for answer in recommendation(study).under_mass}
+    shown = {answer.quantity: answer for answer in recommend_solid(study).under_mass}
     for name, quantity in (("frequency", "frequency"), ("damping", "damping"), ("peak", "peak")):
         fact = find_value(study, name).fact
         answer = shown[quantity]

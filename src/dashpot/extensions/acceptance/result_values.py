@@ -21,7 +21,7 @@ from dashpot.fitting.prediction_bounds import off_by_error, parameter_band
 from dashpot.solids.maxwell import Solid
 from dashpot.workflow.identification import Identified
 from dashpot.workflow.measured_frf import Modes
-from dashpot.workflow.recommendation import Answer, Recommendation, recommendation
+from dashpot.workflow.recommended_solid import Answer, Recommendation, recommend_solid
 from dashpot.workflow.study import Study
 
 Spread = Literal["random", "bound", "unknown"]
@@ -147,7 +147,7 @@ def find_value(result: Any, name: str) -> ResultValue:
 def list_names(result: Any) -> list[str]:
     """Return the names of the values of a result."""
     if isinstance(result, Study):
-        advice = recommendation(result)
+        advice = recommend_solid(result)
         answered = {answer.quantity for answer in advice.under_mass}
         names = [name for name, word in _RECOMMENDED_QUANTITIES.items() if word in answered]
         return [*names, "force at TIME", *list_names(advice.solid)]
@@ -208,7 +208,7 @@ def _(result: Identified, name: _Name) -> ResultValue | None:
 @_find_by_name.register
 def _(study: Study, name: _Name) -> ResultValue | None:
     """Return a value of the mass on its seals, or of one seal."""
-    advice = recommendation(study)
+    advice = recommend_solid(study)
     if name.word == "force" and name.place:
         return _find_force(study, advice.solid, name)
     answer = _RECOMMENDED_QUANTITIES.get(name.word)

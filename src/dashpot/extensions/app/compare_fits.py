@@ -41,7 +41,7 @@ from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
-from dashpot.workflow.recommendation import Answer, Recommendation, recommendation
+from dashpot.workflow.recommended_solid import Answer, Recommendation, recommend_solid
 from dashpot.workflow.study import Study
 
 INKS = {"A": Pen("fit", 2.0, (7, 4)), "B": Pen("joint-ink", 2.0)}
@@ -79,7 +79,7 @@ def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
     study = result_cache.study(job)
     if job.joint and study.joint is None:
         raise DataError(f"{name} has no joint model: open a hammer test, and give the mass")
-    return ComparedFit(name, job, study, recommendation(study, requested=True))
+    return ComparedFit(name, job, study, recommend_solid(study, requested=True))
 
 
 def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:

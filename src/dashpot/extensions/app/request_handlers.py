@@ -42,7 +42,7 @@ from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.vibration.mass_on_seals import MassOnSeals, compute_peak_limit, predict_frf
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommended_solid import recommend_solid
 from dashpot.workflow.stiffness_under_mass import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study
 
@@ -273,11 +273,11 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     checks, verdict = (
         (study.fit.checks, study.fit.verdict) if asks else (study.verdict_checks, study.verdict)
     )
-    final_recommendation = recommendation(study, requested=True)
+    recommendation = recommend_solid(study, requested=True)
     lights = (
         view_models.make_fit_lights(study.fit)
         if asks
-        else first_screen.lights(study, final_recommendation)
+        else first_screen.lights(study, recommendation)
     )
     phase, title = (
         request.get("phase") is True,
@@ -288,7 +288,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "verdict": view_models.verdict(verdict, lights, mass=view_models.mass_that_explains(study)),
         "colour": VERDICT_COLOURS[verdict.use],
         "hint": HINT if asks else "",
-        "answers": view_models.answers(study, final_recommendation),
+        "answers": view_models.answers(study, recommendation),
         "solid": view_models.arms_table(solid, single=study.fit if study.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
         "checks": view_models.check_list(sorted(checks, key=lambda check: not check.failed)),

@@ -79,7 +79,7 @@ from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.frf_prediction import Prediction
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.job import Job
-from dashpot.workflow.recommendation import Answer, Recommendation
+from dashpot.workflow.recommended_solid import Answer, Recommendation
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")

@@ -17,7 +17,7 @@ from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
-from dashpot.vibration.impact.hits import HitQuality
+from dashpot.vibration.impact.hit_faults import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra, estimate, leave_one_out
 

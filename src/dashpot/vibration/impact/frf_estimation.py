@@ -24,15 +24,13 @@ from dashpot.vibration.impact.exponential_window import (
     find_window,
     without_offset,
 )
-from dashpot.vibration.impact.hits import (
-    HitBlock,
+from dashpot.vibration.impact.hit_faults import (
     HitQuality,
     compute_pre_hit_motion,
     compute_undecayed_fraction,
-    cut_hits,
     judge_hit,
-    remove_ringing,
 )
+from dashpot.vibration.impact.hits import HitBlock, cut_hits, remove_ringing
 from dashpot.vibration.impact.rocking import Combination, null_rocking
 from dashpot.vibration.impact.spectral_estimators import (
     ChannelSpectra,

@@ -99,6 +99,8 @@ _IN_STEP, _MOVES, _FARTHEST = 0.1, 4, 4.0
 SAMPLED = 0.1
 # so many sd of a delay before the load the displacement is sure to rest
 _RESTS = 2.0
+# a drift is known from the samples before the load where its sd is below this part of the usual
+_KNOWN_DRIFT = 0.7
 # loads this far apart, in parts of the highest, are two levels
 _APART = 0.2
 
@@ -235,13 +237,17 @@ class _PreloadBaseline(NamedTuple):
     noise: float
     least: float
     usual: float
-    determined: bool
 
     @property
     def terms(self) -> NuisanceTerms:
         """Of the columns, which count from the first sample."""
         priors = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
         return NuisanceTerms(priors, -self.at, self.least)
+
+    @property
+    def knows_drift(self) -> bool:
+        """Whether these samples, and not what is usual, determine the drift."""
+        return self.drift.sd < _KNOWN_DRIFT * self.usual
 
 
 def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _PreloadBaseline:
@@ -272,12 +278,10 @@ def estimate_preload_baseline(record: LoadHold, *, claimed: bool = False) -> _Pr
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
-    *drift, told_drift = Machine().combine_drift(slope, both, duration, unmeasured)
+    drift = Prior(*Machine().combine_drift(slope, both, duration, unmeasured))
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, late.sd)
-    return _PreloadBaseline(
-        offset, at, Prior(*drift), delay, first, noise, ROUNDING * travel, usual, told_drift
-    )
+    return _PreloadBaseline(offset, at, drift, delay, first, noise, ROUNDING * travel, usual)
 
 
 def _bound(
@@ -494,7 +498,7 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     baseline = estimate_preload_baseline(record)
     drift = retardation.solution.coefficient("drift")
     return [
-        checks.drift_distinguished_from_flow(drift, baseline.usual, reported=baseline.determined)
+        checks.drift_distinguished_from_flow(drift, baseline.usual, reported=baseline.knows_drift)
     ]
 
 

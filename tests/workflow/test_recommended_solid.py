@@ -14,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.datamodel.bounds import EndOfHold
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS
 from dashpot.vibration.mass_on_seals import model_modes
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommended_solid import recommend_solid
 
 S = handmade.study()
 ALONE = replace(S, joint=None, joint_prediction=None, joint_comparison=None)
@@ -26,28 +26,28 @@ def by_name(answers):
 
 
 def test_the_joint_solid_is_recommended_where_the_verdict_allows_it():
-    found = recommendation(S)
+    found = recommend_solid(S)
     assert (found.recommended, found.joint) == (True, True)
     assert found.solid is S.joint
 
 
 def test_without_a_joint_fit_it_is_that_of_the_relaxation_test():
     sound = replace(ALONE, comparison=None, measured=None)
-    found = recommendation(sound)
+    found = recommend_solid(sound)
     assert (found.recommended, found.joint) == (True, False)
     assert found.solid is S.fit
 
 
 def test_nothing_is_recommended_where_the_verdict_says_do_not_use():
     failed = replace(S, joint=altered(S.joint, checks=(STOP,)))
-    found = recommendation(failed)
+    found = recommend_solid(failed)
     assert (found.recommended, found.joint) == (False, False)
     assert found.solid is S.fit
 
 
 def test_the_frequency_is_that_of_the_peak_and_the_damping_that_of_the_pole():
     """What a hammer shows is a peak: for one viscous degree of freedom above the pole by 1/sqrt."""
-    found = recommendation(S)
+    found = recommend_solid(S)
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     (mode,) = model_modes(S.seals * S.joint.model, mass)
     under = by_name(found.under_mass)
@@ -71,25 +71,25 @@ def highest(solid, mass, near):
 def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_damping():
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     for study, rel in ((S, 1e-2), (replace(S, joint_comparison=None), 1e-4)):
-        under = by_name(recommendation(study).under_mass)
+        under = by_name(recommend_solid(study).under_mass)
         zeta, height = under["damping"], under["peak"]
         there = highest(S.seals * S.joint.model, mass, under["frequency"].value)
         assert height.value == pytest.approx(there, rel=rel)  # of a hammer's on its lines
         assert height.low * zeta.high == pytest.approx(height.value * zeta.value)
         assert height.high * zeta.low == pytest.approx(height.value * zeta.value)
-    assert by_name(recommendation(S).under_mass)["peak"].measured == S.comparison.measured_peak
+    assert by_name(recommend_solid(S).under_mass)["peak"].measured == S.comparison.measured_peak
 
 
 @pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
 def test_every_value_lies_between_its_ends(study):
-    found = recommendation(study)
+    found = recommend_solid(study)
     for one in (*found.under_mass, *found.one_seal):
         assert one.low <= one.value <= one.high
 
 
 def test_recommendation_bounds_contain_unresolved_arms():
     """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
-    found = recommendation(ALONE)
+    found = recommend_solid(ALONE)
     (truth,) = model_modes(2 * BROAD, BROAD_MASS)
     under, seal = by_name(found.under_mass), by_name(found.one_seal)
     omega = 2 * np.pi * under["frequency"].value
@@ -101,26 +101,26 @@ def test_recommendation_bounds_contain_unresolved_arms():
     ):
         assert one.bound
         assert one.low <= value <= one.high
-    assert not any(one.bound for one in recommendation(S).under_mass)
+    assert not any(one.bound for one in recommend_solid(S).under_mass)
 
 
 def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
     end = EndOfHold(40.0, (190.0, 210.0), (180.0, 210.0), (0.0, 211.0), 1.0)
     known = replace(ALONE, fit=altered(S.fit, end_of_hold=end))
-    one = by_name(recommendation(known).one_seal)["end of hold"]
+    one = by_name(recommend_solid(known).one_seal)["end of hold"]
     assert one.value == pytest.approx(S.fit.model.relaxation(40.0))
     assert (one.low, one.high, one.at, one.bound) == (190.0, 210.0, 40.0, True)
-    assert "end of hold" not in by_name(recommendation(ALONE).one_seal)
+    assert "end of hold" not in by_name(recommend_solid(ALONE).one_seal)
 
 
 def test_a_peak_that_nothing_limits_has_no_upper_end():
     open_ended = replace(S.frf_band, peak_frequency=(12.0, math.inf))
-    one = by_name(recommendation(replace(ALONE, frf_band=open_ended)).under_mass)["frequency"]
+    one = by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).under_mass)["frequency"]
     assert (one.low, one.high) == (12.0, math.inf)
 
 
 def test_without_a_mass_the_answers_are_those_of_the_seal_at_the_edge_of_its_band():
-    found = recommendation(handmade.bench_only())
+    found = recommend_solid(handmade.bench_only())
     assert found.under_mass == ()
     one = by_name(found.one_seal)["dynamic stiffness"]
     assert one.at == S.fit.band[1]

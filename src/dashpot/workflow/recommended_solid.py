@@ -1,4 +1,4 @@
-"""Recommendation of a study: the solid, and the main values with their intervals."""
+"""Recommended solid of a study, and its values with their limits."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Recommendation:
         return (*self.under_mass, *self.one_seal)
 
 
-def recommendation(study: Study, *, requested: bool = False) -> Recommendation:
+def recommend_solid(study: Study, *, requested: bool = False) -> Recommendation:
     """Return the solid to take, and what it says, each with its interval or bound.
 
     The joint fit where there is one and the verdict allows it; else that of the relaxation test.
