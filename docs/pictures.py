@@ -59,6 +59,7 @@ predict door.toml --close 1.2m/s --plot closing.svg
 predict door.toml --leak --plot leak.svg
 predict fit.json --mass 200g --seals 2 --band 5:200Hz --base -o mount.csv
 stiffness mount.csv --mass 200g --band 20:200Hz --plot transfer_stiffness.svg
+map preload_map.csv --mass 104g --seals 2 --phase-error 0.1deg --plot preload_map.svg
 predict door.toml --spread 4% --limit mode\\ 1>=27.3Hz --limit closing<=1.2m/s --plot cars.svg
 demo --paper -o .
 simulate relaxation --hold 4s --gauges --misaligned 2deg -o gauges.csv

@@ -57,6 +57,8 @@ from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.rod import checks as rod
 from dashpot.extensions.modes import checks as modal
 from dashpot.extensions.modes.stabilisation import DAMPING, Stabilisation
+from dashpot.extensions.preload_map import checks as maps
+from dashpot.extensions.preload_map.separability import PairTest
 from dashpot.extensions.projects import verification_checks
 from dashpot.extensions.solver_inputs.cards import checks as cards
 from dashpot.extensions.solver_inputs.draws import checks as draws
@@ -1953,6 +1955,56 @@ MOUNTS = [
         0.99, 1.01,
     ),
 ]  # fmt: skip
+
+
+def departure(pair: str, chance: float) -> PairTest:
+    """A departure of 3 %, at most 5 %, in a pair of variables."""
+    return PairTest(pair, True, chance, 0.03, 0.05, 0.01, 0.02)
+
+
+PRELOAD_MAPS = [
+    Case(
+        "compression_and_frequency_separable",
+        lambda x: maps.compression_and_frequency_separable(
+            departure("compression and frequency", x)
+        ),
+        0.0101, 0.0099,
+    ),
+    Case(
+        "amplitude_and_frequency_separable",
+        lambda x: maps.amplitude_and_frequency_separable(departure("amplitude and frequency", x)),
+        0.0101, 0.0099,
+    ),
+    Case(
+        "compression_and_amplitude_separable",
+        lambda x: maps.compression_and_amplitude_separable(
+            departure("compression and amplitude", x)
+        ),
+        0.0101, 0.0099,
+    ),
+    Case(
+        "every_pair_tested",
+        whole(lambda n: maps.every_pair_tested(["compression and amplitude"][:n])), 0, 1,
+    ),
+    Case("departure_excluded", lambda x: maps.departure_excluded(0.05 * x, 0.0), 0.99, 1.01),
+    Case("departure_excluded", lambda x: maps.departure_excluded(0.0, 0.02 * x), 0.99, 1.01),
+    Case("sweeps_followed", lambda x: maps.sweeps_followed(x, where="8 mm"), 0.099, 0.101),
+    Case("levels_enough", whole(lambda n: maps.levels_enough(n, of="compression")), 3, 2),
+    Case("levels_dense", lambda x: maps.levels_dense(x, of="compression"), 0.049, 0.051),
+    Case(
+        "solid_follows_master_curve",
+        lambda x: maps.solid_follows_master_curve(x, misfit=0.01), 1.99, 2.01,
+    ),
+    Case("part_dissipates", lambda x: maps.part_dissipates(x, frequency=10.0), 0.001, -0.001),
+    Case("stiffness_determined", maps.stiffness_determined, 0.099, 0.101),
+    Case(
+        "loss_factor_determined",
+        lambda x: maps.loss_factor_determined(x, loss_factor=0.1), 0.49, 0.51,
+    ),
+    Case(
+        "repeatability_known", lambda x: maps.repeatability_known(int(x), stated=False), 2, 0
+    ),
+]  # fmt: skip
 DRAWS = [
     Case(
         "unresolved_arm_drawn",
@@ -1975,6 +2027,7 @@ STAGES = {
     "extensions/solver_inputs/cards": CARDS,
     "extensions/solver_inputs/draws": DRAWS,
     "extensions/transfer_stiffness": MOUNTS,
+    "extensions/preload_map": PRELOAD_MAPS,
     "datamodel": RECORDS,
     "reading/readers": READING,
     "preprocessing": PREPARATION,
@@ -2203,6 +2256,13 @@ LIMITS = {
         "shear_stiffness_plausible": 1.5, "leak_speed_known": 0.2,
         "seals_suffice": 10, "scatter_exceeds_testing": 1,
     },
+    "extensions/preload_map": {
+        "compression_and_frequency_separable": 0.01, "amplitude_and_frequency_separable": 0.01,
+        "compression_and_amplitude_separable": 0.01, "every_pair_tested": 0,
+        "departure_excluded": 1.0, "sweeps_followed": 0.1, "levels_enough": 3,
+        "levels_dense": 0.05, "solid_follows_master_curve": 2.0, "part_dissipates": 0.0,
+        "stiffness_determined": 0.1, "loss_factor_determined": 0.5,
+    },
     "extensions/transfer_stiffness": {
         "output_blocked": 20.0, "errors_not_magnified": 2.0, "flange_inertia_negligible": 0.06,
         "blocking_mass_rigid": 1.0, "third_octaves_resolved": 5, "level_determined": 1.5,
@@ -2245,6 +2305,7 @@ GRADES = {
     "note": {
         "extensions/systems/door": {"line_closed", "faster_closings_latch"},
         "extensions/transfer_stiffness": {"line_noise_stated"},
+        "extensions/preload_map": {"repeatability_known"},
         "extensions/batch": {"records_distinct", "no_lot_outlier", "scatter_normal"},
         "extensions/blank_tests": {"blank_tests_complete"},
         "extensions/materials/cld": {"unloading_recorded", "length_given"},
@@ -2278,6 +2339,7 @@ GRADES = {
     },
     "stop": {
         "extensions/transfer_stiffness": {"mount_dissipates"},
+        "extensions/preload_map": {"part_dissipates", "sweeps_followed"},
         "extensions/materials/cld": {"no_energy_gained"},
         "preprocessing": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",

@@ -53,6 +53,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "extensions/systems/time_response.py": "a mass matrix",
             "extensions/amplitude/preloaded_response.py": "a parabola through three points",
             "extensions/blank_tests/estimation.py": "of a column that is read with noise itself",
+            "extensions/preload_map/fit.py": "of groups of lines, with a part common to each sweep",
             "extensions/systems/multibody.py": "the FRF of a system is the inverse of its stiffness",
         },
     ),
@@ -73,6 +74,8 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "datamodel/parameter_estimate.py": "a fit's own intervals, of what it keeps of its estimate",
             "vibration/impact/amplitude_trend.py": "the power of a test of a slope",
             "extensions/blank_tests/fit.py": "a drift to come, by the few that were seen",
+            "extensions/preload_map/fit.py": "lines and sweeps, each with degrees of freedom of its own",
+            "extensions/preload_map/separability.py": "a limit of a departure, which is no parameter",
         },
     ),
     "non-negative columns": (

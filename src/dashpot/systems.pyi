@@ -3,6 +3,9 @@ from dashpot.datamodel.seal_line import SealSection as SealSection
 from dashpot.datamodel.seal_line import Shear as Shear
 from dashpot.extensions.amplitude.preloaded_mass import PreloadedMass as PreloadedMass
 from dashpot.extensions.modes.stabilisation import stabilisation as stabilisation
+from dashpot.extensions.preload_map.fit import fit_preload_map as fit_preload_map
+from dashpot.extensions.preload_map.preload_map import PreloadMap as PreloadMap
+from dashpot.extensions.preload_map.preload_sweep import PreloadSweep as PreloadSweep
 from dashpot.extensions.systems.base_response import random_base as random_base
 from dashpot.extensions.systems.base_response import random_response as random_response
 from dashpot.extensions.systems.door.closing import ClosingDoor as ClosingDoor

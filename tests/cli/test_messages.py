@@ -94,6 +94,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/amplitude/": ("fit", "predict"),
     "extensions/systems/door/": ("predict",),
     "extensions/transfer_stiffness/": ("stiffness",),
+    "extensions/preload_map/": ("map",),
     "extensions/systems/door/export_handler.py": ("export",),
     "extensions/materials/hyperelastic/material_cards.py": ("export",),
     "workflow/frf_comparison.py": MEASURED,

@@ -65,6 +65,9 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "extensions/systems/test_closing.py::test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks": 0,  # test_arms_that_the_ramp_hides_can_only_harden_the_seal
     "extensions/systems/test_closing.py::test_what_limits_no_fast_arm_leaves_the_least_speed_open": 0,
     "extensions/systems/test_leak.py::test_limits_hold_the_truth_of_foreign_seals_and_doors": 0,
+    "extensions/preload_map/test_preload_map.py::test_chances_of_separable_parts_are_below_5_percent_in_one_of_20": 0,  # test_scatter_between_sweeps_comes_from_repeats_or_the_user
+    "extensions/preload_map/test_preload_map.py::test_limits_hold_the_truth_in_19_of_20_parts": 0,  # test_limits_hold_between_levels_too
+    "extensions/preload_map/test_preload_map.py::test_of_maps_to_be_used_none_is_of_a_part_that_is_not_separable": 1,
     "extensions/transfer_stiffness/test_transfer_stiffness.py::test_limits_of_a_fit_hold_the_truth_inside_its_band": 0,  # test_limits_hold_the_truth_in_19_of_20_mounts
     "extensions/systems/test_read_modes.py::test_dataset_55_in_mm_t_s_is_the_same": 0,  # reading/test_formats.py::test_uff_units
     "extensions/batch/arrays/test_batched_solver.py::test_batched_solver_has_the_optimum_of_doubtful_single_fits": 1,

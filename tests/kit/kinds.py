@@ -159,6 +159,12 @@ def files() -> dict[str, tuple[str, str]]:
             _sweep(spread, head=f"frequency [Hz],omega [rad/s],{moduli}",
                    besides=(2 * np.pi * spread,)), "dma",
         ),
+        "preloads.csv": (
+            csv("compression [mm],frequency [Hz],storage [N/mm],loss [N/mm]",
+                np.repeat((4.0, 6.0, 8.0), len(spread)), np.tile(spread, 3),
+                np.repeat((0.31, 0.39, 0.49), len(spread)),
+                np.repeat((0.031, 0.039, 0.049), len(spread))), "preload-map",
+        ),
         "strain.csv": (
             _sweep(ones, head=f"frequency [Hz],strain [%],{moduli}", besides=(spread,)),
             "strain-sweep",

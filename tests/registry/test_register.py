@@ -32,6 +32,8 @@ from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
 from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.extensions.preload_map.fit import fit_preload_map
+from dashpot.extensions.preload_map.read import read_sweeps
 from dashpot.plot.picture import Picture
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.columns.kind_detection import RECOGNISED, SWEEPS, FileKind
@@ -226,6 +228,7 @@ MADE: dict[str, Callable[[Path], object]] = {
     "MachineFit": lambda folder: fit_blank_files(
         [folder / f"rig_{name}.csv" for name in ("stop", "spring", "empty")], spring_stiffness=1e3
     ),
+    "PreloadMap": lambda folder: fit_preload_map(read_sweeps([folder / "preload_map.csv"])),
     "HyperelasticFit": lambda folder: fit_hyperelastic(
         [read_stress_strain(folder / "tension.csv", "uniaxial")]
     ),

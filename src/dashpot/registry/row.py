@@ -263,6 +263,7 @@ class Extension(NamedTuple):
         adapt table                     table with the columns that its reader expects
         first point                     first point of a file with several
         table rule                      whether a table is of a kind
+        over amplitude                  what a ``"column"`` is over an amplitude, by its name
         calibrate                       table corrected by a calibration file
         mounts                          mounts of a seal line
         stations                        stations of the seal in a file

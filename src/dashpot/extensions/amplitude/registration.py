@@ -28,6 +28,7 @@ EXTENSION = Extension(
     ),
     handlers={
         "fit job": {"dashpot.workflow.job:LevelJob": "dashpot.extensions.amplitude.page:fit_job"},
+        "over amplitude": {"column": "dashpot.extensions.amplitude.read:over_amplitude"},
         "read sweep": {
             "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.amplitude_response:swept_part",
         },

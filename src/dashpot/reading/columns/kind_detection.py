@@ -98,8 +98,8 @@ def _has_reversed_phases(table: FileTable, sizes: list[int], phases: list[int]) 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "blank", "not-a-test",
-    "unclear",
+    "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "blank", "preload-map",
+    "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -179,6 +179,9 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     ),
     "blank": KindOfFile(
         "a blank test of the machine", "use dashpot fit --kind blank -o rig.toml", RAMP
+    ),
+    "preload-map": KindOfFile(
+        "storage and loss at several compressions", "use dashpot map", _SWEPT
     ),
     "seal-line": KindOfFile(
         "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
@@ -361,6 +364,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
         lambda s: s.has_signal_pair(pushed=True),
     ),
     ("frf", "it has frequency, and a complex value", NamedColumns.response),
+    (
+        "preload-map",
+        "it has frequency, storage and loss at several compressions",
+        lambda s: s.swept() and s.satisfies("preload-map"),
+    ),
     (
         "dma",
         "it has frequency, storage and loss",

@@ -1,0 +1,1 @@
+"""Complex stiffness over frequency, amplitude and compression by one separable law."""

@@ -1,0 +1,468 @@
+"""Fit of a preload map to sweeps at several compressions and amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source, Step
+from dashpot.base.reported_values import NORMAL
+from dashpot.base.student_t import t_quantile
+from dashpot.base.units import Quantity, Range, convert_to_si, convert_to_unit, si_range
+from dashpot.base.value_ranges import require_nonnegative
+from dashpot.extensions.preload_map import checks
+from dashpot.extensions.preload_map.interpolation import compute_level_weights
+from dashpot.extensions.preload_map.preload_map import MapCell, PreloadMap
+from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
+from dashpot.extensions.preload_map.separability import (
+    Layout,
+    SweepScatter,
+    build_layouts,
+    estimate_scatter,
+    judge_pairs,
+)
+from dashpot.extensions.preload_map.stiffness_lines import StiffnessLines, collect_lines
+from dashpot.numerics.nonnegative_least_squares import solve_linear
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.modal.dynamic_stiffness import DEGREE
+
+GAIN_ERROR = 0.01
+"""Relative standard error of the ratio of two sensors where none is stated."""
+_PER_DECADE = 24
+_BEYOND = 30.0
+"""Relaxation times of the model reach so far beyond the band."""
+_QUIET = 1e-9
+"""SweepScatter that rounding leaves."""
+_NOTHING = 1e-9
+_MOST = 0.5
+_RANK = 1e-9
+_CURVE = 40
+_TURNS = 4
+_MOST_ANGLE = 0.1
+"""Angle that a curve may have beside its arms, rad: a standard deviation."""
+
+
+def fit_preload_map(
+    sweeps: Sequence[PreloadSweep],
+    /,
+    *,
+    band: Range | None = None,
+    repeatability: float | None = None,
+    gain_error: float = GAIN_ERROR,
+    phase_error: Quantity = DEGREE,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+) -> PreloadMap:
+    r"""Fit one law to the complex stiffness at several compressions, amplitudes and frequencies.
+
+    .. math::
+
+        K^*(f, X, c) = \frac{F_e'(c)}{k}\Big[k + \sum_j k_j
+            \frac{j\omega\tau_j}{1 + j\omega\tau_j}\Big] s(X)
+
+    The logarithm is additive in the three variables, so weighted least squares give a factor of
+    each compression, a complex factor of each amplitude and a common curve over frequency; the
+    positive spectrum of arms that is nearest to the curve makes it a Maxwell model. Separability
+    is tested pair by pair (:mod:`~dashpot.extensions.preload_map.separability`). The 95 % limits
+    hold the scatter of lines and of sweeps, the common errors of the sensors, and between levels
+    the difference of a parabola and a straight line.
+
+    Parameters
+    ----------
+    sweeps : sequence of PreloadSweep
+        At two compressions or more; sweeps at one setting are repeats.
+    band : (float, float) or str, optional
+        Hz; by default all lines.
+    repeatability : float, optional
+        Relative standard deviation of a whole sweep at a setting reached anew; repeated sweeps
+        show it themselves.
+    gain_error : float
+        Relative standard error of the ratio of the sensors; 1 % by default.
+    phase_error : float or str
+        Between the channels, rad; one degree by default.
+    mass : float or str, optional
+        Of a body on the part, kg: its resonance at each compression.
+    seals : float
+        Parts in parallel under the mass.
+
+    Returns
+    -------
+    PreloadMap
+
+    Raises
+    ------
+    DataError
+        If the sweeps are too few, too short or not linked, or an option is impossible.
+    """
+    turn = convert_to_si(phase_error, "angle")
+    require_nonnegative(gain_error=gain_error, phase_error=turn)
+    if repeatability is not None:
+        require_nonnegative(repeatability=repeatability)
+    if max(gain_error, turn, repeatability or 0.0) >= _MOST:
+        raise DataError(
+            f"a gain error of {gain_error:g}, a phase error of {turn:g} rad and a repeatability of "
+            f"{repeatability or 0:g} tell no stiffness; expected below {_MOST:g}"
+        )
+    lines = collect_lines(_select_band(sweeps, si_range(band, "frequency")))
+    layouts = build_layouts(lines)
+    _require_linked(lines, layouts[0])
+    values = (lines.magnitude, lines.angle)
+    magnitude, angle = (
+        estimate_scatter(lines, y, layout, repeatability or 0.0)
+        for y, layout in zip(values, layouts, strict=True)
+    )
+    scatters = (magnitude, angle)
+    pairs = judge_pairs(lines, layouts, scatters)
+    law = _fit_law(lines, layouts, scatters)
+    no_amplitude = bool(np.isnan(lines.amplitudes[0]))
+    found = PreloadMap(
+        model=law.model,
+        band=(float(lines.frequency.min()), float(lines.frequency.max())),
+        compressions=lines.compressions,
+        amplitudes=np.zeros(0) if no_amplitude else lines.amplitudes,
+        reference=law.reference,
+        compression_factor=np.exp(law.compression),
+        amplitude_factor=np.exp(law.amplitude),
+        covariance=law.covariance,
+        gain_error=gain_error,
+        phase_error=turn,
+        line_scatter=(magnitude.line, angle.line),
+        sweep_scatter=(magnitude.sweep, angle.sweep),
+        pairs=pairs,
+        cells=(),
+        frequency=lines.frequency,
+        value=np.exp(lines.magnitude + 1j * lines.angle),
+        line_compression=lines.compressions[lines.compression],
+        line_amplitude=lines.amplitudes[lines.amplitude],
+        seals=seals,
+        source=_collect_sources(sweeps),
+        steps=(Step("fit_preload_map", _settings(band, repeatability, gain_error, turn)),),
+    )
+    found = replace(found, cells=_measure_cells(lines, found))
+    repeats = int(lines.sweep.max()) + 1 - len(found.cells)
+    found = replace(
+        found, checks=_judge(found, law, repeats=repeats, stated=repeatability is not None)
+    )
+    return found if mass is None else add_resonances(found, mass, seals)
+
+
+def add_resonances(found: PreloadMap, mass: Quantity, seals: float = 1.0) -> PreloadMap:
+    """Return the map with the resonance of a mass at each measured compression.
+
+    Raises
+    ------
+    DataError
+        If one lies outside the measured band.
+    """
+    each = tuple(
+        found.find_resonance(mass, seals=seals, compression=c) for c in found.compressions.tolist()
+    )
+    return replace(found, mass=convert_to_si(mass, "mass"), seals=seals, resonances=each)
+
+
+class _SeparableLaw(NamedTuple):
+    """Logarithms of the factors, the model, their covariance, and the model's misfit."""
+
+    model: GeneralizedMaxwell
+    reference: tuple[int, int]
+    compression: FloatArray
+    amplitude: ComplexArray
+    covariance: FloatArray
+    misfit: float
+    misfit_ratio: float
+
+
+def _select_band(
+    sweeps: Sequence[PreloadSweep], band: tuple[float, float] | None
+) -> list[PreloadSweep]:
+    if band is None:
+        return list(sweeps)
+    chosen = []
+    for sweep in sweeps:
+        inside = (sweep.frequency >= band[0]) & (sweep.frequency <= band[1])
+        if not inside.any():
+            raise DataError(
+                f"{sweep.name} has no line from {band[0]:.4g} to {band[1]:.4g} Hz: widen the band "
+                "(--band), or leave the file out"
+            )
+        weight = None if sweep.weight is None else sweep.weight[inside]
+        chosen.append(
+            replace(sweep, frequency=sweep.frequency[inside], value=sweep.value[inside],
+                    weight=weight)
+        )  # fmt: skip
+    return chosen
+
+
+def _require_linked(lines: StiffnessLines, layout: Layout) -> None:
+    """Refuse sweeps whose compressions and amplitudes never meet."""
+    weighted = layout.main * lines.weight[:, None]
+    rank = int(np.linalg.matrix_rank(weighted, tol=_RANK * float(np.linalg.norm(weighted))))
+    columns = layout.main.shape[1]
+    if rank < columns - 2:
+        raise DataError(
+            "compression and amplitude, or compression and frequency, change together from sweep "
+            "to sweep, so that their effects cannot be told apart. Measure one compression at two "
+            "amplitudes, and all sweeps at the same frequencies"
+        )
+
+
+def _fit_law(
+    lines: StiffnessLines,
+    layouts: tuple[Layout, Layout],
+    scatters: tuple[SweepScatter, SweepScatter],
+) -> _SeparableLaw:
+    """Fit the additive law, and the arms that follow its curve over frequency."""
+    nc, nx = len(lines.compressions), len(lines.amplitudes)
+    reference = (nc // 2, 0)
+    shared = layouts[0].main.shape[1] - nc - nx
+    curve = _curve_columns(lines, shared)
+    tones = curve.frequency
+    contrast_c, contrast_x = _contrasts(nc, reference[0]), _contrasts(nx, reference[1])
+    magnitude = _estimate(lines, lines.magnitude, layouts[0].main, scatters[0])
+    angle = _estimate(lines, lines.angle, layouts[1].main, scatters[1])
+    at_c, at_x = np.eye(nc)[reference[0]], np.eye(nx)[reference[1]]
+    n = len(tones)
+    of_magnitude = np.hstack((curve.columns, np.tile(at_c, (n, 1)), np.tile(at_x, (n, 1))))
+    of_angle = np.hstack((curve.columns, np.tile(at_x, (n, 1))))
+    ln_master = of_magnitude @ magnitude.beta + 1j * (of_angle @ angle.beta)
+    sd = [max(scatter.line, _QUIET) / curve.strength for scatter in scatters]
+    model, angle_left = _fit_arms(tones, np.exp(ln_master), sd)
+    followed = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
+    to_k, to_angle = _invert_curve(model, tones, sd)
+    zeros = np.zeros
+    q = of_angle.shape[1]
+    pick_c = np.hstack((zeros((nc, shared)), contrast_c, zeros((nc, nx))))
+    pick_x = np.hstack((zeros((nx, shared + nc)), contrast_x))
+    turn_x = np.hstack((zeros((nx, shared)), contrast_x))
+    by_magnitude, by_angle = (of_magnitude / sd[0][:, None]), (of_angle / sd[1][:, None])
+    L_magnitude = np.vstack(
+        (pick_c, pick_x, np.tile(to_angle[:n] @ by_magnitude, (nx, 1)), to_k[:, :n] @ by_magnitude)
+    )
+    L_angle = np.vstack(
+        (zeros((nc, q)), zeros((nx, q)), turn_x + to_angle[n:] @ by_angle, to_k[:, n:] @ by_angle)
+    )
+    covariance = (
+        L_magnitude @ magnitude.covariance @ L_magnitude.T + L_angle @ angle.covariance @ L_angle.T
+    )
+    gap = np.log(followed) - ln_master
+    # the curve is known worse than its lines where the sweeps share only some of them
+    noise = np.concatenate((gap.real / sd[0], gap.imag / sd[1]))
+    freedom = max(2 * n - len(model.tau) - 2, 1)
+    return _SeparableLaw(
+        model,
+        reference,
+        pick_c @ magnitude.beta,
+        pick_x @ magnitude.beta + 1j * (turn_x @ angle.beta + angle_left),
+        covariance,
+        float(np.abs(gap).max()),
+        float(np.sqrt(noise @ noise / freedom)),
+    )
+
+
+class _CommonCurve(NamedTuple):
+    """Frequencies of the common curve, Hz, its columns, and root of the weight behind each."""
+
+    frequency: FloatArray
+    columns: FloatArray
+    strength: FloatArray
+
+
+def _curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
+    """Return where the common curve is taken: at shared frequencies, or on a grid."""
+    total = float((lines.weight**2).sum())
+    if lines.shares_tones:
+        weight = np.bincount(lines.tone, lines.weight**2, len(lines.tones))
+        return _CommonCurve(lines.tones, np.eye(shared), np.sqrt(weight))
+    low, high = float(lines.frequency.min()), float(lines.frequency.max())
+    f = np.asarray(np.geomspace(low, high, _CURVE), dtype=float)
+    u = np.linspace(-1.0, 1.0, _CURVE)
+    columns = np.asarray(np.polynomial.legendre.legvander(u, shared - 1), dtype=float)
+    return _CommonCurve(f, columns, np.full(_CURVE, np.sqrt(total / _CURVE)))
+
+
+class _AdditiveCoefficients(NamedTuple):
+    """Coefficients and their covariance, widened so that 1.96 standard errors are 95 %."""
+
+    beta: FloatArray
+    covariance: FloatArray
+
+
+def _estimate(
+    lines: StiffnessLines, y: FloatArray, main: FloatArray, scatter: SweepScatter
+) -> _AdditiveCoefficients:
+    weighted = main * lines.weight[:, None]
+    back = np.linalg.pinv(weighted, rcond=_RANK)
+    sweeps = (lines.sweep[:, None] == np.arange(int(lines.sweep.max()) + 1)) * lines.weight[:, None]
+    line, sweep = (
+        (sd * t_quantile(0.95, dof) / NORMAL) ** 2
+        for sd, dof in ((scatter.line, scatter.dof), (scatter.sweep, scatter.sweep_dof))
+    )
+    by_sweep = back @ sweeps
+    return _AdditiveCoefficients(
+        back @ (y * lines.weight), line * (back @ back.T) + sweep * (by_sweep @ by_sweep.T)
+    )
+
+
+def _contrasts(count: int, reference: int) -> FloatArray:
+    """Return each level less the reference."""
+    contrasts = np.eye(count)
+    contrasts[:, reference] -= 1.0
+    return contrasts
+
+
+def _fit_arms(
+    frequency: FloatArray, master: ComplexArray, sd: Sequence[FloatArray]
+) -> tuple[GeneralizedMaxwell, float]:
+    """Return the positive spectrum nearest to a curve, and the angle that the curve has beside it.
+
+    Friction turns the stiffness by an angle that no arm has: it is the same at every frequency.
+    """
+    omega = 2 * np.pi * frequency
+    low, high = 1 / omega.max() / _BEYOND, _BEYOND / omega.min()
+    tau = np.geomspace(low, high, round(_PER_DECADE * float(np.log10(high / low))) + 1)
+    columns = _arm_columns(omega, tau)
+    n, turned = len(omega), 0.0
+    target = np.concatenate((1 / sd[0], zeros := np.zeros(n), [0.0]))
+    positive = np.append(np.ones(len(tau) + 1, dtype=bool), False)
+    for _ in range(_TURNS):
+        A = columns / (master * np.exp(-1j * turned))[:, None]
+        turn = np.concatenate((zeros, 1 / sd[1], [1 / _MOST_ANGLE]))
+        rows = np.vstack((A.real / sd[0][:, None], A.imag / sd[1][:, None], 0 * A.real[:1]))
+        target[-1] = -turned / _MOST_ANGLE
+        k, _ = solve_linear(np.column_stack((rows, turn)), target, positive=positive)
+        turned += float(k[-1])
+    carries = k[1:-1] > _NOTHING * float(k[:-1].sum())
+    model = GeneralizedMaxwell(float(k[0]), tuple(k[1:-1][carries]), tuple(tau[carries]))
+    return model, turned
+
+
+def _arm_columns(omega: FloatArray, tau: FloatArray) -> ComplexArray:
+    """Return what k_inf and every stiffness multiply."""
+    product = 1j * omega[:, None] * tau
+    return np.column_stack((np.ones(len(omega), dtype=complex), product / (1 + product)))
+
+
+def _invert_curve(
+    model: GeneralizedMaxwell, frequency: FloatArray, sd: Sequence[FloatArray]
+) -> tuple[FloatArray, FloatArray]:
+    """Return what stiffnesses and angle gain with the rows of ln|K|, then of the angle, over sd."""
+    omega, n = 2 * np.pi * frequency, len(frequency)
+    A = _arm_columns(omega, np.array(model.tau)) / model.complex_stiffness(omega=omega)[:, None]
+    rows = np.vstack((A.real / sd[0][:, None], A.imag / sd[1][:, None]))
+    turn = np.concatenate((np.zeros(n), 1 / sd[1]))
+    free = np.flatnonzero(np.array((model.k_inf, *model.k)) > 0)
+    back = np.linalg.pinv(np.column_stack((rows[:, free], turn)), rcond=_RANK)
+    to_k = np.zeros((rows.shape[1], 2 * n))
+    to_k[free] = back[:-1]
+    return to_k, back[-1]
+
+
+def _measure_cells(lines: StiffnessLines, found: PreloadMap) -> tuple[MapCell, ...]:
+    """Return how many lines each setting has, and how far the map misses them."""
+    cells = []
+    for i, c in enumerate(lines.compressions.tolist()):
+        for j, X in enumerate(lines.amplitudes.tolist()):
+            here = (lines.compression == i) & (lines.amplitude == j)
+            if not here.any():
+                continue
+            moved = None if np.isnan(X) else X
+            expected = found.evaluate(lines.frequency[here], compression=c, amplitude=moved).value
+            gap = found.value[here] / expected - 1
+            rms = float(np.sqrt(np.mean(np.abs(gap) ** 2)))
+            cells.append(
+                MapCell(c, moved, len(set(lines.sweep[here].tolist())), int(here.sum()), rms)
+            )
+    return tuple(cells)
+
+
+def _judge(
+    found: PreloadMap, law: _SeparableLaw, *, repeats: int, stated: bool
+) -> tuple[Check, ...]:
+    criteria = {
+        "compression and frequency": checks.compression_and_frequency_separable,
+        "amplitude and frequency": checks.amplitude_and_frequency_separable,
+        "compression and amplitude": checks.compression_and_amplitude_separable,
+    }
+    untested = [test.pair for test in found.pairs if not test.tested]
+    worst = max(found.cells, key=lambda cell: cell.residual)
+    where = f"{convert_to_unit(worst.compression, 'mm'):.4g} mm"
+    if worst.amplitude is not None:
+        where += f" and an amplitude of {convert_to_unit(worst.amplitude, 'mm'):.4g} mm"
+    counts = {"compression": len(found.compressions)}
+    if len(found.amplitudes) > 1:
+        counts["amplitude"] = len(found.amplitudes)
+    fewest = min(counts, key=lambda name: counts[name])
+    gaps = {
+        "compression": _interpolation_error(found.compressions, np.log(found.compression_factor))
+    }
+    if len(found.amplitudes) > 1:
+        gaps["amplitude"] = _interpolation_error(
+            np.log(found.amplitudes), np.log(found.amplitude_factor)
+        )
+    widest = max(gaps, key=lambda name: gaps[name])
+    return (
+        *(criteria[test.pair](test) for test in found.pairs),
+        checks.every_pair_tested(untested),
+        checks.departure_excluded(
+            max((test.departure_limit or 0.0 for test in found.pairs), default=0.0),
+            max((test.angle_limit or 0.0 for test in found.pairs), default=0.0),
+        ),
+        checks.sweeps_followed(worst.residual, where=where),
+        checks.levels_enough(counts[fewest], of=fewest),
+        checks.levels_dense(gaps[widest], of=widest),
+        checks.solid_follows_master_curve(law.misfit_ratio, misfit=law.misfit),
+        *_judge_limits(found),
+        checks.repeatability_known(repeats, stated=stated),
+    )
+
+
+def _interpolation_error(levels: FloatArray, logarithm: FloatArray | ComplexArray) -> float:
+    """Return the largest difference of parabola and line half way between levels."""
+    middles = (levels[1:] + levels[:-1]) / 2
+    gaps = [abs(compute_level_weights(levels, float(at)).doubt @ logarithm) for at in middles]
+    return float(max(gaps))
+
+
+def _judge_limits(found: PreloadMap) -> tuple[Check, ...]:
+    """Return the checks of the limits at all measured settings."""
+    f = found.grid
+    at = [found.evaluate(f, compression=c, amplitude=X) for c, X in found.settings]
+    eta = np.concatenate([each.value.imag / each.value.real for each in at])
+    error = np.concatenate([each.loss_factor_error for each in at])
+    highest = eta + error
+    measured = found.value.imag / found.value.real
+    spread = NORMAL * found.line_scatter[1] + NORMAL * found.phase_error
+    i = int(measured.argmin())
+    lowest = float(measured[i]) + spread
+    ratio = error / np.maximum(eta, 1e-12)
+    j = int(ratio.argmax())
+    return (
+        checks.part_dissipates(
+            min(lowest, float(highest.min())), frequency=float(found.frequency[i])
+        ),
+        checks.stiffness_determined(float(max(each.magnitude_error.max() for each in at))),
+        checks.loss_factor_determined(float(ratio[j]), loss_factor=float(eta[j])),
+    )
+
+
+def _collect_sources(sweeps: Sequence[PreloadSweep]) -> tuple[Source, ...]:
+    """Return each file once."""
+    return tuple(dict.fromkeys(sweep.source for sweep in sweeps if sweep.source is not None))
+
+
+def _settings(
+    band: Range | None, repeatability: float | None, gain: float, phase: float
+) -> tuple[tuple[str, str], ...]:
+    settings = [("gain_error", f"{gain:g}"), ("phase_error", f"{phase:.6g} rad")]
+    if repeatability is not None:
+        settings.append(("repeatability", f"{repeatability:g}"))
+    if band is not None:
+        low, high = si_range(band, "frequency")
+        settings.append(("band", f"{low:g} to {high:g} Hz"))
+    return tuple(settings)

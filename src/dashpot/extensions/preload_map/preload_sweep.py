@@ -1,0 +1,96 @@
+"""Complex stiffness of a part over frequency, at one compression and one amplitude."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base import dataclass
+from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, complex_samples, samples
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.base.units import Quantity, convert_to_si, format_quantity
+from dashpot.base.value_ranges import SIZES
+
+
+@dataclass(frozen=True, eq=False)
+class PreloadSweep(EqualByValue):
+    r"""Complex stiffness :math:`K^*(f) = K' + jK''` at one compression and one amplitude.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, > 0.
+    value : complex array, shape (n,)
+        N/m, with a storage stiffness > 0.
+    compression : float or str
+        Static compression, m, > 0.
+    amplitude : float, str or None
+        Amplitude of the motion, m, > 0; None where it is not known.
+    weight : array, shape (n,), or None
+        How well each line is known beside the others, 1 over its relative error; None: all alike.
+    source : Source or None
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, or a value is impossible.
+
+    Examples
+    --------
+    >>> from dashpot.systems import PreloadSweep
+    >>> sweep = PreloadSweep([1, 10], [300 + 9j, 310 + 11j], "4mm", "0.1mm")
+    >>> sweep.compression, sweep.amplitude
+    (0.004, 0.0001)
+    """
+
+    frequency: FloatArray
+    value: ComplexArray
+    compression: Quantity
+    amplitude: Quantity | None = None
+    weight: FloatArray | None = None
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        frequency = samples("frequency", self.frequency)
+        value = complex_samples("value", self.value)
+        weight = np.ones(len(frequency)) if self.weight is None else samples("weight", self.weight)
+        if not len(frequency) == len(value) == len(weight):
+            raise DataError(
+                f"{len(frequency)} frequencies, {len(value)} stiffnesses and {len(weight)} "
+                "weights; expected as many of each"
+            )
+        for name, values, unit in (
+            ("frequency", frequency, "Hz"), ("storage", value.real, "N/m"), ("weight", weight, ""),
+        ):  # fmt: skip
+            bad = np.flatnonzero(values <= 0)
+            if bad.size:
+                where = "" if name == "frequency" else f" at {frequency[bad[0]]:.4g} Hz"
+                raise DataError(
+                    f"the {name}{where} is {values[bad[0]]:g} {unit}".rstrip()
+                    + "; expected > 0. Leave such lines out"
+                )
+        compression = convert_to_si(self.compression, "length")
+        amplitude = convert_to_si(self.amplitude, "length")
+        if not compression > 0:
+            raise DataError(f"compression = {compression:g} m; expected > 0, such as 4mm")
+        if amplitude is not None and not amplitude > 0:
+            raise DataError(f"amplitude = {amplitude:g} m; expected > 0")
+        for size, named, text in (
+            ("travel", compression, f"compression = {compression:g} m"),
+            ("stiffness", float(np.abs(value).max()), f"stiffness = {np.abs(value).max():.3g} N/m"),
+        ):
+            SIZES[size].refuse(named, f"{text}", remedy="Check its unit.")
+        if amplitude is not None and amplitude >= compression:
+            raise DataError(
+                f"the amplitude, {format_quantity(amplitude, 'mm')}, is not below the compression, "
+                f"{format_quantity(compression, 'mm')}: the part would lose contact. Check both"
+            )
+        stated = (frequency, value, compression, amplitude, weight)
+        names = ("frequency", "value", "compression", "amplitude", "weight")
+        for name, entry in zip(names, stated, strict=True):
+            object.__setattr__(self, name, entry)
+
+    @property
+    def name(self) -> str:
+        """The file, if it has one."""
+        return "sweep" if self.source is None else self.source.file

@@ -1,0 +1,369 @@
+"""Readers of sweeps of complex stiffness at stated compressions and amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any, Final, NamedTuple, get_args
+
+import numpy as np
+
+from dashpot.base import dataclass, units
+from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, IndexArray
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Source, describe_record_source
+from dashpot.base.result_mixins import HasSummary, Series
+from dashpot.base.units import convert_to_unit
+from dashpot.datamodel.frf import FRF, Kind
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
+from dashpot.reading.columns import vocabulary
+from dashpot.reading.columns.kind_detection import SWEEPS, NamedColumns
+from dashpot.reading.columns.role_assignment import list_columns
+from dashpot.reading.raw_file import add_name_to_errors
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.detect_kind import get_kind_label, recognise
+from dashpot.reading.readers.frf import read_frf
+from dashpot.reading.readers.sweep_columns import NAMED, parts_of, sweep_columns
+from dashpot.reading.table import Column, FileTable
+from dashpot.registry import find_handler, list_names
+from dashpot.signals.segments import Loading
+
+KIND: Final = "preload-map"
+_STATIC = (
+    "compression", "precompression", "preload", "static", "mean", "offset", "vorspannung",
+    "vorlast", "stauchung", "squeeze", "précompression",
+)  # fmt: skip
+_MOVING = (
+    "amplitude", "dynamic", "amp", "ampl", "amplitud", "amplituda", "dynamisch", "dynamique",
+    "pp", "p", "pk", "peak", "rms", "schwingbreite", "doppelamplitude",
+)  # fmt: skip
+_SAME_LEVEL, _SAME_AMPLITUDE = 0.01, 0.06
+"""Relative steps between levels of a column that are no step."""
+_FEWEST = 3
+_LOOPS = set(get_args(Loading)) & set(list_names("read record"))
+"""Kinds of records of time, displacement and force that another extension reads as loops."""
+_HEAVIEST = 5.0
+"""Weight of a line at the resonance, at most: there other errors than noise are left."""
+_MOTIONS = (Kind.RECEPTANCE, Kind.MOBILITY, Kind.ACCELERANCE)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PreloadTable(EqualByValue, HasSummary):
+    """Sweeps of complex stiffness at several compressions, of one table.
+
+    Attributes
+    ----------
+    sweeps : tuple of PreloadSweep
+    source : Source or None
+    """
+
+    sweeps: tuple[PreloadSweep, ...]
+    source: Source | None = None
+
+    @property
+    def _table_columns(self) -> Series:
+        """Every line."""
+        joined = self.sweeps
+        lengths = [len(sweep.frequency) for sweep in joined]
+        moved = [np.nan if sweep.amplitude is None else float(sweep.amplitude) for sweep in joined]
+        value = np.concatenate([sweep.value for sweep in joined])
+        return {
+            "compression": (np.repeat([float(s.compression) for s in joined], lengths), "m"),
+            "amplitude": (np.repeat(moved, lengths), "m"),
+            "frequency": (np.concatenate([sweep.frequency for sweep in joined]), "Hz"),
+            "storage": (value.real, "N/m"),
+            "loss": (value.imag, "N/m"),
+        }
+
+    @property
+    def _summary_lines(self) -> tuple[str, ...]:
+        """Which sweeps there are."""
+        compressions = sorted({float(sweep.compression) for sweep in self.sweeps})
+        shown = ", ".join(f"{convert_to_unit(c, 'mm'):.4g}" for c in compressions)
+        lines = sum(len(sweep.frequency) for sweep in self.sweeps)
+        return (
+            describe_record_source(self.source, lines),
+            f"{len(self.sweeps)} sweeps of complex stiffness at compressions of {shown} mm",
+        )
+
+
+def has_several_compressions(columns: NamedColumns) -> bool:
+    """Return whether a column of static compression steps from sweep to sweep."""
+    index = _find_length(columns.table, _STATIC, without=_MOVING)
+    if index is None:
+        return False
+    values = columns.table.load([index]).values[:, 0]
+    values = values[np.isfinite(values)]
+    return bool(len(values) and np.ptp(values) > 0.05 * np.abs(values).max())
+
+
+def read_preload_table(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> PreloadTable:
+    """Return the sweeps of a table of compression, amplitude, frequency, storage and loss.
+
+    The amplitude may be missing; a column that says peak to peak, double amplitude or rms is
+    turned into it, with a note. A frequency that one setting has twice begins a repeated sweep.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found or has no unit, or the part is a material in Pa.
+    """
+    del specimen
+    with channels.open_file(path, options) as file:
+        table = _read_table(file)
+        if table.compression is None:
+            raise ReadError(
+                "no column of static compression was found; call it 'compression [mm]'. The "
+                f"columns are {list_columns(file.table.columns)}"
+            )
+        return PreloadTable(tuple(_split(table, table.compression)), table.source)
+
+
+class _StiffnessTable(NamedTuple):
+    """Columns of a table, in SI; those that it lacks are None."""
+
+    frequency: FloatArray
+    value: ComplexArray
+    compression: FloatArray | None
+    amplitude: FloatArray | None
+    source: Source
+    weight: FloatArray | None = None
+
+
+def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
+    wanted, ratio = sweep_columns(file)
+    chosen = channels.with_units(file, wanted)
+    loaded, values, unit, notes = parts_of(file, chosen, ratio)
+    if unit != "N/m":
+        raise ReadError(
+            f"storage and loss are in {unit}, of a material; expected a stiffness, such as N/mm: "
+            "multiply by area over height"
+        )
+    whole: BoolArray = np.asarray(np.isfinite(loaded.values).all(axis=1))
+    columns = [channel.message for channel in chosen]
+
+    def lengths(words: Sequence[str], *, without: Sequence[str] = ()) -> FloatArray | None:
+        index = _find_length(file.table, words, without=without)
+        if index is None:
+            return None
+        column = file.table.columns[index]
+        unit = units.parse_unit(column.unit or "", "length")
+        numbers = channels.load(file.table, [index], file.options.segment).values[whole, 0]
+        if not np.isfinite(numbers).all():
+            raise ReadError(f"'{column.name}' has no number in some rows of the sweeps")
+        columns.append(f"{words[0]}: {column.name} [{unit.word}]")
+        return np.asarray(channels.si(numbers, unit))
+
+    compression = lengths(_STATIC, without=_MOVING)
+    amplitude = lengths(_MOVING)
+    if amplitude is not None:
+        index = _find_length(file.table, _MOVING)
+        named = file.table.columns[index or 0]
+        factor, word = find_handler("over amplitude", "column")(f"{named.name} {named.unit or ''}")
+        amplitude = amplitude / factor
+        if word:
+            notes.append(f"'{named.name}' is {word}: over {factor:.3g} it is the amplitude")
+    if compression is not None and compression.min() < 0 and compression.max() <= 0:
+        compression = -compression
+        notes.append("compression is negative throughout; its sign was turned")
+    return _StiffnessTable(
+        values["frequency"],
+        values["storage"] + 1j * values["loss"],
+        compression,
+        amplitude,
+        channels.source(file, columns, notes),
+    )
+
+
+def _find_length(
+    table: FileTable, words: Sequence[str], *, without: Sequence[str] = ()
+) -> int | None:
+    """Return the one column of a length that has one of the words in its name, and none of others.
+
+    Raises
+    ------
+    ReadError
+        If several have.
+    """
+    found = [
+        i
+        for i, column in enumerate(table.columns)
+        if _is_length(column)
+        and not set(words).isdisjoint(vocabulary.tokens(column.name))
+        and set(without).isdisjoint(vocabulary.tokens(column.name))
+    ]
+    if len(found) > 1:
+        names = " and ".join(f"'{table.columns[i].name}'" for i in found)
+        raise ReadError(f"{names} could each be the {words[0]}; rename all but one")
+    return found[0] if found else None
+
+
+def _is_length(column: Column) -> bool:
+    return column.content == "number" and bool(
+        column.unit and units.find_unit(column.unit, "length")
+    )
+
+
+def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadSweep]:
+    """Yield the sweeps of a table: one for each setting, and for each time that it was swept."""
+    moved = table.amplitude
+    settings = _group(compression, _SAME_LEVEL)
+    if moved is not None:
+        settings = settings * (len(moved) + 1) + _group(moved, _SAME_AMPLITUDE)
+    for setting in dict.fromkeys(settings.tolist()):
+        for here in _visits(np.flatnonzero(settings == setting), table.frequency):
+            yield PreloadSweep(
+                table.frequency[here],
+                table.value[here],
+                float(compression[here].mean()),
+                None if moved is None else float(moved[here].mean()),
+                None if table.weight is None else table.weight[here],
+                table.source,
+            )
+
+
+def _visits(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
+    """Return the sweeps of one setting: where the frequency turns back, another begins.
+
+    Frequencies in no order are one sweep.
+    """
+    steps = np.sign(np.diff(frequency[rows]))
+    turns, way = [0], 0.0
+    for i, step in enumerate(steps.tolist(), 1):
+        if step and way and step != way:
+            turns.append(i)
+            step = 0.0  # noqa: PLW2901 -- a jump back says nothing of the way that follows
+        way = step or (way if turns[-1] != i else 0.0)
+    parts = [rows[first:last] for first, last in zip(turns, [*turns[1:], len(rows)], strict=True)]
+    return parts if min(map(len, parts)) >= _FEWEST else [rows]
+
+
+def _group(values: FloatArray, alike: float) -> IndexArray:
+    """Return the group of each value > 0: neighbours that differ by less than a part are of one."""
+    order = np.argsort(values, kind="stable")
+    group = np.empty(len(values), dtype=int)
+    logs = np.log(np.maximum(values[order], 1e-300))
+    group[order] = np.concatenate(([0], np.cumsum(np.diff(logs) > alike)))
+    return group
+
+
+# -- files of any kind -----------------------------------------------------------------------------
+
+
+def read_sweeps(
+    files: Sequence[str | Path],
+    *,
+    options: ReadOptions | None = None,
+    compressions: Sequence[tuple[str, float]] = (),
+    amplitudes: Sequence[tuple[str, float]] = (),
+    mass: float | None = None,
+    seals: float = 1.0,
+) -> tuple[PreloadSweep, ...]:
+    """Return the sweeps of files: tables of storage and loss, FRFs, recorded loops.
+
+    Parameters
+    ----------
+    files : sequence of path
+    options : ReadOptions, optional
+    compressions, amplitudes : sequence of (str, float)
+        Pattern of a file's name, empty for all, and what is stated of it, m.
+    mass, seals : float, optional
+        kg and number: FRFs of motion over force are of this mass on so many parts, and its inertia
+        is taken off.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, is of no suitable kind, states no compression, or a pattern
+        suits none.
+    """
+    names = [Path(path).name for path in files]
+    for flag, stated in (("--compression", compressions), ("--amplitude", amplitudes)):
+        for pattern, value in stated:
+            if pattern and not any(fnmatch(name, pattern) for name in names):
+                raise ReadError(
+                    f"{flag} {pattern}:{convert_to_unit(value, 'mm'):g}mm suits none of the files: "
+                    f"{', '.join(names)}. Write the name of a file"
+                )
+    sweeps: list[PreloadSweep] = []
+    for path, name in zip(files, names, strict=True):
+        table = _load_file(path, options, mass=mass, seals=seals)
+        with add_name_to_errors(name):
+            stated_c, stated_x = _find_stated(name, compressions), _find_stated(name, amplitudes)
+            compression = table.compression
+            if stated_c is not None:
+                compression = np.full(len(table.frequency), stated_c)
+            if compression is None:
+                raise ReadError(
+                    "the file says no compression. State it: --compression "
+                    f"{name}:4mm, or write a column 'compression [mm]'"
+                )
+            if stated_x is not None:
+                table = table._replace(amplitude=np.full(len(table.frequency), stated_x))
+            sweeps += _split(table, compression)
+    return tuple(sweeps)
+
+
+def _find_stated(name: str, stated: Sequence[tuple[str, float]]) -> float | None:
+    """Return the last value whose pattern suits a file."""
+    suited = [value for pattern, value in stated if not pattern or fnmatch(name, pattern)]
+    return suited[-1] if suited else None
+
+
+def _load_file(
+    path: str | Path, options: ReadOptions | None, *, mass: float | None, seals: float
+) -> _StiffnessTable:
+    """Return the lines of a file of any suitable kind.
+
+    Raises
+    ------
+    ReadError
+        If it is none.
+    """
+    detected = recognise(path, None if options is None else options.for_file(path))
+    if detected.kind in {KIND, *SWEEPS}:
+        with channels.open_file(path, options) as file:
+            channels.expect(file, [KIND, *SWEEPS], "a sweep is", named=NAMED)
+            return _read_table(file)
+    if detected.kind == "frf":
+        with add_name_to_errors(Path(path).name):
+            return _convert_frf(read_frf(path, options=options), mass, seals)
+    if detected.kind in _LOOPS:
+        given: dict[str, Any] = {} if options is None else {"options": options}
+        loops = find_handler("read record", detected.kind)(path, given, {})
+        if loops.unit != "N/m" or loops.of != "m":
+            raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
+        return _StiffnessTable(loops.frequency, loops.value, None, loops.amplitude, loops.source)
+    raise ReadError(
+        f"{Path(path).name} is {get_kind_label(detected.kind)}. A map is of storage and loss "
+        "stiffness over frequency, of FRFs, or of recorded loops"
+    )
+
+
+def _convert_frf(frf: FRF, mass: float | None, seals: float) -> _StiffnessTable:
+    """Return the stiffness of one part of an FRF, with the inertia of a mass taken off."""
+    lines = frf.only(frf.usable)
+    if lines.quantity.over_base:
+        raise ReadError(
+            "a transmissibility relates two motions; expected a force over a motion, or its inverse"
+        )
+    moves = lines.quantity in _MOTIONS
+    if moves and mass is None:
+        raise ReadError(
+            "a motion over a force is of a mass on the part, and shows its inertia, too. State the "
+            "mass: --mass 104g --seals 2"
+        )
+    source = frf.source[0] if frf.source else Source("FRF", "", "frf")
+    receptance = lines.to(Kind.RECEPTANCE)
+    direct = 1 / receptance.value
+    if not moves or mass is None:
+        return _StiffnessTable(lines.frequency, np.asarray(direct), None, None, source)
+    value = direct + mass * lines.omega**2
+    # a line errs by a part of the FRF: near the resonance that is the least part of the stiffness
+    weight = np.minimum(np.abs(value) / np.abs(direct), _HEAVIEST)
+    return _StiffnessTable(lines.frequency, np.asarray(value / seals), None, None, source, weight)

@@ -1,0 +1,32 @@
+"""Registry rows of preload maps."""
+
+from dashpot.registry.row import Command, Extension, KindOfTest
+
+_MAP = "dashpot.extensions.preload_map.preload_map:PreloadMap"
+
+EXTENSION = Extension(
+    "preload_map",
+    kinds=(
+        KindOfTest(
+            "preload-map", "dashpot.extensions.preload_map.read:read_preload_table",
+            classes={
+                "dashpot.extensions.preload_map.read:PreloadTable": "",
+                _MAP: "dashpot.extensions.preload_map.figure:draw_preload_map",
+            },
+            pages={_MAP: "dashpot.extensions.preload_map.page:page"},
+            checks="dashpot.extensions.preload_map.checks",
+            examples="dashpot.extensions.preload_map.examples:EXAMPLES", order=22,
+        ),
+    ),
+    handlers={
+        "table rule": {"preload-map": "dashpot.extensions.preload_map.read:has_several_compressions"},
+        "text": {_MAP: "dashpot.extensions.preload_map.text:preload_map"},
+        "plot": {"preload_map": "dashpot.extensions.preload_map.figure:draw_preload_map"},
+    },
+    commands=(
+        Command(
+            "map", "Work", "Stiffness over frequency, amplitude and compression.",
+            "dashpot.extensions.preload_map.command", order=6,
+        ),
+    ),
+)  # fmt: skip

@@ -1,0 +1,317 @@
+r"""Separability of a complex stiffness in compression, amplitude and frequency, pair by pair.
+
+:math:`K^* = h(c)\,\Gamma(f)\,s(X)` is additive in its logarithm, :math:`\ln|K^*|` and the loss
+angle :math:`\varphi`:
+
+.. math::
+
+    \ln|K^*| = \alpha_c + \beta_f + \gamma_X + \epsilon, \qquad
+    \varphi = \beta'_f + \gamma'_X + \epsilon'
+
+with a real factor of the compression. Each pair is an interaction of a two-way layout: columns
+that a separable stiffness does not need. Of a pair with frequency they are a slope and a bend over
+ln f of each level, of compression and frequency also an angle of each compression; of compression
+and amplitude one level of each combination. F tests of Fisher and Yates say whether the columns
+lower the sum of squares by more than chance: those that differ within a sweep against the scatter
+of its lines, those that differ between sweeps against the scatter of sweeps repeated at one
+setting, where there are any. A pair has several such statistics, of magnitude and of angle; the
+chance of the least of their probabilities is that of independent ones (Sidak).
+
+Source: H. Scheffe, *The Analysis of Variance* (1959), ch. 4; Z. Sidak, *JASA* 62 (1967).
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base import dataclass
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.base.serialisation import Serialisable
+from dashpot.base.student_t import t_quantile
+from dashpot.extensions.preload_map.stiffness_lines import StiffnessLines
+from dashpot.numerics.inference.model_order import bic
+
+Pair: TypeAlias = Literal[
+    "compression and frequency", "amplitude and frequency", "compression and amplitude"
+]
+_SHAPES = 2
+"""Degree over ln f of what may differ between levels: a slope and a bend."""
+_RANK = 1e-9
+_NOTHING = 1e-24
+"""Sum of squares that rounding leaves."""
+_DEGREES = range(1, 9)
+"""Degrees over ln f of sweeps that share no frequencies."""
+_LEAST_DOF = 4
+_LEAST_CHANCE = 1e-9
+"""Probability below which no scatter is known to be normal."""
+
+
+@dataclass(frozen=True)
+class PairTest(Serialisable):
+    """Test of one pair of variables for separability.
+
+    Attributes
+    ----------
+    pair : str
+    tested : bool
+        The sweeps hold combinations that show it.
+    chance : float or None
+        Probability of a departure as clear as this where there is none.
+    departure, departure_limit : float or None
+        Largest relative departure of the stiffness from a separable one over all lines, as
+        estimated and at most at 95 %.
+    angle, angle_limit : float or None
+        The same of the loss angle, rad.
+    """
+
+    pair: Pair
+    tested: bool
+    chance: float | None = None
+    departure: float | None = None
+    departure_limit: float | None = None
+    angle: float | None = None
+    angle_limit: float | None = None
+
+    @property
+    def shown_chance(self) -> str:
+        """The probability, as people read it; empty of a pair without a test."""
+        if self.chance is None:
+            return ""
+        return f"{self.chance:.2g}" if self.chance > _LEAST_CHANCE else f"below {_LEAST_CHANCE:g}"
+
+
+class Layout(NamedTuple):
+    """Columns of one part, magnitude or angle.
+
+    `main` is what a separable stiffness needs, `pairs` what each pair adds within sweeps and
+    between them.
+    """
+
+    main: FloatArray
+    within: dict[Pair, FloatArray]
+    between: dict[Pair, FloatArray]
+
+    @property
+    def all_columns(self) -> FloatArray:
+        """All columns."""
+        return np.hstack((self.main, *self.within.values(), *self.between.values()))
+
+
+class SweepScatter(NamedTuple):
+    """Scatter of one part, magnitude or angle.
+
+    `line` of a line and its degrees of freedom, `sweep` of whole sweeps beside it; `mean_square`
+    that differences between sweeps are held against, and its degrees of freedom.
+    """
+
+    line: float
+    dof: int
+    sweep: float
+    mean_square: float
+    sweep_dof: int
+
+
+def build_frequency_columns(lines: StiffnessLines) -> FloatArray:
+    """Return columns of the common dependence on frequency, the mean among them."""
+    if lines.shares_tones:
+        return _levels(lines.tone, len(lines.tones))
+    u, y = lines.centred_frequency, lines.magnitude
+    others = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+
+    def score(degree: int) -> float:
+        rss, rank = _fit(np.hstack((_powers(u, degree), others)), y, lines.weight)
+        return bic(rss, effective=len(y), parameters=rank, floor=_NOTHING)
+
+    return _powers(u, min(_DEGREES, key=score))
+
+
+def build_layouts(lines: StiffnessLines) -> tuple[Layout, Layout]:
+    """Return the columns of magnitude and of angle."""
+    frequency = build_frequency_columns(lines)
+    compression = _levels(lines.compression, len(lines.compressions))
+    amplitude = _levels(lines.amplitude, len(lines.amplitudes))
+    degree = min(_SHAPES, len(lines.tones) - 1)
+    shapes = _powers(lines.centred_frequency, degree)[:, 1:]
+    within: dict[Pair, FloatArray] = {
+        "compression and frequency": _products(compression, shapes),
+        "amplitude and frequency": _products(amplitude, shapes),
+    }
+    cells = _products(compression, amplitude)
+    return (
+        Layout(
+            np.hstack((frequency, compression, amplitude)),
+            within,
+            {"compression and amplitude": cells},
+        ),
+        Layout(
+            np.hstack((frequency, amplitude)),
+            within,
+            {"compression and frequency": compression, "compression and amplitude": cells},
+        ),
+    )
+
+
+def estimate_scatter(
+    lines: StiffnessLines, values: FloatArray, layout: Layout, stated: float
+) -> SweepScatter:
+    """Return the scatter of lines and of whole sweeps.
+
+    That of sweeps is shown by those repeated at one setting; else it is `stated`.
+
+    Raises
+    ------
+    DataError
+        If too few lines are left to show any scatter.
+    """
+    within = np.hstack((layout.main, *layout.within.values()))
+    sweeps = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+    rss, rank = _fit(np.hstack((within, sweeps)), values, lines.weight)
+    dof = len(values) - rank
+    if dof < _LEAST_DOF:
+        raise DataError(
+            f"{len(values)} lines in {sweeps.shape[1]} sweeps are too few to tell scatter from a "
+            "departure. Measure at more frequencies, the same in every sweep"
+        )
+    line = rss / dof
+    cells = np.hstack(
+        (within, _products(_levels(lines.compression, len(lines.compressions)),
+                           _levels(lines.amplitude, len(lines.amplitudes))))
+    )  # fmt: skip
+    rss_cells, rank_cells = _fit(cells, values, lines.weight)
+    repeats = rank - rank_cells
+    each = len(values) / sweeps.shape[1]
+    if repeats > 0:
+        mean_square = (rss_cells - rss) / repeats
+        sweep = float(np.sqrt(max(mean_square - line, 0.0) / each))
+        return SweepScatter(float(np.sqrt(line)), dof, sweep, float(mean_square), repeats)
+    return SweepScatter(float(np.sqrt(line)), dof, stated, float(line + each * stated**2), dof)
+
+
+def judge_pairs(
+    lines: StiffnessLines,
+    layouts: tuple[Layout, Layout],
+    scatters: tuple[SweepScatter, SweepScatter],
+) -> tuple[PairTest, ...]:
+    """Return the test of every pair that the sweeps vary."""
+    values = (lines.magnitude, lines.angle)
+    pairs: list[Pair] = ["compression and frequency"]
+    if len(lines.amplitudes) > 1:
+        pairs += ["amplitude and frequency", "compression and amplitude"]
+    return tuple(_judge(pair, lines, values, layouts, scatters) for pair in pairs)
+
+
+def _judge(
+    pair: Pair,
+    lines: StiffnessLines,
+    values: tuple[FloatArray, FloatArray],
+    layouts: tuple[Layout, Layout],
+    scatters: tuple[SweepScatter, SweepScatter],
+) -> PairTest:
+    chances: list[float] = []
+    sizes: list[tuple[float, float]] = []
+    for y, layout, scatter in zip(values, layouts, scatters, strict=True):
+        chances += _chances(pair, lines, y, layout, scatter)
+        sizes.append(_departure(pair, lines, y, layout, scatter))
+    if not chances:
+        return PairTest(pair, tested=False)
+    together = 1 - (1 - min(chances)) ** len(chances)
+    (size, most), (turn, most_turn) = sizes
+    return PairTest(
+        pair, True, float(together), float(np.expm1(size)), float(np.expm1(most)), turn, most_turn
+    )
+
+
+def _chances(
+    pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
+) -> list[float]:
+    """Return the probability by chance of what a pair adds within sweeps and between them."""
+    # a rare path: scipy's F distribution costs an import that a plain fit does not pay
+    from scipy.special import fdtrc
+
+    sweeps = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+    others = [columns for name, columns in layout.within.items() if name != pair]
+    between = [columns for name, columns in layout.between.items() if name != pair]
+    chances = []
+    if pair in layout.within:
+        without = np.hstack((layout.main, sweeps, *others))
+        gain, rank = _gain(without, layout.within[pair], y, lines.weight)
+        if rank:
+            chances.append(float(fdtrc(rank, scatter.dof, gain / rank / scatter.line**2)))
+    if pair in layout.between:
+        without = np.hstack((layout.main, *layout.within.values(), *between))
+        gain, rank = _gain(without, layout.between[pair], y, lines.weight)
+        if rank:
+            chances.append(float(fdtrc(rank, scatter.sweep_dof, gain / rank / scatter.mean_square)))
+    return chances
+
+
+def _departure(
+    pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
+) -> tuple[float, float]:
+    """Return the largest departure that a pair adds over all lines, and its 95 % limit."""
+    added = [group[pair] for group in (layout.within, layout.between) if pair in group]
+    others = [
+        columns
+        for group in (layout.within, layout.between)
+        for name, columns in group.items()
+        if name != pair
+    ]
+    if not added:
+        return 0.0, 0.0
+    known, w = np.hstack((layout.main, *others)) * lines.weight[:, None], lines.weight
+    # the part of the columns that a separable stiffness with the other pairs does not follow
+    columns = np.hstack(added) * w[:, None]
+    own = columns - known @ np.linalg.lstsq(known, columns, rcond=_RANK)[0]
+    basis = _basis(own)
+    if not basis.shape[1]:
+        return 0.0, 0.0
+    size = basis @ (basis.T @ (y * w)) / w
+    variance = scatter.line**2 * (basis**2).sum(axis=1)
+    if scatter.sweep:
+        sums = _levels(lines.sweep, int(lines.sweep.max()) + 1) * w[:, None]
+        variance += scatter.sweep**2 * ((basis @ (basis.T @ sums)) ** 2).sum(axis=1)
+    se = np.sqrt(variance) / w
+    t = t_quantile(0.95, min(scatter.dof, scatter.sweep_dof))
+    return float(np.abs(size).max()), float((np.abs(size) + t * se).max())
+
+
+def _powers(u: FloatArray, degree: int) -> FloatArray:
+    """Return the polynomials of Legendre up to a degree, a column each."""
+    return np.asarray(np.polynomial.legendre.legvander(u, degree), dtype=float)
+
+
+def _levels(group: IndexArray, count: int) -> FloatArray:
+    """Return one column of ones and zeros for each level."""
+    return np.asarray(group[:, None] == np.arange(count), dtype=float)
+
+
+def _products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return every product of a column of the one with a column of the other."""
+    return np.asarray((first[:, :, None] * second[:, None, :]).reshape(len(first), -1))
+
+
+def _basis(A: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of the columns."""
+    u, size, _ = np.linalg.svd(A, full_matrices=False)
+    least = _RANK * max(float(size.max(initial=0.0)), 1.0)
+    kept: BoolArray = size > least
+    return u[:, kept]
+
+
+def _fit(A: FloatArray, y: FloatArray, weight: FloatArray) -> tuple[float, int]:
+    """Return the sum of squares that columns leave, and how many are independent."""
+    basis = _basis(A * weight[:, None])
+    left = y * weight - basis @ (basis.T @ (y * weight))
+    return float(left @ left), basis.shape[1]
+
+
+def _gain(
+    without: FloatArray, added: FloatArray, y: FloatArray, weight: FloatArray
+) -> tuple[float, int]:
+    """Return by how much columns lower the sum of squares beside others, and their number."""
+    before, rank = _fit(without, y, weight)
+    after, more = _fit(np.hstack((without, added)), y, weight)
+    return max(before - after, 0.0), more - rank

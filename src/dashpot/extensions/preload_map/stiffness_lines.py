@@ -1,0 +1,143 @@
+"""Lines of all sweeps as one table: groups of compression, amplitude and frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import DataError
+from dashpot.base.units import convert_to_unit
+from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
+
+_SAME_COMPRESSION, _SAME_AMPLITUDE, _SAME_TONE = 0.01, 0.06, 0.01
+"""Relative differences below which a machine meant the same value."""
+_PART = 0.4
+"""Part of the least step of a sweep within which frequencies of two sweeps are the same."""
+_EQUAL = 1e-6
+_FEWEST = 3
+"""Frequencies of a sweep, at least: its shape is compared."""
+
+
+class StiffnessLines(NamedTuple):
+    r"""All lines, their logarithm and their groups.
+
+    Attributes
+    ----------
+    frequency, weight : array, shape (n,)
+    magnitude, angle : array, shape (n,)
+        :math:`\ln|K^*|`, K in N/m, and the loss angle, rad.
+    compressions, amplitudes : array
+        Levels, m, rising; one amplitude of nan where none is known.
+    tones : array
+        Frequencies that sweeps share, Hz, rising.
+    compression, amplitude, tone, sweep : int array, shape (n,)
+        Level of each line, and the sweep that it is of.
+    """
+
+    frequency: FloatArray
+    weight: FloatArray
+    magnitude: FloatArray
+    angle: FloatArray
+    compressions: FloatArray
+    amplitudes: FloatArray
+    tones: FloatArray
+    compression: IndexArray
+    amplitude: IndexArray
+    tone: IndexArray
+    sweep: IndexArray
+
+    @property
+    def shares_tones(self) -> bool:
+        """Most lines stand at a frequency that another sweep has, too."""
+        sweeps = [len(set(self.sweep[self.tone == i].tolist())) for i in range(len(self.tones))]
+        return bool(np.mean(np.array(sweeps)[self.tone] > 1) > _SHARED)
+
+    @property
+    def centred_frequency(self) -> FloatArray:
+        """Logarithm of the frequency, from -1 to 1."""
+        u = np.log(self.frequency)
+        middle, reach = (u.max() + u.min()) / 2, (u.max() - u.min()) / 2
+        return np.asarray((u - middle) / reach)
+
+
+_SHARED = 0.7
+
+
+def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
+    """Return the lines of sweeps of one part, in groups.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than two compressions, a sweep is too short, or only some sweeps state
+        their amplitude.
+    """
+    if len(sweeps) < 2:
+        raise DataError(
+            f"found {len(sweeps)} sweep; a map needs sweeps at two compressions or more"
+        )
+    for sweep in sweeps:
+        if len(set(sweep.frequency.tolist())) < _FEWEST:
+            raise DataError(
+                f"{sweep.name} has {len(set(sweep.frequency.tolist()))} frequencies at "
+                f"{convert_to_unit(float(sweep.compression), 'mm'):g} mm; expected {_FEWEST} or "
+                "more in every sweep"
+            )
+    unknown = [sweep.name for sweep in sweeps if sweep.amplitude is None]
+    if 0 < len(unknown) < len(sweeps):
+        raise DataError(
+            f"no amplitude is known of {unknown[0]}, but of other sweeps: state it of each "
+            f"(--amplitude {unknown[0]}:0.1mm), or of none"
+        )
+    counts = [len(sweep.frequency) for sweep in sweeps]
+    of_sweep = np.repeat(np.arange(len(sweeps)), counts)
+    each = np.array([float(sweep.compression) for sweep in sweeps])
+    compressions, compression = _group(each, _SAME_COMPRESSION)
+    if len(compressions) < 2:
+        raise DataError(
+            f"every sweep is at {convert_to_unit(float(compressions[0]), 'mm'):.4g} mm; a map "
+            "needs two compressions or more. For one, use dashpot fit"
+        )
+    moved = np.array([np.nan if s.amplitude is None else float(s.amplitude) for s in sweeps])
+    amplitudes, amplitude = (
+        (np.array([np.nan]), np.zeros(len(sweeps), dtype=int))
+        if unknown
+        else _group(moved, _SAME_AMPLITUDE)
+    )
+    frequency = np.concatenate([sweep.frequency for sweep in sweeps])
+    value = np.concatenate([sweep.value for sweep in sweeps])
+    weight = np.concatenate([np.asarray(sweep.weight, dtype=float) for sweep in sweeps])
+    closest = min(_least_step(sweep.frequency) for sweep in sweeps)
+    tones, tone = _group(frequency, min(_SAME_TONE, _PART * closest))
+    return StiffnessLines(
+        frequency,
+        weight / float(np.sqrt(np.mean(weight**2))),
+        np.log(np.abs(value)),
+        np.angle(value),
+        compressions,
+        amplitudes,
+        tones,
+        compression[of_sweep],
+        amplitude[of_sweep],
+        tone,
+        of_sweep,
+    )
+
+
+def _least_step(frequency: FloatArray) -> float:
+    """Return the least step between two frequencies of a sweep in ln f."""
+    steps = np.diff(np.log(np.sort(frequency)))
+    return float(np.min(steps[steps > _EQUAL], initial=np.inf))
+
+
+def _group(values: FloatArray, alike: float) -> tuple[FloatArray, IndexArray]:
+    """Return the levels, rising, and which of them each value is of."""
+    order = np.argsort(values, kind="stable")
+    steps = np.concatenate(([0], np.cumsum(np.diff(np.log(values[order])) > alike)))
+    group = np.empty(len(values), dtype=int)
+    group[order] = steps
+    levels = np.array([float(values[group == i].mean()) for i in range(int(steps[-1]) + 1)])
+    return levels, group

@@ -1,0 +1,159 @@
+"""Tables of a preload map for solvers: Nastran, Abaqus, MATLAB, CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import ExportError
+from dashpot.base.units import convert_to_unit
+from dashpot.base.version import byline
+from dashpot.export.decks.nastran import BushComponent, bush_property
+from dashpot.export.unit_systems import UnitSystem, text
+from dashpot.extensions.preload_map.preload_map import PreloadMap
+
+TOLERANCE = 1e-4
+"""Largest relative error of linear interpolation in a table."""
+_MOST = 2000
+_FIRST_PROPERTY, _STEP = 1, 100
+_LINE = 6
+
+
+def tabulate_frequencies(found: PreloadMap, tolerance: float = TOLERANCE) -> FloatArray:
+    """Return frequencies, Hz, between which straight lines follow the map within a tolerance.
+
+    Geometric steps, halved until the middle of every step is met; the same for every setting, for
+    the settings differ by factors.
+
+    Raises
+    ------
+    ExportError
+        If that takes more than 2000 points.
+    """
+    low, high = found.band
+    points = 8
+    while points <= _MOST:
+        f = np.geomspace(low, high, points + 1)
+        middle = (f[1:] + f[:-1]) / 2
+        K = found.model.complex_stiffness(omega=2 * np.pi * f)
+        between = found.model.complex_stiffness(omega=2 * np.pi * middle)
+        if np.max(np.abs((K[1:] + K[:-1]) / 2 / between - 1)) <= tolerance:
+            return np.asarray(f)
+        points *= 2
+    raise ExportError(
+        f"the table would need more than {_MOST} frequencies; narrow the band (--band)"
+    )
+
+
+def render_csv(found: PreloadMap) -> str:
+    """Return the map at its levels with its 95 % limits, a row a frequency, in SI units."""
+    columns = found._table_columns
+    head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
+    rows = zip(*(values for values, _ in columns.values()), strict=True)
+    return "\n".join((head, *(",".join(f"{value:.10g}" for value in row) for row in rows))) + "\n"
+
+
+def render_nastran(found: PreloadMap, units: UnitSystem) -> str:
+    """Return a frequency-dependent bushing property of each setting, acting along its x axis."""
+    f = tabulate_frequencies(found)
+    middle = found.middle_frequency
+    lines = [*_head("$", found, units, "frequency-dependent bushings, one of each setting")]
+    for number, (c, X) in enumerate(found.settings):
+        K = found.evaluate(f, compression=c, amplitude=X).value
+        at = complex(found.evaluate(np.array([middle]), compression=c, amplitude=X).value[0])
+        component = BushComponent(
+            1,
+            units.frequency(f).tolist(),
+            units.stiffness(K.real).tolist(),
+            (K.imag / K.real).tolist(),
+            (units.stiffness(at.real), at.imag / at.real),
+        )
+        lines.append(f"$ {_describe_setting(c, X)}; nominal at {middle:g} Hz")
+        lines += bush_property(_FIRST_PROPERTY + _STEP * number, [component], label="GE")
+    return "\n".join([*lines, ""])
+
+
+def render_abaqus(found: PreloadMap, units: UnitSystem) -> str:
+    """Return a connector whose stiffness and damping depend on frequency, compression, amplitude.
+
+    Compression is the first field variable, amplitude the second, in the unit of length.
+    """
+    f = tabulate_frequencies(found)
+    fields = 2 if len(found.amplitudes) else 1
+    stiff: list[str] = []
+    damped: list[str] = []
+    # field variables change slowest, the last of them first
+    for c, X in sorted(found.settings, key=lambda setting: (setting[1] or 0.0, setting[0])):
+        K = found.evaluate(f, compression=c, amplitude=X).value
+        where = [c] if X is None else [c, X]
+        tail = ", ".join(["", *(text(value / units.length) for value in where)])
+        for at, value in zip(f.tolist(), K.tolist(), strict=True):
+            hertz = text(units.frequency(at))
+            stiff.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
+            damped.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
+    return "\n".join([
+        *_head("**", found, units, "connector behavior over frequency and field variables"),
+        f"** field variable 1 is the compression, {units.words[0]}"
+        + (f"; field variable 2 is the amplitude, {units.words[0]}" if fields > 1 else ""),
+        "** acts along component 1, in direct or subspace-based steady-state dynamics",
+        "*CONNECTOR BEHAVIOR, NAME=SEAL",
+        f"*CONNECTOR ELASTICITY, COMPONENT=1, DEPENDENCIES={fields}",
+        *stiff,
+        f"*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL, DEPENDENCIES={fields}",
+        *damped,
+        "",
+    ])  # fmt: skip
+
+
+def render_matlab(found: PreloadMap) -> str:
+    """Return a script with the levels, the frequencies and K(frequency, amplitude, compression)."""
+    f = tabulate_frequencies(found)
+    amplitudes = found.amplitudes.tolist() or [None]
+    lines = [
+        f"% {byline('preload map')}",
+        "% K(i, j, l) in N/m at frequency(i) in Hz, amplitude(j) and compression(l) in m",
+        *_matlab_row("frequency", f),
+        *_matlab_row("amplitude", np.array([np.nan if X is None else X for X in amplitudes])),
+        *_matlab_row("compression", found.compressions),
+        f"K = complex(zeros({len(f)}, {len(amplitudes)}, {len(found.compressions)}));",
+    ]
+    for n, c in enumerate(found.compressions.tolist(), 1):
+        for j, X in enumerate(amplitudes, 1):
+            K: ComplexArray = found.evaluate(f, compression=c, amplitude=X).value
+            lines += [
+                f"K(:, {j}, {n}) = complex( ...",
+                *_wrap("[", K.real, "], ..."),
+                *_wrap("[", K.imag, "]);"),
+            ]
+    return "\n".join([*lines, ""])
+
+
+def _head(mark: str, found: PreloadMap, units: UnitSystem, what: str) -> Sequence[str]:
+    low, high = found.band
+    return (
+        f"{mark} {byline(what)}",
+        f"{mark} units: {', '.join(units.words)}; verdict: {found.verdict.use}",
+        f"{mark} measured from {low:.6g} to {high:.6g} Hz; do not leave the table",
+        f"{mark} not solver-verified: no solver runs this form in dashpot's tests",
+    )
+
+
+def _describe_setting(compression: float, amplitude: float | None) -> str:
+    words = f"compression {convert_to_unit(compression, 'mm'):.4g} mm"
+    if amplitude is None:
+        return words
+    return f"{words}, amplitude {convert_to_unit(amplitude, 'mm'):.4g} mm"
+
+
+def _matlab_row(name: str, values: FloatArray) -> list[str]:
+    return _wrap(f"{name} = [", values, "];")
+
+
+def _wrap(start: str, values: FloatArray, end: str) -> list[str]:
+    words = [f"{value:.9g}".replace("nan", "NaN") for value in values.tolist()]
+    rows = [" ".join(words[i : i + _LINE]) for i in range(0, len(words), _LINE)]
+    # a column in MATLAB: rows stand below each other
+    joined = [row.replace(" ", "; ") for row in rows]
+    return [f"{start} ...", *(f"  {row}; ..." for row in joined[:-1]), f"  {joined[-1]}{end}"]
