@@ -18,8 +18,8 @@ from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
-from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.kind_detection import SWEEPS, NamedColumns
+from dashpot.extensions.preload_map.table_rule import MOVING, STATIC, find_length_column
+from dashpot.reading.columns.kind_detection import SWEEPS
 from dashpot.reading.columns.role_assignment import list_columns
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -27,19 +27,10 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import get_kind_label, recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.sweep_columns import NAMED, parts_of, sweep_columns
-from dashpot.reading.table import Column, FileTable
 from dashpot.registry import find_handler, list_names
 from dashpot.signals.segments import Loading
 
 KIND: Final = "preload-map"
-_STATIC = (
-    "compression", "precompression", "preload", "static", "mean", "offset", "vorspannung",
-    "vorlast", "stauchung", "squeeze", "précompression",
-)  # fmt: skip
-_MOVING = (
-    "amplitude", "dynamic", "amp", "ampl", "amplitud", "amplituda", "dynamisch", "dynamique",
-    "pp", "p", "pk", "peak", "rms", "schwingbreite", "doppelamplitude",
-)  # fmt: skip
 _SAME_LEVEL, _SAME_AMPLITUDE = 0.01, 0.06
 """Relative steps between levels of a column that are no step."""
 _FEWEST = 3
@@ -90,16 +81,6 @@ class PreloadTable(EqualByValue, HasSummary):
         )
 
 
-def has_several_compressions(columns: NamedColumns) -> bool:
-    """Return whether a column of static compression steps from sweep to sweep."""
-    index = _find_length(columns.table, _STATIC, without=_MOVING)
-    if index is None:
-        return False
-    values = columns.table.load([index]).values[:, 0]
-    values = values[np.isfinite(values)]
-    return bool(len(values) and np.ptp(values) > 0.05 * np.abs(values).max())
-
-
 def read_preload_table(
     path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
 ) -> PreloadTable:
@@ -148,7 +129,7 @@ def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
     columns = [channel.message for channel in chosen]
 
     def lengths(words: Sequence[str], *, without: Sequence[str] = ()) -> FloatArray | None:
-        index = _find_length(file.table, words, without=without)
+        index = find_length_column(file.table, words, without=without)
         if index is None:
             return None
         column = file.table.columns[index]
@@ -159,10 +140,10 @@ def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
         columns.append(f"{words[0]}: {column.name} [{unit.word}]")
         return np.asarray(channels.si(numbers, unit))
 
-    compression = lengths(_STATIC, without=_MOVING)
-    amplitude = lengths(_MOVING)
+    compression = lengths(STATIC, without=MOVING)
+    amplitude = lengths(MOVING)
     if amplitude is not None:
-        index = _find_length(file.table, _MOVING)
+        index = find_length_column(file.table, MOVING)
         named = file.table.columns[index or 0]
         factor, word = find_handler("over amplitude", "column")(f"{named.name} {named.unit or ''}")
         amplitude = amplitude / factor
@@ -177,35 +158,6 @@ def _read_table(file: channels.OpenedFile) -> _StiffnessTable:
         compression,
         amplitude,
         channels.source(file, columns, notes),
-    )
-
-
-def _find_length(
-    table: FileTable, words: Sequence[str], *, without: Sequence[str] = ()
-) -> int | None:
-    """Return the one column of a length that has one of the words in its name, and none of others.
-
-    Raises
-    ------
-    ReadError
-        If several have.
-    """
-    found = [
-        i
-        for i, column in enumerate(table.columns)
-        if _is_length(column)
-        and not set(words).isdisjoint(vocabulary.tokens(column.name))
-        and set(without).isdisjoint(vocabulary.tokens(column.name))
-    ]
-    if len(found) > 1:
-        names = " and ".join(f"'{table.columns[i].name}'" for i in found)
-        raise ReadError(f"{names} could each be the {words[0]}; rename all but one")
-    return found[0] if found else None
-
-
-def _is_length(column: Column) -> bool:
-    return column.content == "number" and bool(
-        column.unit and units.find_unit(column.unit, "length")
     )
 
 

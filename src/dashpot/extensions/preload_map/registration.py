@@ -19,7 +19,7 @@ EXTENSION = Extension(
         ),
     ),
     handlers={
-        "table rule": {"preload-map": "dashpot.extensions.preload_map.read:has_several_compressions"},
+        "table rule": {"preload-map": "dashpot.extensions.preload_map.table_rule:has_several_compressions"},
         "text": {_MAP: "dashpot.extensions.preload_map.text:preload_map"},
         "plot": {"preload_map": "dashpot.extensions.preload_map.figure:draw_preload_map"},
     },
