@@ -24,7 +24,7 @@ from dashpot.reading.read_options import ReadOptions
 
 VERBS = (
     "inspect", "fit", "predict", "compare", "report", "export", "import", "stiffness",
-    "batch", "verify", "plan",
+    "batch", "map", "verify", "plan",
     "record", "simulate", "demo", "app",
 )  # fmt: skip
 OTHER_THINGS = {"-o", "--output", "--port"}
@@ -79,7 +79,7 @@ def refused(*typed: object) -> str:
 # -- verbs, options and their help ----------------------------------------------------------------
 
 
-def test_there_are_fifteen_verbs() -> None:
+def test_there_are_sixteen_verbs() -> None:
     assert tuple(COMMANDS) == VERBS
 
 
