@@ -70,7 +70,14 @@ def test_every_kind_of_the_register_has_a_place_on_the_page():
     nowhere = {name for name, one in KINDS.items() if not one.app_section}
     # a sweep over temperature and one frequency are fitted by no command; a plug-in and blank
     # tests are typed
-    assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in", "blank"}
+    assert nowhere == {
+        "temperature-sweep",
+        "one-frequency",
+        "rod",
+        "plug-in",
+        "blank",
+        "preload-map",
+    }
 
 
 def test_app_asks_for_missing_input_in_words_of_the_page(store):
