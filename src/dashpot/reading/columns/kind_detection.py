@@ -327,17 +327,17 @@ class NamedColumns:
     def satisfies(self, kind: FileKind) -> bool:
         """Return whether the rule of a kind of an extension holds."""
         rule = find_handler("table rule", kind)
-        return rule is not None and bool(rule(self))
+        return bool(rule and rule(self))
 
     def spectral(self) -> bool:
         """Return whether a column is a power spectral density."""
         return any(
-            "spectral density" in name or ("psd" in name and "psd" in vocabulary.tokens(name))
+            "spectral density" in name or "psd" in vocabulary.tokens(name)
             for name in map(str.casefold, self.unique_names)
         )
 
 
-_RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
+_RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] = (
     (
         "free-modes",
         "it has mode, frequency, and x, y and z of points",
@@ -378,12 +378,12 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
     (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
-        lambda s: s.satisfies("indentation"),
+        None,
     ),
     (
         "drop",
         "it has time and a force or an acceleration, and says slam",
-        lambda s: s.satisfies("drop"),
+        None,
     ),
     (
         "impact",
@@ -408,7 +408,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
     (
         "csr",
         "it has force over hours, and no displacement",
-        lambda s: s.satisfies("csr"),
+        None,
     ),
     (
         "modulus",
@@ -438,7 +438,8 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool]], ...] = (
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
-"""The kinds, their reasons and what shows them; the first that holds is taken."""
+"""The kinds, their reasons and what shows them, None if an extension says it; the first that holds
+is taken."""
 
 
 _FILLED: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
@@ -477,7 +478,11 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     if named.names("stress", "strain") and not swept:  # of a sweep they are amplitudes
         stated.add("stress-strain")
     rules = sorted(_RULES, key=lambda rule: rule[0] not in stated)
-    kind, reason = next((kind, reason) for kind, reason, holds in rules if holds(named))
+    kind, reason = next(
+        (kind, reason)
+        for kind, reason, holds in rules
+        if (holds(named) if holds else named.satisfies(kind))
+    )
     if kind == "dma":
         kind, reason = _swept(table, options, reason)
         if kind == "dma" and named.names("displacement") and named.has_ramp_columns():
@@ -516,8 +521,7 @@ def parse_file_kind(word: str) -> tuple[FileKind, str]:
 
 def is_motion_ratio(table: FileTable) -> bool:
     """Return whether a response is of a motion to another, as under base excitation."""
-    stated = any("transmissib" in line.casefold() for line in table.header)
-    return stated or any(
+    return any("transmissib" in line.casefold() for line in table.header) or any(
         "transmissib" in column.name.casefold() or _over_motion(column.unit or "")
         for column in table.columns
     )
