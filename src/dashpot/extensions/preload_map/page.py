@@ -66,7 +66,17 @@ def _pairs(found: PreloadMap) -> TextTable:
 
 def _table(found: PreloadMap) -> TextTable:
     """Return the map at its levels and a few frequencies."""
-    head = ("mm", "amplitude, mm", "Hz", "K', N/mm", "from", "to", "loss factor", "from", "to")
+    head = (
+        "compression, mm",
+        "amplitude, mm",
+        "Hz",
+        "K', N/mm",
+        "from",
+        "to",
+        "loss factor",
+        "from",
+        "to",
+    )
     f = found.grid[:: max(len(found.grid) // 5, 1)]
     rows = []
     for c, X in found.settings:
