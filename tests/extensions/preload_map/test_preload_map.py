@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from kit.bulkdata import read_cards, real
 from kit.foreign.stiffness_maps import (
     AMPLITUDES,
     COMPRESSIONS,
@@ -267,7 +268,20 @@ def test_solver_tables_hold_the_map(records: Path):
                      "-o", records / "seal.bdf")  # fmt: skip
     assert code == 0, text
     bulk = (records / "seal.bdf").read_text(encoding="utf-8")
-    assert bulk.count("PBUSH*") == len(COMPRESSIONS) * len(AMPLITUDES)
+    cards = read_cards(bulk)
+    tables = {
+        int(fields[0]): np.array([real(field) for field in fields[8:] if field not in {"", "ENDT"}])
+        for name, fields in cards
+        if name == "TABLED1"
+    }
+    bushes = [int(fields[0]) for name, fields in cards if name == "PBUSH"]
+    settings = [(c, X) for c in COMPRESSIONS for X in AMPLITUDES]
+    assert len(bushes) == len(settings)
+    for number, (c, X) in zip(bushes, settings, strict=True):
+        f, storage = tables[number][::2], tables[number][1::2]
+        eta = tables[number + 1][1::2]
+        at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X).value
+        np.testing.assert_allclose(1e3 * storage * (1 + 1j * eta), at, rtol=1e-7)
 
 
 def test_saved_map_writes_what_its_files_write(records: Path):
