@@ -18,18 +18,16 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Dimension, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.amplitude.checks import amplitude_in_tested_range
-from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep, LoopRecord
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.mass_response import mass_at_level
 from dashpot.extensions.amplitude.preprocess import sweep_of_loops
-from dashpot.extensions.amplitude.read import read_amplitude
+from dashpot.extensions.amplitude.read import read_amplitude, read_loops
 from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
-from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.registry import RESPONSES
 from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
@@ -467,14 +465,14 @@ def amplitude_file(
     law: str = "auto",
     options: ReadOptions | None = None,
     machine: Machine | None = None,
-) -> tuple[AmplitudeFit, AmplitudeSweep, AmplitudeSweep | RelaxationTest]:
+) -> tuple[AmplitudeFit, AmplitudeSweep, AmplitudeSweep | LoopRecord]:
     """Return the law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
 
     `kind` is what the file was taken for, `law` ``"auto"`` or one of
     ``kinds.level.laws.LAWS``.
     """
     if kind in _LOOPS:
-        record = read_relaxation(path, options=options)
+        record = read_loops(path, options=options)
         with add_name_to_errors(Path(path).name):
             swept = sweep_of_loops(record, machine)
             return fit_amplitude(swept, law=law), swept, record

@@ -68,7 +68,7 @@ def fit_sweep(
     return swept_by(fit_amplitude(sweep), sweep, choices, unit=unit, part=part)
 
 
-def read_loops(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+def read_loops_as_sweep(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
     """Read recorded loops as a sweep of amplitude."""
     from dashpot.extensions.amplitude.preprocess import sweep_of_loops
     from dashpot.reading.raw_file import add_name_to_errors

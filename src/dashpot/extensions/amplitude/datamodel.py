@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,7 @@ from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
+from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.friction import Kraus, RelativeToAmplitude
 from dashpot.extensions.amplitude.payne_softening import Softening, softening_factor
@@ -135,6 +136,69 @@ class AmplitudeSweep(EqualByValue, HasSummary):
         return replace(
             self, **{name: entry[chosen] for name, entry in entries.items() if entry is not None}
         )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StressStrainLoops(EqualByValue, HasSummary):
+    """Hysteresis loops of a material as recorded: strain to and fro, stress measured.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, strictly increasing.
+    strain : array, shape (n,)
+        Change of length over length, sign and zero as recorded.
+    stress : array, shape (n,)
+        Pa, sign and zero as recorded.
+    specimen : Specimen
+    source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> loops = StressStrainLoops(t, 10 * np.sin(t), 2 * np.sin(t), units="s, %, MPa")
+    >>> float(np.ptp(loops.stress) / np.ptp(loops.strain))
+    20000000.0
+    """
+
+    time: FloatArray
+    strain: FloatArray
+    stress: FloatArray
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    units: str = make_units_field()
+
+    def __post_init__(self) -> None:
+        convert_arrays_to_si(self, time="time", strain="strain", stress="stress")
+        hold_measured(self, "time", "strain", "stress", minimum=8)
+
+    @property
+    def _table_columns(self) -> Series:
+        """Strain and stress over time."""
+        return collect_arrays(self, time="s", strain="1", stress="Pa")
+
+    @property
+    def _summary_lines(self) -> tuple[str, ...]:
+        """Which record it is, and how far it goes."""
+        return (
+            describe_record_source(self.source, len(self.time)),
+            (
+                f"{np.ptp(self.time):.5g} s; strain spans {100 * np.ptp(self.strain):.4g} %, "
+                f"stress {np.ptp(self.stress) / 1e6:.4g} MPa"
+            ),
+        )
+
+
+LoopRecord: TypeAlias = RelaxationTest | StressStrainLoops
+"""Recorded loops of a part, or of a material."""
 
 
 class LinearAt(NamedTuple):

@@ -12,8 +12,12 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.provenance import sources_of
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.datamodel import (
+    AmplitudeFit,
+    AmplitudeSweep,
+    LoopRecord,
+    StressStrainLoops,
+)
 from dashpot.extensions.amplitude.fit_frfs import rows_at_level
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
@@ -66,7 +70,7 @@ _BINS = 16
 
 def level(
     result: AmplitudeFit | LevelFit | HitLevels,
-    records: Sequence[AmplitudeSweep | RelaxationTest | FRF],
+    records: Sequence[AmplitudeSweep | LoopRecord | FRF],
     *,
     stamp: str = "",
 ) -> Picture:
@@ -75,7 +79,7 @@ def level(
     Parameters
     ----------
     result : AmplitudeFit, LevelFit or HitLevels
-    records : sequence of AmplitudeSweep, RelaxationTest or FRF
+    records : sequence of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
         As fitted: one sweep, one record of loops, or the FRF of each level.
     stamp : str
         What the figure says of its origin; by default files, specimen and date.
@@ -86,10 +90,10 @@ def level(
         frfs = [record for record in records if isinstance(record, FRF)]
         return frfs_at_levels(result, frfs, stamp=stamp)
     first = records[0]
-    if isinstance(first, RelaxationTest):
-        return loops(first, result, stamp=stamp)
-    assert isinstance(first, AmplitudeSweep)  # noqa: S101
-    return amplitude_sweep(first, result, stamp=stamp)
+    if isinstance(first, AmplitudeSweep):
+        return amplitude_sweep(first, result, stamp=stamp)
+    assert not isinstance(first, FRF)  # noqa: S101
+    return loops(first, result, stamp=stamp)
 
 
 def draw_levels(levels: AmplitudeResult) -> Picture:
@@ -97,7 +101,7 @@ def draw_levels(levels: AmplitudeResult) -> Picture:
     return level(levels.fit, levels.records)
 
 
-def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str = "") -> Picture:
+def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "") -> Picture:
     """Hysteresis loops of several amplitudes, side by side, each over its own amplitude.
 
     How steep a loop is, is its stiffness, how wide, its loss. With a fit its ellipses beneath them,
@@ -105,7 +109,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
 
     Parameters
     ----------
-    test : RelaxationTest
+    test : RelaxationTest or StressStrainLoops
         Harmonic cycles at several amplitudes.
     fit : AmplitudeFit, optional
         Of those loops.
@@ -113,33 +117,43 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
         What the figure says of its origin; by default file, specimen and date.
     """
     shown = _select_distinct_loops(steady_cycles(test))
-    word, mm = unit_of(np.array([loop.amplitude for loop in shown]), "m")
+    of_material = isinstance(test, StressStrainLoops)
+    amplitudes = np.array([loop.amplitude for loop in shown])
+    word, mm = ("%", 100.0) if of_material else unit_of(amplitudes, "m")
+    unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
     drawn: list[tuple[str, list[Line]]] = []
     for hysteresis_loop in shown:
         curves = [] if fit is None else [(BENEATH, "fitted loop", *_ellipse(hysteresis_loop, fit))]
         curves.append((UPON, "measured", hysteresis_loop.displacement, hysteresis_loop.force))
         X = hysteresis_loop.amplitude
         lines = [
-            Line(_close_curve(x) / X, convert_to_unit(_close_curve(F) / X, "N/mm"), pen, name)
+            Line(_close_curve(x) / X, convert_to_unit(_close_curve(F) / X, unit), pen, name)
             for pen, name, x, F in curves
         ]
         drawn.append((f"{mm * X:.3g} {word}", lines))
     above = [] if fit is None else _over_amplitude(sweep_of_loops(test), fit)
-    caption = "Hysteresis loops, each over its own amplitude X: force F over displacement x" + (
+    axes = (
+        "amplitude A: stress σ over strain ε"
+        if of_material
+        else "amplitude X: force F over displacement x"
+    )
+    caption = f"Hysteresis loops, each over its own {axes}" + (
         "." if fit is None else ", and stiffness and loss over amplitude."
     )
-    strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(drawn)))
+    strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(drawn, *labels, unit)))
     rows = tuple(count for count in (len(above), len(drawn)) if count)
     return Picture(
         "loops", caption, strips, 2, stamp or format_test_stamp(test), width=_WIDE, rows=rows
     )
 
 
-def _draw_loop_panels(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[Panel]:
+def _draw_loop_panels(
+    drawn: Sequence[tuple[str, Sequence[Line]]], moved: str, pushed: str, unit: str
+) -> Iterator[Panel]:
     """Small multiples on one pair of scales."""
     every = [line for _, lines in drawn for line in lines]
-    x = Scale("x/X, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1))
-    y = Scale("F/X, N/mm", compute_padded_limits(*(line.y for line in every)))
+    x = Scale(f"{moved}, 1", compute_padded_limits(*(line.x for line in every)), ticks=(-1, 0, 1))
+    y = Scale(f"{pushed}, {unit}", compute_padded_limits(*(line.y for line in every)))
     for title, lines in drawn:
         yield Panel(x, y, tuple(lines), title=title, height=_SMALL)
 

@@ -39,6 +39,8 @@ _WORDS = {
 }
 _PARTED = 2.0
 """Difference of BIC below which two laws are not distinguished (Kass and Raftery 1995)."""
+_ONE_AMPLITUDE = 1.05
+"""Largest over smallest amplitude of a frequency within which a drive holds one amplitude."""
 _STRAY = 5.0
 """A leading sample so many robust SD off is of an instrument that is not yet in its range."""
 
@@ -79,9 +81,9 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
             f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
             "more at each: the effects of frequency and of amplitude cannot be separated"
         )
-    back = _way_back(sweep)
+    back, varied = _way_back(sweep), _has_several_amplitudes(sweep)
     tried = _sort_candidate_laws(sweep, law)
-    stray = _strays(sweep, tried[0].left)
+    stray = _strays(sweep, tried[0].left) & varied
     if stray.any() and np.count_nonzero(~stray) >= _LEAST:
         sweep = sweep.only(~stray)
         tried = _sort_candidate_laws(sweep, law)
@@ -89,13 +91,15 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     reach = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
     if reach < FAR_ENOUGH:
         best = fit_sweep_law(sweep, best.law, SET)
-    gain, by = plain.deviance - best.deviance, _WORDS[best.law]
+    gain, by = plain.deviance - best.deviance, _WORDS.get(best.law, "")
     if gain <= MATTERS:  # nothing moves with amplitude
         best = plain
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
     followed = law_residual_small(best.residual)
+    followed_well = bool(followed.passed)
+    seen = amplitude_dependence_detected(gain, range_, sweep.of, by, followed=followed_well)
     checks: list[Check] = [
-        amplitude_dependence_detected(gain, range_, sweep.of, by, followed=bool(followed.passed)),
+        *([seen] if varied else []),
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         followed,
         loss_residual_small(best.loss_left),
@@ -107,7 +111,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     cubic = 0.0
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
-    else:
+    elif varied:
         cubic = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
@@ -180,6 +184,8 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
 
     One with a spring that is but another way to soften is not among them, whatever its BIC.
     """
+    if law == "auto" and not _has_several_amplitudes(sweep):
+        return [fit_sweep_law(sweep, "none")]
     home = "factor" if sweep.unit == "Pa" else "additive"
     tried = [fit_sweep_law(sweep, name) for name in LAWS if law in {"auto", name}]
     spring = next((fitted for fitted in tried if fitted.law == "cubic"), None)
@@ -221,6 +227,12 @@ def _way_back(sweep: AmplitudeSweep) -> float | None:
             before = np.interp(X[down][met], X[up], size[up])
             values.append(float(median(size[down][met] / before)) - 1)
     return max(values, key=abs) if values else None
+
+
+def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
+    """Return whether amplitudes differ at one frequency: else their effect is not seen."""
+    tones = [sweep.amplitude[sweep.frequency == tone] for tone in np.unique(sweep.frequency)]
+    return max(float(X.max() / X.min()) for X in tones) > _ONE_AMPLITUDE
 
 
 def _strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:

@@ -18,11 +18,10 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.amplitude_response import HITS, amplitude_file
 from dashpot.extensions.amplitude.checks import amplitude_in_tested_range, levels_as_stated
-from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep
+from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep, LoopRecord
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, hits_as_levels
@@ -52,7 +51,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
     at : tuple of PeakAtLevel
         The levels that were asked for.
     checks : tuple of Check
-    records : tuple of AmplitudeSweep, RelaxationTest or FRF
+    records : tuple of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
         What it was found from: one sweep, one record of loops, or the FRF of each level.
 
     Examples
@@ -75,7 +74,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
     fit: AmplitudeFit | LevelFit | HitLevels
     at: tuple[PeakAtLevel, ...]
     checks: tuple[Check, ...]
-    records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
+    records: tuple[AmplitudeSweep | LoopRecord | FRF, ...]
 
     @property
     def _table_columns(self) -> Series:
@@ -182,10 +181,10 @@ def level_files(
 
 
 def fit_amplitude_record(
-    record: AmplitudeSweep | RelaxationTest, *, law: str = "auto", machine: Machine | None = None
+    record: AmplitudeSweep | LoopRecord, *, law: str = "auto", machine: Machine | None = None
 ) -> AmplitudeResult:
     """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
-    if isinstance(record, RelaxationTest):
+    if not isinstance(record, AmplitudeSweep):
         sweep = sweep_of_loops(record, machine)
     else:
         sweep = record
@@ -196,8 +195,8 @@ def fit_amplitude_record(
     return _swept(fit_amplitude(sweep, law=law), record)
 
 
-def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> AmplitudeResult:
-    if isinstance(record, RelaxationTest):
+def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | LoopRecord) -> AmplitudeResult:
+    if not isinstance(record, AmplitudeSweep):
         amplitude_fit = replace(
             amplitude_fit, loss_per_lag=float(2 * np.pi * amplitude_fit.frequency.max())
         )

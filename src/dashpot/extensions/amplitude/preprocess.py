@@ -5,14 +5,14 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RelaxationTest
-from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.extensions.amplitude.datamodel import AmplitudeSweep, LoopRecord
+from dashpot.extensions.amplitude.harmonic_motion import estimate_scatter, find_cycle_starts
 
 _LEAST = 12
 """Samples of a cycle."""
@@ -20,9 +20,7 @@ _STEADY = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
 _ONE_TONE = 1.05
 """Cycles whose frequencies lie no farther apart than this factor were asked for at one."""
-_CROSSED = 5.0
-"""SD of the displacement's noise beyond which its sign is sure."""
-_PASSES = 3
+_ELASTIC = "a law of stress over strain is fitted with --kind stress-strain"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +32,13 @@ class HysteresisLoop:
     frequency : float
         Hz.
     amplitude : float
-        Of the first harmonic of the displacement, m.
+        Of the first harmonic of the displacement, m, or of the strain of a material.
     stiffness : complex
-        First harmonic of the force over that of the displacement, N/m.
+        First harmonic of the force over that of the displacement, N/m; Pa of a material.
     sd : float
-        Of either part of that, from the scatter between neighbouring samples, N/m.
+        Of either part of that, from the scatter between neighbouring samples, N/m or Pa.
     displacement, force : array, shape (n,)
-        As recorded, less their mean and drift, m and N.
+        As recorded, less their mean and drift, m and N; strain and stress of a material.
     """
 
     frequency: float
@@ -51,8 +49,8 @@ class HysteresisLoop:
     force: FloatArray
 
 
-def sweep_of_loops(test: RelaxationTest, machine: Machine | None = None) -> AmplitudeSweep:
-    r"""Return stiffness and loss of every steady cycle of a harmonic motion.
+def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> AmplitudeSweep:
+    r"""Return stiffness and loss, N/m or Pa, of every steady cycle of a harmonic motion.
 
     As :func:`steady_cycles` finds them, :math:`K^* = F_1 / X_1`. Of the `machine` the `sync` is
     heeded.
@@ -66,13 +64,14 @@ def sweep_of_loops(test: RelaxationTest, machine: Machine | None = None) -> Ampl
     machine.refuse_unused("sync", of="recorded loops")
     cycles = steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
+    unit, of = ("N/m", "m") if isinstance(test, RelaxationTest) else ("Pa", "strain")
     return AmplitudeSweep(
         np.array([cycle.frequency for cycle in cycles]),
         np.array([cycle.amplitude for cycle in cycles]),
         K.real,
         K.imag,
-        "N/m",
-        "m",
+        unit,
+        of,
         test.specimen,
         test.source,
         np.array([cycle.sd for cycle in cycles]),
@@ -81,7 +80,7 @@ def sweep_of_loops(test: RelaxationTest, machine: Machine | None = None) -> Ampl
     )
 
 
-def steady_cycles(test: RelaxationTest) -> tuple[HysteresisLoop, ...]:
+def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
     r"""Return every cycle of a harmonic motion whose loop has closed.
 
     Cycles are cut where the displacement, less its drift, rises through its middle. Over each,
@@ -94,12 +93,15 @@ def steady_cycles(test: RelaxationTest) -> tuple[HysteresisLoop, ...]:
     DataError
         If there are fewer than two cycles, or too few samples in them.
     """
-    t, signals = test.time, np.array([test.displacement, test.force])
-    starts = _cycles(t, test.displacement)
+    part = isinstance(test, RelaxationTest)
+    moved, pushed = (test.displacement, test.force) if part else (test.strain, test.stress)
+    t, signals = test.time, np.array([moved, pushed])
+    starts = find_cycle_starts(t, moved)
     if len(starts) < 3:
         raise DataError(
-            f"{max(len(starts) - 1, 0)} cycles of displacement found; loops need two or more at "
-            "each amplitude; a ramp and a hold, or a creep test, is for dashpot fit"
+            f"{max(len(starts) - 1, 0)} cycles of {'displacement' if part else 'strain'} found; "
+            "loops need two or more at each amplitude; "
+            + ("a ramp and a hold, or a creep test, is for dashpot fit" if part else _ELASTIC)
         )
     tones, means = _tones(1 / np.diff(starts)), _means(t, signals, starts)
     loops, last = [], np.nan
@@ -118,46 +120,15 @@ def steady_cycles(test: RelaxationTest) -> tuple[HysteresisLoop, ...]:
         size = float(abs(X1))
         if abs(size / last - 1) <= _STEADY:
             K = complex(F1 / X1)
-            sd = _scatter(F - K.real * x) * np.sqrt(2 / len(x)) / size
+            sd = estimate_scatter(F - K.real * x) * np.sqrt(2 / len(x)) / size
             loops.append(HysteresisLoop(float(tones[i]), size, K, sd, x, F))
         last = size
     if not loops:
         raise DataError(
             "no two cycles that follow each other have one amplitude: hold each for some cycles"
+            + ("" if part else f"; {_ELASTIC}")
         )
     return tuple(loops)
-
-
-def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
-    """Times at which the displacement, less its drift, rises through its middle, s."""
-    drift = Polynomial.fit(t, x, 1)
-    noise = _scatter(x)
-    for _ in range(_PASSES):
-        starts = _rises(t, x - drift(t), _CROSSED * noise)
-        if len(starts) < 3:
-            break
-        rows = np.searchsorted(t, starts)
-        count = np.diff(rows)
-        means = np.add.reduceat(np.column_stack((t, x)), rows)[:-1] / count[:, None]
-        # of whole cycles: a sine itself has a slope
-        drift = Polynomial.fit(means[:, 0], means[:, 1], 1)
-    return starts
-
-
-def _scatter(x: FloatArray) -> float:
-    """SD of the noise of samples, by their second differences."""
-    return float(1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6))
-
-
-def _rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
-    """Times at which x rises through its median; noise at a slow crossing is no cycle."""
-    # a loop may stand on a preload, and small ones follow large ones about the same middle
-    above = x - median(x)
-    sure = np.abs(above) > unsure
-    t, above = t[sure], above[sure]
-    turns = np.flatnonzero((above[:-1] < 0) & (above[1:] > 0))
-    share = above[turns] / (above[turns] - above[turns + 1])
-    return np.asarray(t[turns] + share * (t[turns + 1] - t[turns]))
 
 
 def _tones(frequency: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Reader of amplitude sweeps: storage and loss against strain or displacement."""
+"""Readers of amplitude sweeps, storage and loss against amplitude, and of recorded loops."""
 
 from __future__ import annotations
 
@@ -11,12 +11,16 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
+from dashpot.extensions.amplitude.datamodel import AmplitudeSweep, LoopRecord, StressStrainLoops
 from dashpot.reading.columns.kind_detection import ONE_FREQUENCY, groups
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign
 from dashpot.reading.columns.vocabulary import Role, has_word, normalise_name
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
+from dashpot.reading.readers.relaxation import load_signals, relaxation_in
+from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
 from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
 
 # ASTM D5992 calls the double strain amplitude DSA
@@ -39,6 +43,45 @@ def over_amplitude(name: str) -> tuple[float, str]:
     if _SPAN.search(normalise_name(name)):
         return 2.0, "peak to peak"
     return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
+
+
+_PART: tuple[Role, ...] = ("time", "displacement", "force")
+_MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
+
+
+def list_loop_roles(file: OpenedFile) -> tuple[Role, ...]:
+    """Return the columns that loops are read from: of a part, or of a material without them."""
+
+    def holds(roles: tuple[Role, ...]) -> bool:
+        answers = (assign(file.table, role, file.options) for role in roles[1:])
+        return all(isinstance(answer, RoleAssignment) for answer in answers)
+
+    return _MATERIAL if holds(_MATERIAL) and not holds(_PART) else _PART
+
+
+def read_loops(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> LoopRecord:
+    """Return the hysteresis loops in a file, in SI units.
+
+    Displacement and force are those of a part, strain and stress those of a material.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found or has no unit, or time does not increase.
+    """
+    with channels.open_file(path, options) as file:
+        specimen = specimen or Specimen()
+        if list_loop_roles(file) is _PART:
+            return relaxation_in(file, specimen)
+        chosen = channels.choose(file, channels.add_time_role(file, *_MATERIAL[1:]))
+        values, notes = load_signals(file, chosen)
+        strain, stress = values["strain"], values["stress"]
+        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], strain, stress)
+        specimen, sentences = add_specimen_temperature(file, specimen, chosen)
+        source = channels.source(file, [c.message for c in chosen], [*notes, *sentences])
+        return StressStrainLoops(values["time"], strain, stress, specimen, source, units="SI")
 
 
 _WARMER = 10.0

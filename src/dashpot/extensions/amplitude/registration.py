@@ -20,7 +20,7 @@ EXTENSION = Extension(
                 checks="dashpot.extensions.amplitude.checks", order=6,
         ),
             KindOfTest(
-                "cyclic", "dashpot.reading.readers.relaxation:read_relaxation", "dashpot.extensions.amplitude.fit_files:level_files", app_section="level",
+                "cyclic", "dashpot.extensions.amplitude.read:read_loops", "dashpot.extensions.amplitude.fit_files:level_files", app_section="level",
                 fit_route="level",
                 checks="dashpot.extensions.amplitude.checks",
                 examples="dashpot.extensions.amplitude.examples:EXAMPLES", order=17,
@@ -43,8 +43,10 @@ EXTENSION = Extension(
             "dashpot.extensions.amplitude.datamodel:AmplitudeSweep": "dashpot.extensions.amplitude.api:fit_sweep",
         },
         "read record": {
-            "cyclic": "dashpot.extensions.amplitude.api:read_loops",
+            "cyclic": "dashpot.extensions.amplitude.api:read_loops_as_sweep",
         },
+        "record rule": {"cyclic": "dashpot.extensions.amplitude.harmonic_motion:is_harmonic"},
+        "roles": {"cyclic": "dashpot.extensions.amplitude.read:list_loop_roles"},
         "text": {
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.level_text:prediction",
             "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.extensions.amplitude.text:amplitude",

@@ -37,9 +37,12 @@ def levels(value: AmplitudeResult) -> Text:
 def _loops(amplitude_fit: AmplitudeFit) -> list[str]:
     """Storage and loss of small loops, and the delay of the force that their errors include."""
     read = get_display_unit(amplitude_fit.unit)
+    storage, loss = ("stiffness", "loss")
+    if amplitude_fit.unit == "Pa":
+        storage, loss = ("storage modulus", "loss modulus")
     listed = (
-        f"at {line.frequency_hz:.4g} Hz stiffness "
-        f"{with_error(line.storage, line.storage_se, amplitude_fit.unit)}, loss "
+        f"at {line.frequency_hz:.4g} Hz {storage} "
+        f"{with_error(line.storage, line.storage_se, amplitude_fit.unit)}, {loss} "
         f"{with_error(line.loss, line.loss_se, amplitude_fit.unit)} {read}"
         for line in amplitude_fit.lines
     )

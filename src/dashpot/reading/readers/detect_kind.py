@@ -20,6 +20,7 @@ from dashpot.reading.read_options import PROFILE, ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.relaxation import load_signals, moving_columns
+from dashpot.registry import find_handler
 from dashpot.signals.segments import classify_load_history, held_throughout
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
@@ -210,6 +211,9 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
             return _HELD[shown], "its displacement or force is held; it has no clock"
     if kind == "stress-strain":
         record = _record(file, _MATERIAL)
+        is_harmonic = find_handler("record rule", "cyclic")
+        if record and is_harmonic and is_harmonic(*record):
+            return "cyclic", _SHOWN["cyclic"]
         shown = classify_load_history(*record) if record else ""
         if record and (held_throughout(record[2]) or shown == "creep"):
             return "creep", "its stress is held while its strain goes on"

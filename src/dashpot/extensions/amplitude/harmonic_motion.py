@@ -1,0 +1,91 @@
+"""Cycles of a harmonic motion: when each begins, and whether a record is made of them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from dashpot.base.arrays import FloatArray, median
+
+_CROSSED = 5.0
+"""SD of the displacement's noise beyond which its sign is sure."""
+_PASSES = 3
+_FEWEST = 2
+"""Cycles: a creep that its drift is taken off looks like one."""
+_LEAST, _MANY = 8, 32
+"""Samples of a cycle; as many tell its noise from what a sine misses."""
+_DISTORTED = 0.04
+"""Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
+_COVERED = 0.65
+"""Part of a record's time that harmonic cycles fill; the rest is a ramp, or between two blocks."""
+
+
+def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
+    r"""Return whether a record is of harmonic cycles, at one amplitude and frequency or several.
+
+    A cycle is harmonic where :math:`x_0 + \mathrm{Re}\,X e^{j\omega t}` misses its samples,
+    beyond their noise, by less than 4 % of the amplitude.
+
+    Parameters
+    ----------
+    time, moved : array, shape (n,)
+        s, and displacement or strain in any unit. A third array, of what pushes, is not asked.
+    """
+    rises, falls = find_cycle_starts(time, moved), find_cycle_starts(time, -moved)
+    starts = max(rises, falls, key=len)
+    cycles = [
+        end - begin for begin, end in pairwise(starts.tolist()) if _is_sine(time, moved, begin, end)
+    ]
+    if len(cycles) < _FEWEST:
+        return False
+    # no crossing shows the parts of cycles at the ends
+    return sum(cycles) >= _COVERED * (float(np.ptp(time)) - cycles[0] - cycles[-1])
+
+
+def _is_sine(time: FloatArray, moved: FloatArray, begin: float, end: float) -> bool:
+    inside = (time >= begin) & (time < end)
+    count = np.count_nonzero(inside)
+    if count < _LEAST:
+        return False
+    t, x = time[inside] - begin, moved[inside]
+    omega = 2 * np.pi / (end - begin)
+    A = np.column_stack((np.ones_like(t), np.cos(omega * t), np.sin(omega * t)))
+    factors = np.linalg.lstsq(A, x, rcond=None)[0]
+    missed = x - A @ factors
+    noise = estimate_scatter(missed) if count >= _MANY else 0.0
+    squared = max(float(np.mean(missed**2)) - noise**2, 0.0)
+    return squared < (_DISTORTED * float(np.hypot(*factors[1:]))) ** 2
+
+
+def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
+    """Return times at which a motion, less its drift, rises through its middle, s."""
+    drift = Polynomial.fit(t, x, 1)
+    noise = estimate_scatter(x)
+    for _ in range(_PASSES):
+        starts = _find_rises(t, x - drift(t), _CROSSED * noise)
+        if len(starts) < 3:
+            break
+        rows = np.searchsorted(t, starts)
+        count = np.diff(rows)
+        means = np.add.reduceat(np.column_stack((t, x)), rows)[:-1] / count[:, None]
+        # of whole cycles: a sine itself has a slope
+        drift = Polynomial.fit(means[:, 0], means[:, 1], 1)
+    return starts
+
+
+def estimate_scatter(x: FloatArray) -> float:
+    """Return the SD of the noise of samples, by their second differences."""
+    return float(1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6))
+
+
+def _find_rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
+    """Times at which x rises through its median; noise at a slow crossing is no cycle."""
+    # a loop may stand on a preload, and small ones follow large ones about the same middle
+    above = x - median(x)
+    sure = np.abs(above) > unsure
+    t, above = t[sure], above[sure]
+    turns = np.flatnonzero((above[:-1] < 0) & (above[1:] > 0))
+    share = above[turns] / (above[turns] - above[turns + 1])
+    return np.asarray(t[turns] + share * (t[turns + 1] - t[turns]))

@@ -1,0 +1,166 @@
+"""Hysteresis loops in strain and stress: moduli of a solid by a closed form of its own."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.base.errors import ReadError
+from dashpot.cli import main
+from dashpot.extensions.amplitude.datamodel import StressStrainLoops
+from dashpot.extensions.amplitude.fit_files import level_files
+from dashpot.extensions.amplitude.preprocess import steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.read import read_loops
+from dashpot.reading.read_options import ReadOptions
+from dashpot.reading.readers.inspect import inspect_file
+
+E_INF, ARMS = 3.0, ((1.2, 1.0), (0.8, 0.1))
+"""MPa; MPa and s."""
+
+
+def modulus(frequency: float) -> complex:
+    """MPa."""
+    s = 2j * np.pi * frequency
+    return E_INF + sum(m * s * tau / (1 + s * tau) for m, tau in ARMS)
+
+
+MEAN, PER_CYCLE = 0.1, 80
+
+
+def loops(tones=(1.0,), amplitudes=(0.01, 0.03, 0.1), *, cycles=8):
+    """Time, strain and stress, MPa, of harmonic cycles after a long rest at the mean strain."""
+    blocks, begun = [], 0.0
+    for tone in tones:
+        for amplitude in amplitudes:
+            t = np.arange(cycles * PER_CYCLE) / (PER_CYCLE * tone)
+            blocks.append((begun + t, amplitude * np.sin(2 * np.pi * tone * t)))
+            begun = float(blocks[-1][0][-1]) + 1 / (PER_CYCLE * tone)
+    time, strain = (np.concatenate(group) for group in zip(*blocks, strict=True))
+    stress = E_INF * strain
+    for m, tau in ARMS:  # exact for straight lines between samples
+        arm = np.zeros_like(strain)
+        for i in range(1, len(time)):
+            h = time[i] - time[i - 1]
+            decay = np.exp(-h / tau)
+            arm[i] = decay * arm[i - 1] + m * (strain[i] - strain[i - 1]) * tau / h * (1 - decay)
+        stress = stress + arm
+    scatter = np.random.default_rng(0).normal(0, 4e-4, len(time))
+    return time, MEAN + strain, E_INF * MEAN + stress + scatter
+
+
+def write_record(path, columns, head="Time [s];Strain [%];Stress [MPa]", strain=100.0, stress=1.0):
+    t, e, s = columns
+    rows = zip(t, strain * e, stress * s, strict=True)
+    path.write_text("\n".join([head, *(f"{t:.8g};{e:.9g};{s:.9g}" for t, e, s in rows)]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("head", "strain", "stress"),
+    [
+        ("Time [s];Strain [%];Stress [MPa]", 100.0, 1.0),
+        ("Zeit [s];Dehnung [mm/mm];Spannung [kPa]", 1.0, 1e3),
+        ("time (s);compressive strain (%);compressive stress (N/mm²)", -100.0, -1.0),
+    ],
+)
+def test_fit_of_loops_in_strain_and_stress_gives_moduli(tmp_path, head, strain, stress) -> None:
+    path = write_record(tmp_path / "loops.csv", loops((0.3, 1.0, 3.0)), head, strain, stress)
+    assert inspect_file(path).kind == "cyclic"
+    levels = level_files([path], options=ReadOptions())
+    fit = levels.fit
+    assert (fit.unit, fit.of) == ("Pa", "strain")
+    np.testing.assert_allclose(fit.amplitudes, (0.01, 0.1), rtol=2e-3)
+    for line, tone in zip(fit.lines, (0.3, 1.0, 3.0), strict=True):
+        true = 1e6 * modulus(tone)
+        assert line.frequency_hz == pytest.approx(tone, rel=1e-3)
+        assert line.storage == pytest.approx(true.real, rel=5e-3)
+        assert line.loss == pytest.approx(true.imag, abs=5e-3 * true.real)
+
+
+def test_read_of_loops_in_strain_and_stress_gives_a_sweep_in_pascal(tmp_path) -> None:
+    sweep = dp.read(write_record(tmp_path / "loops.csv", loops()))
+    assert (sweep.unit, sweep.of) == ("Pa", "strain")
+    np.testing.assert_allclose(sweep.storage, 1e6 * modulus(1.0).real, rtol=0.01)
+    assert dp.fit(sweep).unit == "Pa"
+
+
+def test_loops_of_a_specimen_are_in_newtons_per_millimetre(tmp_path) -> None:
+    """Of 20 mm by 50 mm²: k = E A / L."""
+    path = write_record(tmp_path / "loops.csv", loops())
+    units = {"displacement": "0.2mm", "force": "50N"}
+    options = ReadOptions(displacement="Strain", force="Stress", units=units)
+    part, material = (level_files([path], options=each).fit for each in (options, ReadOptions()))
+    assert part.unit == "N/m"
+    ratio = 50e-6 / 20e-3
+    assert part.lines[0].storage == pytest.approx(ratio * material.lines[0].storage, rel=1e-6)
+    assert part.lines[0].loss == pytest.approx(ratio * material.lines[0].loss, rel=1e-5)
+
+
+def test_loops_at_one_amplitude_have_no_law_of_amplitude(tmp_path) -> None:
+    """Else a softening by hundreds of times the modulus is as good as none."""
+    path = write_record(tmp_path / "loops.csv", loops((0.1, 0.3, 1.0, 3.0), (0.05,)))
+    levels = level_files([path])
+    assert levels.fit.law == "none"
+    assert [check.name for check in levels.checks if check.failed] == ["amplitudes_spread"]
+    for line in levels.fit.lines:
+        assert line.storage == pytest.approx(1e6 * modulus(line.frequency_hz).real, rel=0.01)
+
+
+def triangle(t):
+    return 0.1 * np.abs((t / 5) % 2 - 1)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        triangle,
+        lambda t: 0.1 * np.clip(t / 2, 0, 1),
+        lambda t: 0.1 * np.clip(t / 2, 0, 1) * (t < 30),
+        lambda t: 0.1 * (t % 20 < 10) * np.minimum(t % 20, 1),
+    ],
+)
+def test_other_motions_are_no_loops(tmp_path, motion) -> None:
+    t = np.arange(0, 60, 0.05)
+    strain = motion(t) + np.random.default_rng(1).normal(0, 1e-5, len(t))
+    path = write_record(tmp_path / "other.csv", (t, strain, 3 * strain))
+    assert inspect_file(path).kind != "cyclic"
+
+
+def test_too_few_loops_are_refused_with_the_other_kind(tmp_path) -> None:
+    path = write_record(tmp_path / "loops.csv", loops(amplitudes=(0.05,), cycles=3))
+    with pytest.raises(ReadError, match=r"two or more.*--kind stress-strain"):
+        level_files([path])
+    assert dp.read(path, kind="stress-strain", test="uniaxial").mode == "uniaxial"
+
+
+def test_loops_are_drawn_in_strain_and_stress(tmp_path) -> None:
+    path = write_record(tmp_path / "loops.csv", loops())
+    for name in ("loops.svg", "loops.html", "loops.json"):
+        option = "--plot" if name.endswith("svg") else "-o"
+        with pytest.raises(SystemExit) as ended:
+            main(["fit", str(path), option, str(tmp_path / name)])
+        assert ended.value.code in {0, None}
+    drawn = (tmp_path / "loops.svg").read_text()
+    assert "MPa" in drawn
+    assert "N/mm" not in drawn
+    assert "storage E" in drawn
+    document = json.loads((tmp_path / "loops.json").read_text())
+    assert (document["unit"], document["of"]) == ("Pa", "strain")
+
+
+def test_steady_cycles_of_strain_are_those_of_a_unit_specimen() -> None:
+    t, e, s = loops()
+    record = StressStrainLoops(t, e, 1e6 * s, units="SI")
+    part = dp.RelaxationTest(t, 1e-3 * e, 1e-6 * 1e6 * s, units="SI")
+    material, other = sweep_of_loops(record), sweep_of_loops(part)
+    np.testing.assert_allclose(material.value, 1e3 * other.value, rtol=1e-9)
+    assert len(steady_cycles(record)) == len(material.amplitude)
+
+
+def test_read_loops_takes_a_stated_unit_of_strain(tmp_path) -> None:
+    path = write_record(tmp_path / "loops.csv", loops(), "Time [s];Strain;Stress [MPa]", 1.0)
+    options = ReadOptions(kind="cyclic", units={"strain": "1"})
+    assert isinstance(read_loops(path, options=options), StressStrainLoops)
