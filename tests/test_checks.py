@@ -764,6 +764,10 @@ CURVES = [
     Case("loss_positive", whole(lambda n: curves.loss_positive(sweep(negative=n))), 0, 1),
     Case("storage_rises", lambda x: curves.storage_rises(sweep(storage=2 - 2 * x)), 0.0499, 0.0501),
     Case("modulus_falls", lambda x: curves.modulus_falls(np.repeat([1.0, 1.1, x], 3)), 1.24, 1.26),
+    Case("strain_not_small", lambda x: curves.strain_not_small(x, "%"), 0.0051, 0.0049),
+    Case("strain_not_large", lambda x: curves.strain_not_large(x, "mm/mm"), 2.99, 3.01),
+    Case("modulus_of_a_rubber", lambda x: curves.modulus_of_a_rubber(3e6 * x, "MPa"), 299, 301),
+    Case("modulus_of_a_rubber", lambda x: curves.modulus_of_a_rubber(3e6 / x, "kPa"), 299, 301),
     Case(
         "data_agree",
         lambda x: curves.data_agree([1.0, x], ["storage", "loss"], [80, 80]),
@@ -1628,6 +1632,7 @@ LEVEL = [
         0.0099,
         0.0101,
     ),
+    Case("loops_not_clipped", lambda x: level.loops_not_clipped(x, "force"), 0.099, 0.101),
     Case(
         "amplitude_dependence_detected",
         lambda x: level.amplitude_dependence_detected(x, (1e-4, 1e-3), "m", "friction"),
@@ -2144,6 +2149,7 @@ LIMITS = {
         "plateau_determined": 0.8,
         "curve_level_at_end": 0.03,
         "modulus_falls": 1.25,
+        "strain_not_small": 0.005, "strain_not_large": 3, "modulus_of_a_rubber": 300,
         "data_agree": 1.3,
         "bands_overlap": 10,
     },
@@ -2236,6 +2242,7 @@ LIMITS = {
     },
     "extensions/amplitude": {
         "softening_detectable": 0.01,
+        "loops_not_clipped": 0.1,
         "amplitude_dependence_detected": 20, "amplitudes_spread": 3, "softening_seen": 2,
         "law_residual_small": 0.03,
         "levels_residual_small": 1.4, "loss_residual_small": 0.12, "no_hidden_cubic_spring": 0.1,
@@ -2356,7 +2363,10 @@ GRADES = {
         "fitting": {
             "optimum_found", "arms_where_force_relaxes", "valid_band_exists", "same_specimen",
         },
-        "extensions/curves": {"modulus_falls"},
+        "extensions/amplitude": {"loops_not_clipped"},
+        "extensions/curves": {
+            "modulus_falls", "strain_not_small", "strain_not_large", "modulus_of_a_rubber",
+        },
         "extensions/curves/creep": {"compliance_rises"},
         "extensions/materials/hyperelastic": {"stable_in_use"},
         "extensions/materials/csr": {"force_falls"},

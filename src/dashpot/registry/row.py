@@ -264,7 +264,8 @@ class Extension(NamedTuple):
         first point                     first point of a file with several
         table rule                      whether a table is of a kind
         over amplitude                  what a ``"column"`` is over an amplitude, by its name
-        record rule                     whether a record, by its motion, is
+        record rule                     whether a record is of a kind, by its motion
+        read signals                    signals of the columns of a kind, by name
         calibrate                       table corrected by a calibration file
         mounts                          mounts of a seal line
         stations                        stations of the seal in a file

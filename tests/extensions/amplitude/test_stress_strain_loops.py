@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dashpot as dp
-from dashpot.base.errors import ReadError
+from dashpot.base.errors import FitError, ReadError
 from dashpot.cli import main
 from dashpot.extensions.amplitude.datamodel import StressStrainLoops
 from dashpot.extensions.amplitude.fit_files import level_files
@@ -164,3 +164,70 @@ def test_read_loops_takes_a_stated_unit_of_strain(tmp_path) -> None:
     path = write_record(tmp_path / "loops.csv", loops(), "Time [s];Strain;Stress [MPa]", 1.0)
     options = ReadOptions(kind="cyclic", units={"strain": "1"})
     assert isinstance(read_loops(path, options=options), StressStrainLoops)
+
+
+@pytest.mark.parametrize(("strain", "stress"), [(1.0, -1.0), (-1.0, 1.0)])
+def test_loops_whose_stress_counts_the_other_way_dissipate(tmp_path, strain, stress) -> None:
+    path = write_record(tmp_path / "loops.csv", loops(), strain=100 * strain, stress=stress)
+    fit = level_files([path]).fit
+    assert fit.lines[0].storage == pytest.approx(1e6 * modulus(1.0).real, rel=5e-3)
+    assert fit.lines[0].loss == pytest.approx(1e6 * modulus(1.0).imag, rel=0.05)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-5, 1e-3])
+def test_clipped_loops_are_not_used(tmp_path, noise) -> None:
+    t, e, s = loops()
+    cut = np.minimum(s, 0.5) + np.random.default_rng(2).normal(0, noise, len(s))
+    for stress, failed in ((cut, True), (s, False)):
+        path = write_record(tmp_path / "loops.csv", (t, e, stress))
+        levels = level_files([path])
+        names = {check.name for check in levels.checks if check.failed}
+        assert ("loops_not_clipped" in names) is failed
+        assert (levels.verdict.use == "do not use") is failed
+
+
+def test_loops_after_a_ramp_and_a_rest_are_loops(tmp_path) -> None:
+    t, e, s = loops()
+    before = np.arange(0, 15, 0.02)
+    ramp = MEAN * np.clip((before - 2) / 2, 0, 1)
+    record = (np.append(before, 15 + t), np.append(ramp, e), np.append(E_INF * ramp, s))
+    path = write_record(tmp_path / "loops.csv", record)
+    assert inspect_file(path).kind == "cyclic"
+    (line,) = level_files([path]).fit.lines
+    assert line.storage == pytest.approx(1e6 * modulus(1.0).real, rel=5e-3)
+
+
+def test_a_sweep_of_the_frequency_is_refused(tmp_path) -> None:
+    """Its cycles have each a frequency of its own."""
+    t = np.arange(0, 40, 0.005)
+    strain = MEAN + 0.03 * np.sin(2 * np.pi * (0.2 * t + 0.06 * t**2))
+    path = write_record(tmp_path / "sweep.csv", (t, strain, 5 * strain))
+    with pytest.raises(FitError, match="effects of frequency and of amplitude"):
+        level_files([path])
+
+
+@pytest.mark.parametrize(
+    ("head", "strain", "stress", "asked"),
+    [
+        ("Time [s];Strain [%];Stress [MPa]", 1.0, 1.0, "strain=1"),
+        ("Time [s];Strain [mm/mm];Stress [MPa]", 100.0, 1.0, "strain=%"),
+        ("Time [s];Strain [%];Stress [MPa]", 100.0, 1e3, "stress=MPa"),
+        ("Time [s];Strain [%];Stress [kPa]", 100.0, 1.0, "stress=kPa"),
+    ],
+)
+def test_loops_of_no_rubber_raise_a_question(tmp_path, head, strain, stress, asked) -> None:
+    path = write_record(tmp_path / "loops.csv", loops(), head, strain, stress)
+    with pytest.raises(ReadError, match=asked):
+        level_files([path])
+
+
+def test_loops_without_a_clock_need_their_rate(tmp_path) -> None:
+    _, e, s = loops()
+    rows = "\n".join(
+        f"{100 * strain:.9g};{stress:.9g}" for strain, stress in zip(e, s, strict=True)
+    )
+    (tmp_path / "loops.csv").write_text(f"Strain [%];Stress [MPa]\n{rows}\n")
+    with pytest.raises(ReadError, match="--rate"):
+        level_files([tmp_path / "loops.csv"])
+    (line,) = level_files([tmp_path / "loops.csv"], options=ReadOptions(rate=80.0)).fit.lines
+    assert line.frequency_hz == pytest.approx(1.0, rel=1e-3)

@@ -125,3 +125,100 @@ def test_convert_sentence_speaks_of_stress() -> None:
     text = "The force drifts by 2 mN/s and 1.5 N at 8 mm, 0.3 µm of it noise; 2.5 N/mm, 12 s."
     wanted = "The stress drifts by 2 kPa/s and 1.5 MPa at 800 %, 0.03 % of it noise; 2.5 MPa, 12 s."
     assert convert_sentence(text) == wanted
+
+
+# -- which test a record is, and its sizes --------------------------------------------------------
+
+
+def write_columns(path, head, *columns):
+    rows = (";".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True))
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return path
+
+
+def write_motion(path, corners, stop, head="Time [s];Strain [%];Stress [MPa]", relaxing=True):
+    t = np.round(np.arange(0, stop, 0.1), 6)
+    strain = np.interp(t, *zip(*corners, strict=True))
+    stress = integrated_stress(strain, 0.1) if relaxing else E_INF * strain
+    stress = stress + np.random.default_rng(3).normal(0, 8e-4, len(t))
+    return write_columns(path, head, t, 100 * strain, stress)
+
+
+STEPS = [(0, 0), (10, 0), (11, 0.04), (70, 0.04), (71, 0.08), (130, 0.08), (131, 0.12), (190, 0.12)]
+DOWN = [(0, 0), (10, 0), (12, 0.1), (70, 0.1), (72, 0.05), (130, 0.05), (132, 0.1), (300, 0.1)]
+CYCLES = [(0, 0), (10, 0), (12, 0.1), (14, 0), (16, 0.1), (18, 0), (30, 0), (32, 0.1), (300, 0.1)]
+
+
+@pytest.mark.parametrize("corners", [STEPS, DOWN, CYCLES], ids=["steps", "down", "cycles"])
+def test_relaxation_in_several_holds_is_one_model(tmp_path, corners) -> None:
+    """The strain is followed from its first sample on."""
+    path = write_motion(tmp_path / "holds.csv", corners, corners[-1][0])
+    assert inspect_file(path).kind == "modulus"
+    fit = fit_one(path)
+    t = np.array([1.0, 5.0, 20.0, 50.0])
+    truth = E_INF + sum(m * np.exp(-t / tau) for m, tau in ARMS)
+    np.testing.assert_allclose(fit.model.relaxation(t), 1e6 * truth, rtol=0.01)
+    assert fit.verdict.use != "do not use"
+
+
+def test_steps_of_an_elastic_specimen_stay_an_elastic_curve(tmp_path) -> None:
+    path = write_motion(tmp_path / "steps.csv", STEPS, 190, relaxing=False)
+    assert inspect_file(path).kind == "stress-strain"
+
+
+@pytest.mark.parametrize(
+    "head", ["t [s];ε [-];σ [MPa]", "t [s];strain [-];σ [MPa]", "t [s];γ [-];τ [MPa]"]
+)
+def test_stress_next_to_a_strain_is_no_modulus(tmp_path, head) -> None:
+    """In the ramp's middle, where every stress is above zero."""
+    rows = slice(25, None)
+    path = write_columns(tmp_path / "relax.csv", head, TIME[rows], STRAIN[rows], STRESS[rows])
+    assert isinstance(read_modulus(path), StressRelaxationTest)
+    assert fit_one(path).verdict.use != "use"
+    whole = write_columns(tmp_path / "whole.csv", head, TIME, STRAIN, STRESS)
+    assert fit_one(whole).model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
+
+
+def test_hold_without_a_clock_needs_its_rate(tmp_path) -> None:
+    path = write_columns(tmp_path / "relax.csv", "Strain [%];Stress [MPa]", 100 * STRAIN, STRESS)
+    with pytest.raises(ReadError, match="--rate"):
+        fit_one(path)
+    fit = fit_one(path, ReadOptions(rate=10.0))
+    assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
+
+
+def test_a_plateau_of_a_foam_without_a_clock_is_an_elastic_curve(tmp_path) -> None:
+    strain = np.linspace(0, 0.6, 400)
+    stress = 0.02 * np.tanh(strain / 0.03) + 0.4 * np.maximum(strain - 0.5, 0) ** 2
+    path = write_columns(tmp_path / "foam.csv", "Strain [%];Stress [MPa]", 100 * strain, stress)
+    assert inspect_file(path).kind == "stress-strain"
+
+
+@pytest.mark.parametrize(
+    ("head", "strain", "stress", "asked"),
+    [
+        ("Time [s];Strain [mm/mm];Stress [MPa]", 100.0, 1.0, "strain=%"),
+        ("Time [s];Strain [%];Stress [MPa]", 100.0, 1e3, "stress=MPa"),
+        ("Time [s];Strain [%];Stress [kPa]", 100.0, 1.0, "stress=kPa"),
+    ],
+)
+def test_relaxation_of_no_rubber_raises_a_question(tmp_path, head, strain, stress, asked):
+    with pytest.raises(ReadError, match=asked):
+        read_modulus(write_record(tmp_path / "relax.csv", head, strain, stress))
+
+
+def test_relaxation_at_a_small_strain_raises_no_question(tmp_path) -> None:
+    path = write_record(tmp_path / "relax.csv", strain=10.0, stress=0.1)  # 1 %
+    fit = fit_one(path)
+    assert fit.model.k_inf == pytest.approx(1e6 * E_INF, rel=5e-3)
+
+
+def test_creep_of_no_rubber_raises_a_question(tmp_path) -> None:
+    t = np.arange(0, 100, 0.1)
+    stress = 400 * np.clip((t - 2) / 1, 0, 1)  # kPa, called MPa
+    strain = 10 * np.clip((t - 2) / 1, 0, 1) * (1 + 0.2 * (1 - np.exp(-np.maximum(t - 3, 0) / 10)))
+    path = write_columns(
+        tmp_path / "creep.csv", "Time [s];Strain [%];Stress [MPa]", t, strain, stress
+    )
+    with pytest.raises(ReadError, match="stress=MPa"):
+        fit_one(path)

@@ -130,8 +130,8 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
         se["k3"] = float(np.hypot(se["k3"], sum(abs(other - numbers["k3"]) for other in others)))
     return Fitted(
         law,
-        _join_complex_parts(levels),
-        _join_complex_parts(sd),
+        join_complex_parts(levels),
+        join_complex_parts(sd),
         numbers,
         se,
         residual,
@@ -239,7 +239,7 @@ class _LawOnSweep:
 
     def compute_relative_residual(self, best: Optimum) -> ComplexArray:
         """Fit less sample, over the size of the sample."""
-        return -_join_complex_parts(best.residual)
+        return -join_complex_parts(best.residual)
 
     def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
         """Return what a term of X^4 gains in deviance, and k3 beside it."""
@@ -293,7 +293,8 @@ class _LawOnSweep:
         return False
 
 
-def _join_complex_parts(values: FloatArray) -> ComplexArray:
-    """Real parts and imaginary ones behind them, as complex numbers."""
-    real, imaginary = np.split(values, 2)
-    return np.asarray(real + 1j * imaginary)
+def join_complex_parts(values: FloatArray) -> ComplexArray:
+    """Return real parts, and imaginary ones behind them, as complex numbers; also infinite ones."""
+    joined = np.empty(len(values) // 2, dtype=complex)
+    joined.real, joined.imag = np.split(values, 2)
+    return joined

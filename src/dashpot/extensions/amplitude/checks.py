@@ -97,6 +97,21 @@ def no_hidden_cubic_spring(part: float) -> Finding:
     )
 
 
+@criterion(
+    "time at an end beyond that of a sine / cycle", "<=", 0.1,
+    "a sine that is cut so far loses 0.7 % of its size", grade="stop",
+)  # fmt: skip
+def loops_not_clipped(part: float, pushed: str) -> Finding:
+    """The force or stress of recorded loops is not clipped at its ends."""
+    message = f"The {pushed} stays at its end {100 * part:.2g} % of a cycle longer than a sine"
+    return Finding(
+        message,
+        part,
+        "It is clipped, so stiffness and loss of large loops are wrong",
+        "Use a larger range of the sensor, or smaller amplitudes.",
+    )
+
+
 @criterion("residual / modulus", "<=", 0.03, "real sweeps of filled rubbers leave 0.3 to 3 %")
 def law_residual_small(residual: float) -> Finding:
     """The model fits the sweep."""

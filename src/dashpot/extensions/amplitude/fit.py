@@ -12,7 +12,13 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.checks import caution_checks
-from dashpot.extensions.amplitude.amplitude_laws import LAWS, SET, Fitted, fit_sweep_law
+from dashpot.extensions.amplitude.amplitude_laws import (
+    LAWS,
+    SET,
+    Fitted,
+    fit_sweep_law,
+    join_complex_parts,
+)
 from dashpot.extensions.amplitude.checks import (
     FAR_ENOUGH,
     MATTERS,
@@ -166,7 +172,8 @@ def _errors_with_delay(
     # a law that stands beside the solid may take part of the turn, or leave it all to the solid
     by_delay = np.maximum(error_by_delay(numbers, delay), error_by_delay(levels, delay))
     storage, loss, law = np.split(by_delay, [len(best.linear), 2 * len(best.linear)])
-    linear_se = np.hypot(best.linear_se.real, storage) + 1j * np.hypot(best.linear_se.imag, loss)
+    parts = np.append(best.linear_se.real, best.linear_se.imag)
+    linear_se = join_complex_parts(np.hypot(parts, np.append(storage, loss)))
     wide = zip(best.se.items(), law.tolist(), strict=True)
     return linear_se, {name: float(np.hypot(value, by)) for (name, value), by in wide}
 

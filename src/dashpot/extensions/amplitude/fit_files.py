@@ -20,13 +20,17 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.amplitude_response import HITS, amplitude_file
-from dashpot.extensions.amplitude.checks import amplitude_in_tested_range, levels_as_stated
+from dashpot.extensions.amplitude.checks import (
+    amplitude_in_tested_range,
+    levels_as_stated,
+    loops_not_clipped,
+)
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep, LoopRecord
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, hits_as_levels
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit, PeakAtLevel
-from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import find_flat_part, steady_cycles, sweep_of_loops
 from dashpot.extensions.amplitude.response import resonance_at_level
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -197,8 +201,13 @@ def fit_amplitude_record(
 
 def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | LoopRecord) -> AmplitudeResult:
     if not isinstance(record, AmplitudeSweep):
+        fastest = float(amplitude_fit.frequency.max())
+        pushed = "force" if amplitude_fit.unit == "N/m" else "stress"
+        clipped = loops_not_clipped(find_flat_part(steady_cycles(record)), pushed)
         amplitude_fit = replace(
-            amplitude_fit, loss_per_lag=float(2 * np.pi * amplitude_fit.frequency.max())
+            amplitude_fit,
+            loss_per_lag=2 * np.pi * fastest,
+            checks=(*([clipped] if clipped.failed else ()), *amplitude_fit.checks),
         )
     return AmplitudeResult(amplitude_fit, (), amplitude_fit.checks, (record,))
 

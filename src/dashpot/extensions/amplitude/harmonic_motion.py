@@ -19,7 +19,9 @@ _LEAST, _MANY = 8, 32
 _DISTORTED = 0.04
 """Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
 _COVERED = 0.65
-"""Part of a record's time that harmonic cycles fill; the rest is a ramp, or between two blocks."""
+"""Part of the time from the first harmonic cycle to the last that such cycles fill."""
+_SPANNED = 0.4
+"""Part of a record that this time is at least: before it may be a ramp and a rest."""
 
 
 def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
@@ -35,13 +37,12 @@ def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
     """
     rises, falls = find_cycle_starts(time, moved), find_cycle_starts(time, -moved)
     starts = max(rises, falls, key=len)
-    cycles = [
-        end - begin for begin, end in pairwise(starts.tolist()) if _is_sine(time, moved, begin, end)
-    ]
+    cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, moved, *pair)]
     if len(cycles) < _FEWEST:
         return False
-    # no crossing shows the parts of cycles at the ends
-    return sum(cycles) >= _COVERED * (float(np.ptp(time)) - cycles[0] - cycles[-1])
+    filled = sum(end - begin for begin, end in cycles)
+    span = cycles[-1][1] - cycles[0][0]
+    return filled >= _COVERED * span and span >= _SPANNED * float(np.ptp(time))
 
 
 def _is_sine(time: FloatArray, moved: FloatArray, begin: float, end: float) -> bool:

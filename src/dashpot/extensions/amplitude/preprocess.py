@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base import dataclass
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
@@ -20,6 +21,8 @@ _STEADY = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
 _ONE_TONE = 1.05
 """Cycles whose frequencies lie no farther apart than this factor were asked for at one."""
+_TILT = 1e-3
+"""Part of a force by which a drift tilts its flat end."""
 _ELASTIC = "a law of stress over strain is fitted with --kind stress-strain"
 
 
@@ -128,16 +131,43 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
             "no two cycles that follow each other have one amplitude: hold each for some cycles"
             + ("" if part else f"; {_ELASTIC}")
         )
+    if median([loop.stiffness.real for loop in loops]) < 0:  # one of the signals counts down
+        loops = [replace(loop, stiffness=-loop.stiffness, force=-loop.force) for loop in loops]
     return tuple(loops)
 
 
+def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
+    r"""Return how long what pushes stays at its largest or least value, as a part of a cycle.
+
+    Of the loops at least half as large as the largest it is the longest stretch within six standard
+    deviations of the noise, less that of the crest of a sine, :math:`\sqrt{2\delta/A}/\pi`.
+    """
+    sizes = [float(np.ptp(loop.force)) for loop in loops]
+    longest = 0.0
+    for loop, size in zip(loops, sizes, strict=True):
+        if size < max(sizes) / 2:
+            continue
+        # a drift that was taken off tilts what was flat
+        near = 6 * estimate_scatter(loop.force) + _TILT * size
+        crest = float(np.sqrt(4 * near / size) / np.pi)
+        for values in (loop.force, -loop.force):
+            edges = np.flatnonzero(np.diff(np.pad((values >= values.max() - near).astype(int), 1)))
+            stays = float((edges[1::2] - edges[::2]).max()) / len(values)
+            longest = max(longest, stays - crest)
+    return longest
+
+
 def _tones(frequency: FloatArray) -> FloatArray:
-    """Return the frequency that each cycle was asked to have: neighbours share their median."""
+    """Return the frequency that each cycle was asked to have: neighbours share their median.
+
+    Those of a sweep of the frequency have their own.
+    """
     order = np.argsort(frequency)
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
     values = np.empty_like(frequency)
     for part in np.split(order, indices + 1):
-        values[part] = median(frequency[part])
+        swept = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
+        values[part] = frequency[part] if swept else median(frequency[part])
     return values
 
 

@@ -19,9 +19,9 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
-from dashpot.reading.readers.relaxation import load_signals, relaxation_in
-from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
+from dashpot.reading.readers.relaxation import relaxation_in
 from dashpot.reading.readers.sweep_columns import NAMED, amplitude_column, parts_of, sweep_columns
+from dashpot.registry import find_handler
 
 # ASTM D5992 calls the double strain amplitude DSA
 _SPAN = re.compile(
@@ -75,13 +75,8 @@ def read_loops(
         specimen = specimen or Specimen()
         if list_loop_roles(file) is _PART:
             return relaxation_in(file, specimen)
-        chosen = channels.choose(file, channels.add_time_role(file, *_MATERIAL[1:]))
-        values, notes = load_signals(file, chosen)
-        strain, stress = values["strain"], values["stress"]
-        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], strain, stress)
-        specimen, sentences = add_specimen_temperature(file, specimen, chosen)
-        source = channels.source(file, [c.message for c in chosen], [*notes, *sentences])
-        return StressStrainLoops(values["time"], strain, stress, specimen, source, units="SI")
+        signals = find_handler("read signals", "stress-strain")(file, specimen)
+        return StressStrainLoops(**signals, units="SI")
 
 
 _WARMER = 10.0

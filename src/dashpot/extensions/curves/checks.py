@@ -11,6 +11,7 @@ from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
+from dashpot.base.value_ranges import format_quantity_short
 from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.signals.noise import estimate_robust_scatter
@@ -40,6 +41,56 @@ UNSAID = 0.01
 SCATTERED = 3.0
 # of creep every record may hide a slow flow, which takes so much
 LEVEL_OF_CREEP = 0.65
+
+
+# -- sizes of strain and stress -------------------------------------------------------------------
+
+
+@criterion(
+    "greatest strain", ">=", 0.005, "our choice: a fraction under % is a hundred times too small",
+    grade="stop",
+)  # fmt: skip
+def strain_not_small(strain: float, unit: str) -> Finding:
+    """The strain is as large as in tests of rubber."""
+    return _ask_unit_of_strain(strain, unit, "1" if unit == "%" else "")
+
+
+@criterion(
+    "greatest strain", "<=", 3.0, "our choice: per cent under another word are that large",
+    grade="stop",
+)  # fmt: skip
+def strain_not_large(strain: float, unit: str) -> Finding:
+    """The strain is no larger than in tests that hold it or cycle it."""
+    return _ask_unit_of_strain(strain, unit, "" if unit == "%" else "%")
+
+
+def _ask_unit_of_strain(strain: float, unit: str, likely: str) -> Finding:
+    message = f"The strain reaches {format_quantity(strain, '%', '.3g')}"
+    may_be = f". The unit may be {likely}" if likely else ""
+    words = f"Give {likely} as the unit of the strain" if likely else "Give the unit of the strain"
+    return Finding(
+        message,
+        strain,
+        failure=f"{message}, in {unit} as the file has it{may_be}.",
+        remedy=Remedy(f"{words}, or confirm {unit}.", "units", f"strain={likely or unit}"),
+    )
+
+
+@criterion(
+    "greatest stress over strain, 3 MPa", "x/", 300.0,
+    "our choice: from a gel of 10 kPa to 900 MPa; rubber has 1 to 100 MPa", grade="stop",
+)  # fmt: skip
+def modulus_of_a_rubber(modulus: float, unit: str) -> Finding:
+    """Stress over strain is a modulus that rubber, foam or gel has."""
+    message = f"Stress over strain is {format_quantity_short(modulus, 'Pa')}"
+    return Finding(
+        message,
+        modulus / 3e6,
+        failure=f"{message}, with the stress in {unit} as the file has it.",
+        remedy=Remedy(
+            f"Give the unit of the stress, or confirm {unit}.", "units", f"stress={unit}"
+        ),
+    )
 
 
 # -- the curves -----------------------------------------------------------------------------------

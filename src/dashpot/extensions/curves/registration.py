@@ -72,6 +72,8 @@ EXTENSION = Extension(
             "superposition": "dashpot.extensions.curves.superposition.figure:superposition",
             "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
         },
+        "record rule": {"stress-strain": "dashpot.extensions.curves.material_records:recognise_material_record"},
+        "read signals": {"stress-strain": "dashpot.extensions.curves.material_records:read_strain_and_stress"},
         "roles": {"creep": "dashpot.extensions.curves.creep.read:roles", "modulus": "dashpot.extensions.curves.modulus.read:roles"},
         "fit records": {
             "dashpot.extensions.curves.datamodel.dynamic:DynamicTest": "dashpot.extensions.curves.fit_records:fit_curves",

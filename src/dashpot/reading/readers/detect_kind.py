@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base import dataclass, replace, units
-from dashpot.base.arrays import FloatArray, cache_on_record, median, validate_measured
+from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.kind_detection import RAMP, RECOGNISED, KindOfFile, kind_of
 from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
@@ -21,7 +21,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import OpenedFile
 from dashpot.reading.readers.relaxation import load_signals, moving_columns
 from dashpot.registry import find_handler
-from dashpot.signals.segments import classify_load_history, held_throughout
+from dashpot.signals.segments import classify_load_history
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
 _HEAD = 1 << 16
@@ -33,8 +33,6 @@ _SHOWN: Mapping[str, str] = MappingProxyType({
 })  # fmt: skip
 _HELD: Mapping[str, str] = MappingProxyType({"relaxation": "relaxation", "creep": "creep"})
 """What a record without a clock shows that nobody can use without one, and its kind."""
-_RESTS, _HELD_PART = 0.02, 0.5
-"""Of its range, by how much a held strain moves; of the rows, how many it is held for at least."""
 _LEAST = 8
 """Samples in which a motion may be seen."""
 _MATERIAL: tuple[Role, ...] = ("strain", "stress")
@@ -205,35 +203,28 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
         shown = classify_load_history(*record) if record else ""
         return (shown, _SHOWN[shown]) if shown in _SHOWN else (kind, reason)
     if kind == "cld":
-        rows = _load_signals_by_row(file)
+        rows = _load_signals_by_row(file, _PART)
         shown = classify_load_history(*rows) if rows else ""
         if shown in _HELD:
             return _HELD[shown], "its displacement or force is held; it has no clock"
     if kind == "stress-strain":
-        record = _record(file, _MATERIAL)
-        is_harmonic = find_handler("record rule", "cyclic")
-        if record and is_harmonic and is_harmonic(*record):
-            return "cyclic", _SHOWN["cyclic"]
-        shown = classify_load_history(*record) if record else ""
-        if record and (held_throughout(record[2]) or shown == "creep"):
-            return "creep", "its stress is held while its strain goes on"
-        if shown == "relaxation":
-            strain = record[1]
-            rests = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
-            if np.mean(rests) >= _HELD_PART:  # of several steps an elastic law may be wanted
-                return "modulus", "its strain is held while its stress goes on"
+        recognise_material = find_handler("record rule", kind)
+        motions = _record(file, _MATERIAL), _load_signals_by_row(file, _MATERIAL)
+        return (recognise_material and recognise_material(*motions)) or (kind, reason)
     return kind, reason
 
 
-def _load_signals_by_row(file: OpenedFile) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Displacement and force over their rows; None of a file that leaves open which they are."""
+def _load_signals_by_row(
+    file: OpenedFile, pair: tuple[Role, ...]
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """What moves and pushes over their rows; None of a file that leaves open which they are."""
     try:
-        chosen = channels.choose(file, _PART)
+        chosen = channels.choose(file, pair)
         values, _ = channels.select_complete_rows(channels.load_test(file, chosen, _LEAST))
     except ReadError:
         return None
     signals = channels.convert_signals_to_si(values, chosen)
-    displacement, force = (signals[role] for role in _PART)
+    displacement, force = (signals[role] for role in pair)
     return np.arange(len(displacement), dtype=float), displacement, force
 
 

@@ -14,6 +14,11 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.sample_temperatures import has_several_temperatures
 from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
+from dashpot.extensions.curves.material_records import (
+    MATERIAL,
+    holds_stress,
+    read_strain_and_stress,
+)
 from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, format_column
 from dashpot.reading.columns.vocabulary import Role
@@ -25,22 +30,17 @@ from dashpot.reading.readers.header_metadata import (
     add_specimen_temperature,
     temperatures_of_segments,
 )
-from dashpot.reading.readers.relaxation import check_joined_segments, load_signals
-from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
-
-_MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
+from dashpot.reading.readers.relaxation import check_joined_segments
 
 
 def roles(file: OpenedFile) -> tuple[Role, ...]:
     """The columns that a relaxation modulus is read from, or strain and stress in its place."""
-    curve = isinstance(assign(file.table, "modulus", file.options), RoleAssignment)
-    return ("time", "modulus") if curve or not _holds_stress(file) else _MATERIAL
-
-
-def _holds_stress(file: OpenedFile) -> bool:
-    """Return whether strain and stress are found, or are a question of which."""
-    answers = [assign(file.table, role, file.options) for role in _MATERIAL[1:]]
-    return all(isinstance(answer, RoleAssignment) or answer.choices for answer in answers)
+    curve, stress = (assign(file.table, role, file.options) for role in ("modulus", "stress"))
+    named = isinstance(curve, RoleAssignment)
+    # the only column in a unit of stress is the stress where a strain stands beside it
+    if named and isinstance(stress, RoleAssignment) and file.options.modulus is None:
+        named = curve.index != stress.index
+    return ("time", "modulus") if named or not holds_stress(file) else MATERIAL
 
 
 def read_modulus(
@@ -57,8 +57,10 @@ def read_modulus(
         If time or modulus is not found or has no unit, or time does not increase.
     """
     with channels.open_file(path, options) as file:
-        if roles(file) is _MATERIAL:
-            return _read_stress_relaxation(file, specimen or Specimen())
+        if roles(file) is MATERIAL:
+            return StressRelaxationTest(
+                **read_strain_and_stress(file, specimen or Specimen()), units="SI"
+            )
         answers = [
             since_the_step(file.table, file.options),
             assign(file.table, "modulus", file.options),
@@ -80,17 +82,6 @@ def read_modulus(
             warm,
             units="SI",
         )
-
-
-def _read_stress_relaxation(file: OpenedFile, specimen: Specimen) -> StressRelaxationTest:
-    """Return strain and stress over time, of which units that make no size of rubber are asked."""
-    chosen = channels.choose(file, channels.add_time_role(file, *_MATERIAL[1:]))
-    values, notes = load_signals(file, chosen)
-    strain, stress = values["strain"], values["stress"]
-    refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], strain, stress)
-    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
-    source = channels.source(file, [c.message for c in chosen], [*notes, *sentences])
-    return StressRelaxationTest(values["time"], strain, stress, specimen, source, units="SI")
 
 
 def over_time(

@@ -1,0 +1,158 @@
+"""Records of strain and stress: which test they are, their reading, and their sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.checks import Check
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.curves.checks import (
+    modulus_of_a_rubber,
+    strain_not_large,
+    strain_not_small,
+)
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign
+from dashpot.reading.columns.vocabulary import Role
+from dashpot.reading.readers import channels
+from dashpot.reading.readers.channels import Channel, OpenedFile
+from dashpot.reading.readers.header_metadata import add_specimen_temperature
+from dashpot.reading.readers.relaxation import load_signals
+from dashpot.reading.readers.size_checks import stress_of_a_rubber
+from dashpot.registry import find_handler
+from dashpot.signals.segments import (
+    classify_load_history,
+    find_rising_sign,
+    held_throughout,
+)
+
+MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
+_RESTS, _HELD_PART = 0.02, 0.5
+"""Of its range, by how much a held strain moves; of the record, how long it is held at least."""
+_RELAXED = 0.02
+"""Part of its size by which a stress falls in a hold that shows relaxation."""
+_OTHER_MOTIONS = ("cld", "cyclic")
+_HELD = "its strain is held while its stress goes on"
+
+
+def holds_stress(file: OpenedFile) -> bool:
+    """Return whether strain and stress are found, or are a question of which."""
+    answers = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
+    return all(isinstance(answer, RoleAssignment) or answer.choices for answer in answers)
+
+
+def recognise_material_record(
+    record: Sequence[FloatArray], rows: Sequence[FloatArray] | None
+) -> tuple[str, str] | None:
+    """Return the kind of test that strain and stress show, and why; None of an elastic curve.
+
+    Harmonic cycles are loops. A stress that is held while the strain goes on is creep. A strain
+    that is held, once or in several steps, for half of the record is a relaxation.
+
+    Parameters
+    ----------
+    record : (time, strain, stress)
+        Empty where there is no clock, or the file leaves open which column is what.
+    rows : (row number, strain, stress), or None
+        The same without a clock, which shows a hold and loops. It does not show creep: the plateau
+        of a foam looks like it.
+    """
+    if not (motion := record or rows):
+        return None
+    time, strain, stress = motion
+    is_harmonic = find_handler("record rule", "cyclic")
+    if is_harmonic is not None and is_harmonic(*motion):
+        return "cyclic", "it goes to and fro, and never rests" + _mention_clock(record)
+    shown = classify_load_history(time, strain, stress)
+    held = held_throughout(stress) and shown not in _OTHER_MOTIONS
+    if record and (shown == "creep" or held):
+        return "creep", "its stress is held while its strain goes on"
+    if shown != "relaxation":
+        return None
+    rests = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
+    if record and np.mean(rests) >= _HELD_PART:
+        return "modulus", _HELD
+    if _relaxes_in_holds(time, strain, stress):
+        return "modulus", _HELD + _mention_clock(record)
+    return None
+
+
+def _mention_clock(record: Sequence[FloatArray]) -> str:
+    return "" if record else "; it has no clock"
+
+
+def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
+    """Return whether holds after ramps fill half of the record, and the stress falls in most."""
+    _, segments = find_rising_sign(time, strain)
+    holds = [
+        stress[hold.first : hold.last + 1]
+        for before, hold in pairwise(segments)
+        if hold.kind == "hold" and before.kind == "load"
+    ]
+    count = sum(len(part) for part in holds)
+    falling = 0
+    for part in holds:
+        tenth = max(len(part) // 10, 1)
+        first, last = (
+            abs(float(part[ends].mean())) for ends in (slice(tenth), slice(-tenth, None))
+        )
+        falling += first - last > _RELAXED * first
+    return count >= _HELD_PART * len(time) and 2 * falling > len(holds)
+
+
+def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, Any]:
+    """Return time, strain, stress, specimen and source of a record, by their names, in SI units.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found or has no unit, time does not increase, or a unit makes a size that
+        no such test has.
+    """
+    chosen = channels.choose(file, channels.add_time_role(file, *MATERIAL[1:]))
+    values, notes = load_signals(file, chosen)
+    refuse_material_sizes(file, chosen, values["strain"], values["stress"])
+    specimen, sentences = add_specimen_temperature(file, specimen, chosen)
+    source = channels.source(file, [c.message for c in chosen], [*notes, *sentences])
+    signals = {name: values[name] for name in ("time", "strain", "stress")}
+    return {**signals, "specimen": specimen, "source": source}
+
+
+def refuse_material_sizes(
+    file: OpenedFile,
+    chosen: Sequence[Channel],
+    strain: FloatArray,
+    stress: FloatArray,
+    *,
+    zero_known: bool = True,
+) -> None:
+    """Ask for the units again that make a strain, a stress or a modulus no test of rubber has.
+
+    Parameters
+    ----------
+    file : OpenedFile
+    chosen : sequence of Channel
+        The last two are those of strain and stress.
+    strain, stress : array, shape (n,)
+        As a ratio, and Pa.
+    zero_known : bool
+        Whether the strain counts from the specimen at rest, which that of a creep may not.
+
+    Raises
+    ------
+    ReadError
+    """
+    moved, pushed = chosen[-2:]
+    far, most = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
+    word = moved.unit.word
+    of_strain: list[Check] = [strain_not_large(far, word)]
+    if zero_known:
+        of_strain.append(strain_not_small(far, word))
+    of_stress: list[Check] = [stress_of_a_rubber(most, pushed.unit.word)]
+    if far > 0:
+        of_stress.append(modulus_of_a_rubber(most / far, pushed.unit.word))
+    channels.refuse_sizes(file, [(moved, of_strain), (pushed, of_stress)])
