@@ -266,6 +266,7 @@ class Extension(NamedTuple):
         over amplitude                  what a ``"column"`` is over an amplitude, by its name
         record rule                     whether a record is of a kind, by its motion
         read signals                    signals of the columns of a kind, by name
+        refuse sizes                    nothing; refuses units of strain and stress that none has
         calibrate                       table corrected by a calibration file
         mounts                          mounts of a seal line
         stations                        stations of the seal in a file

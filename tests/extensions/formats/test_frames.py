@@ -139,3 +139,80 @@ def test_lists_and_units_by_role_are_arrays() -> None:
         dp.fit(TIME, MOVED, FORCE, units={"time": "s"})
     with pytest.raises(DataError, match="one by one"):
         dp.fit([dp.read(FRAMES["pandas"])])
+
+
+CLOCK = np.round(np.arange(0, 100, 0.1), 6)
+STRAIN = 0.1 * np.clip((CLOCK - 5) / 2, 0, 1)
+
+
+def material_stress(strain: np.ndarray) -> np.ndarray:
+    """MPa: a spring of 3 and an arm of 1 with 10 s, exact for straight lines between samples."""
+    arm, decay = np.zeros_like(strain), np.exp(-0.01)
+    for i in range(1, len(strain)):
+        arm[i] = decay * arm[i - 1] + (strain[i] - strain[i - 1]) * 100 * (1 - decay)
+    noise = np.random.default_rng(5).normal(0, 2e-4, len(strain))
+    return 3 * strain + arm + noise
+
+
+STRESS = material_stress(STRAIN)
+TABLE = pd.DataFrame({"time [s]": CLOCK, "strain": 100 * STRAIN, "stress": STRESS})
+UNITS = {"strain": "%", "stress": "MPa"}
+
+
+@pytest.mark.parametrize("units", ["s, %, MPa", {"time": "s", **UNITS}])
+def test_fit_takes_arrays_of_strain_and_stress(units: Any) -> None:
+    fit = dp.fit(CLOCK, 100 * STRAIN, STRESS, units=units)
+    assert fit.unit == "Pa"
+    assert fit.model.k_inf == pytest.approx(3e6, rel=0.01)
+    assert dp.fit(TABLE, units=UNITS).model == fit.model
+
+
+def test_fit_takes_arrays_of_loops() -> None:
+    strain = 0.1 + 0.05 * np.sin(2 * np.pi * 0.25 * CLOCK)
+    stress = material_stress(strain - 0.1) + 0.3
+    material = dp.fit(CLOCK, 100 * strain, stress, units="s, %, MPa")
+    part = dp.fit(CLOCK, 20 * strain, 50 * stress, units="s, mm, N")
+    omega = 2 * np.pi * 0.25
+    true = 3 + 10j * omega / (1 + 10j * omega)
+    assert (material.unit, part.unit) == ("Pa", "N/m")
+    assert complex(material.linear[0]) == pytest.approx(1e6 * true, rel=0.01)
+    assert complex(part.linear[0]) == pytest.approx(2500 * true, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("frame", "line"),
+    [
+        (TABLE, 'dp.read(frame, units={"strain": "%", "stress": "MPa"})'),
+        (
+            TABLE.rename(columns={"strain": "strain [%]", "stress": "stress [MPa]"}).assign(
+                **{"strain B [%]": 110 * STRAIN}
+            ),
+            'dp.read(frame, columns={"strain": "strain"})',
+        ),
+        (
+            pd.DataFrame({"strain [%]": 100 * STRAIN, "stress [MPa]": STRESS}),
+            'dp.read(frame, rate="1000Hz")',
+        ),
+        (
+            pd.DataFrame({
+                "specimen": np.repeat(["A", "B"], len(CLOCK)), "time [s]": np.tile(CLOCK, 2),
+                "strain [%]": np.tile(100 * STRAIN, 2), "stress [MPa]": np.tile(STRESS, 2),
+            }),
+            'dp.read(frame, part={"segment": 1})',
+        ),
+    ],
+    ids=["units", "column", "rate", "specimen"],
+)  # fmt: skip
+def test_errors_of_a_table_show_the_line_to_type(frame: Any, line: str) -> None:
+    with pytest.raises(ReadError) as caught:
+        dp.read(frame)
+    assert line in str(caught.value)
+    if "1000Hz" not in line:  # an example of a rate, not the rate
+        assert eval(line, {"dp": dp, "frame": frame}) is not None  # noqa: S307
+
+
+@pytest.mark.parametrize("keywords", [{"test": "uniaxial"}, {"mass": "5g"}, {"role": "stop"}])
+def test_read_refuses_keywords_of_another_kind(keywords: dict[str, str]) -> None:
+    with pytest.raises(DataError, match=f"{next(iter(keywords))}= is for .*kind="):
+        dp.read(TABLE, units=UNITS, **keywords)
+    assert dp.read(TABLE, units=UNITS, kind="stress-strain", test="uniaxial").mode == "uniaxial"

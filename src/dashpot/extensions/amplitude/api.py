@@ -68,11 +68,14 @@ def fit_sweep(
     return swept_by(fit_amplitude(sweep), sweep, choices, unit=unit, part=part)
 
 
-def read_loops_as_sweep(path: str | Path, given: dict[str, Any], _: Mapping[str, Any]) -> Any:
+def read_loops_as_sweep(
+    path: str | Path, arguments: dict[str, Any], keywords: Mapping[str, Any]
+) -> Any:
     """Read recorded loops as a sweep of amplitude."""
     from dashpot.extensions.amplitude.preprocess import sweep_of_loops
     from dashpot.reading.raw_file import add_name_to_errors
 
-    record = load_object(KINDS["cyclic"].reader)(path, **given)
+    specimen = keywords.get("specimen")
+    record = load_object(KINDS["cyclic"].reader)(path, specimen=specimen, **arguments)
     with add_name_to_errors(Path(path).name):
         return sweep_of_loops(record)

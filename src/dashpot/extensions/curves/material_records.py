@@ -122,6 +122,13 @@ def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, An
     return {**signals, "specimen": specimen, "source": source}
 
 
+def refuse_creep_sizes(
+    file: OpenedFile, chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
+) -> None:
+    """Ask as :func:`refuse_material_sizes` does, of a strain that may count from any zero."""
+    refuse_material_sizes(file, chosen, strain, stress, zero_known=False)
+
+
 def refuse_material_sizes(
     file: OpenedFile,
     chosen: Sequence[Channel],

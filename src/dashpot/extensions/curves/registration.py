@@ -73,6 +73,11 @@ EXTENSION = Extension(
             "temperatures": "dashpot.extensions.curves.temperatures.figure:temperatures",
         },
         "record rule": {"stress-strain": "dashpot.extensions.curves.material_records:recognise_material_record"},
+        "refuse sizes": {
+            "modulus": "dashpot.extensions.curves.material_records:refuse_material_sizes",
+            "creep": "dashpot.extensions.curves.material_records:refuse_creep_sizes",
+            "cyclic": "dashpot.extensions.curves.material_records:refuse_material_sizes",
+        },
         "read signals": {"stress-strain": "dashpot.extensions.curves.material_records:read_strain_and_stress"},
         "roles": {"creep": "dashpot.extensions.curves.creep.read:roles", "modulus": "dashpot.extensions.curves.modulus.read:roles"},
         "fit records": {

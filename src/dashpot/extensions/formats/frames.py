@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
@@ -17,18 +19,27 @@ import numpy as np
 from dashpot.api.read_save import ReadOptionKeywords, inspect, read
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import find_unit
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.formats.attribute_factors import factors_among
 from dashpot.extensions.formats.specimens import LABELS, format_labels, names_specimen
 from dashpot.extensions.formats.stated_metadata import find_stated_unit
 from dashpot.reading.columns.header_units import split_heading
+from dashpot.signals.segments import classify_load_history
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 _NUMBERS, _INSTANTS, _SPANS = "iuf", "M", "m"
+_UNITS = re.compile(r'--units "?([^"\s();]+=[^"\s();]+)')
+_COLUMN = re.compile(r'--column ([\w-]+)="([^"]+)"')
+_PART_OF = re.compile(r'--file-part (\w+)="?([^"\s;,()]+)')
+_RATE = re.compile(r"--rate (\d\w+)")
+"""Options of the command line as messages show them, with what they say."""
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
-_ROLES = ("time", "displacement", "force")
+_PART, _MATERIAL = ("time", "displacement", "force"), ("time", "strain", "stress")
+_OTHER_TESTS = ("creep", "cld", "cyclic")
+"""What displacement and force may show that is read by a reader of its own."""
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
 
 
@@ -91,14 +102,35 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
         except ReadError as error:
             text = str(error).replace(str(path), path.name)
             text = text.replace(f'dp.inspect("{path.name}")', "dp.inspect(frame)")
-            hint = f" (Python: {_HINT})" if "--" in text else ""
+            hint = f" (Python: {_format_python_line(text)})" if "--" in text else ""
             raise ReadError(text + hint) from None
+
+
+def _format_python_line(text: str) -> str:
+    """Return the call of `read` that says what the options in a message say.
+
+    >>> _format_python_line('add --units "strain=%,stress=MPa"')
+    'dp.read(frame, units={"strain": "%", "stress": "MPa"})'
+    """
+    units = [pair.split("=", 1) for pair in ",".join(_UNITS.findall(text)).split(",") if pair]
+    rates = _RATE.findall(text)[:1]
+    columns = [pair for pair in _COLUMN.findall(text) if not rates or pair[0] != "time"]
+    parts = [(key, int(v) if v.isdigit() else v) for key, v in _PART_OF.findall(text)]
+    keywords = {"columns": columns, "units": units, "part": parts}
+    said = [
+        f"{name}={json.dumps(dict(pairs), ensure_ascii=False)}"
+        for name, pairs in keywords.items()
+        if pairs
+    ]
+    said += [f'rate="{rate}"' for rate in rates]
+    return f"dp.read(frame, {', '.join(said)})" if said else _HINT
 
 
 def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
     """Return the records that tables or arrays in memory are; options that say how are taken out.
 
-    Three arrays, or lists of numbers, are time, displacement and force of a relaxation test.
+    Three arrays, or lists of numbers, are time, displacement and force, or by their units time,
+    strain and stress, of the test that they show.
 
     Raises
     ------
@@ -111,13 +143,11 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
             raise DataError(f"{len(values)} arrays are no test. Give three: {_LINE}")
         if "units" not in options:
             raise DataError(f"arrays have no units. Say them: {_LINE}")
-        time, displacement, force = values
-        units = _join_stated_units(options.pop("units"))
-        return [RelaxationTest(time, displacement, force, units=units)]
+        return [_make_record(values, options.pop("units"))]
     if isinstance(values[0], list):  # of records, which are given one by one
         return values
     names = ReadOptionKeywords.__annotations__.keys() & options.keys()
-    keywords = {name: options.pop(name) for name in names & {"units", "columns", "rate"}}
+    keywords = {name: options.pop(name) for name in names & {"units", "columns", "part", "rate"}}
     return [
         value if hasattr(value, "source") else read_frame(value, **keywords) for value in values
     ]
@@ -129,13 +159,30 @@ def _convert_list(value: Any) -> Any:
     return np.asarray(value, float) if numbers else value
 
 
-def _join_stated_units(units: Any) -> Any:
-    """Return ``"s, mm, N"`` of a mapping by role, anything else as it is."""
+def _make_record(arrays: list[Any], units: Any) -> Any:
+    """Return the test that three arrays are, by the units of them and by what moves in them."""
+    words = _list_stated_units(units)
+    of_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
+    if not of_material:
+        test = RelaxationTest(*arrays, units=", ".join(words))
+        if classify_load_history(test.time, test.displacement, test.force) not in _OTHER_TESTS:
+            return test
+    roles = _MATERIAL if of_material else _PART
+    return read_frame(
+        dict(zip(roles, arrays, strict=True)), units=dict(zip(roles, words, strict=True))
+    )
+
+
+def _list_stated_units(units: Any) -> list[str]:
+    """Return the units of three arrays in their order, from ``"s, mm, N"`` or a mapping by role."""
     if not isinstance(units, Mapping):
-        return units
-    if units.keys() != set(_ROLES):
-        raise DataError(f"units of three arrays are of {', '.join(_ROLES)}: {_LINE}")
-    return ", ".join(str(units[role]) for role in _ROLES)
+        return [word.strip() for word in str(units).split(",")]
+    for roles in (_PART, _MATERIAL):
+        if units.keys() == set(roles):
+            return [str(units[role]) for role in roles]
+    raise DataError(
+        f"units of three arrays are of {', '.join(_PART)}, or of {', '.join(_MATERIAL)}: {_LINE}"
+    )
 
 
 def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, Any]]]:

@@ -118,6 +118,7 @@ EXTENSION = Extension(
             "stress-strain": "dashpot.extensions.materials.hyperelastic.api:read_stress_strain_record",
             "indentation": "dashpot.extensions.materials.indentation.api:read_hit_record",
         },
+        "refuse sizes": {"stress-strain": "dashpot.extensions.materials.hyperelastic.read:refuse_sizes"},
         "table rule": {
             "csr": "dashpot.extensions.materials.csr.table_rule:has_counterforce",
             "indentation": "dashpot.extensions.materials.table_rules:has_indenter_motion",

@@ -34,7 +34,6 @@ from dashpot.reading.readers.detect_kind import (
     recognise_opened,
 )
 from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
-from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
 from dashpot.reading.readers.sweep_columns import amplitude_column, sweep_columns, swept
 from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler
@@ -214,8 +213,9 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     doubts = [question for _, question in loaded.doubts]
     if kind == "relaxation" and not questions and _look_swapped(by_index, roles):
         warnings.append("displacement and force look swapped")
-    if kind == "stress-strain" and not questions:
-        questions = _asks(lambda: _as_of_rubber(file, by_index, roles), "strain")
+    refuse_sizes = find_handler("refuse sizes", kind)
+    if refuse_sizes and not questions:
+        questions = _asks(lambda: _judge_sizes(file, by_index, roles, refuse_sizes), "strain")
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
@@ -238,22 +238,23 @@ def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, 
     return bool(whole.any()) and cleaning.has_swapped_signals(change[whole], pushed[whole])
 
 
-def _as_of_rubber(
-    file: OpenedFile, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+def _judge_sizes(
+    file: OpenedFile,
+    by_index: dict[int, FloatArray],
+    roles: dict[int, tuple[Role, str]],
+    refuse_sizes: Callable[..., None],
 ) -> None:
-    """Ask what who reads stress over strain asks of its sizes."""
+    """Ask what who reads strain and stress asks of their sizes."""
     played = {role for role, _ in roles.values()}
     elongated: Role = "strain" if "strain" in played else "stretch"
     if not {elongated, "stress"} <= played:
         return
-    stretched, stressed = channels.choose(file, [elongated, "stress"])
-    strain, stress = (
-        channel.unit.factor * by_index[channel.index] for channel in (stretched, stressed)
-    )
+    chosen = channels.choose(file, [elongated, "stress"])
+    strain, stress = (channel.unit.factor * by_index[channel.index] for channel in chosen)
     whole = np.isfinite(strain) & np.isfinite(stress)
     strain, stress = strain[whole] - (elongated == "stretch"), stress[whole]
     if len(stress):
-        refuse_sizes_of_rubber(file, stretched, stressed, strain, stress)
+        refuse_sizes(file, chosen, strain, stress)
 
 
 def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:

@@ -6,12 +6,9 @@ from typing import TypedDict
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Criterion, Finding, Grade, Remedy, criterion
 from dashpot.base.units import convert_to_unit
 from dashpot.base.value_ranges import SIZES, format_quantity_short
-from dashpot.reading.readers import channels
-from dashpot.reading.readers.channels import Channel, OpenedFile
 
 # Sizes of seals and their tests.
 
@@ -283,37 +280,3 @@ def _make_unit_advice(message: str, role: str, unit: str, likely: dict[str, str]
         "failure": question,
         "remedy": Remedy(words, "units", f"{role}={likelier or unit}"),
     }
-
-
-# Sizes of stress and strain of a rubber.
-
-
-def refuse_sizes_of_rubber(
-    file: OpenedFile,
-    stretched: Channel,
-    stressed: Channel,
-    strain: FloatArray | None,
-    stress: FloatArray,
-) -> None:
-    """Ask for the units again that make a size no test of a rubber has.
-
-    Parameters
-    ----------
-    file : OpenedFile
-    stretched, stressed : Channel
-        Of strain or stretch, and of stress.
-    strain : array, shape (n,), or None
-        None where none is too small.
-    stress : array, shape (n,)
-        Pa.
-
-    Raises
-    ------
-    ReadError
-    """
-    most = float(np.abs(stress).max(initial=0.0))
-    answers = [(stressed, [stress_of_a_rubber(most, stressed.unit.word)])]
-    if strain is not None:
-        far = float(np.abs(strain).max(initial=0.0))
-        answers.insert(0, (stretched, [strain_of_a_rubber(far, stretched.unit.word)]))
-    channels.refuse_sizes(file, answers)

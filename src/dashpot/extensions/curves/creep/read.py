@@ -13,7 +13,7 @@ from dashpot.base.provenance import Source
 from dashpot.base.units import si_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
-from dashpot.extensions.curves.material_records import refuse_material_sizes
+from dashpot.extensions.curves.material_records import refuse_creep_sizes
 from dashpot.extensions.curves.modulus.read import over_time
 from dashpot.reading.columns.kind_detection import FileKind
 from dashpot.reading.columns.role_assignment import assign, score_columns
@@ -87,7 +87,7 @@ def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComplianc
     if wanted is _PART:
         notes += _refuse_sizes(file, chosen, values)
     else:
-        refuse_material_sizes(file, chosen, displacement, pushed, zero_known=False)
+        refuse_creep_sizes(file, chosen, displacement, pushed)
     unit = "Pa" if wanted is _MATERIAL else "N/m"
     return CreepTest(time, displacement, pushed, unit, specimen, source(notes), units="SI")
 

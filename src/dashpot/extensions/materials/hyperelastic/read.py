@@ -21,7 +21,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
 from dashpot.reading.readers.relaxation import signals
-from dashpot.reading.readers.size_checks import refuse_sizes_of_rubber
+from dashpot.reading.readers.size_checks import strain_of_a_rubber, stress_of_a_rubber
 from dashpot.reading.table import Column
 
 _RESTS, _HELD, _RELAXED = 0.02, 0.5, 0.02
@@ -68,7 +68,7 @@ def read_stress_strain(
             _refuse_relaxation(file, chosen, strain, stress)
         # of a volume a hundredth is much
         difference = None if mode == "volumetric" else strain - (elongated == "stretch")
-        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], difference, stress)
+        refuse_sizes(file, chosen, difference, stress)
         stated = True
         if elongated == "strain":
             true, stated, text = _is_true(file, chosen[-2], measures.strain_is)
@@ -120,6 +120,34 @@ def _refuse_relaxation(
         f'force="{handle(columns, pushed.index)}" --units "{lengths}". '
         "To fit its ramp nevertheless: --kind stress-strain"
     )
+
+
+def refuse_sizes(
+    file: OpenedFile, chosen: Sequence[Channel], strain: FloatArray | None, stress: FloatArray
+) -> None:
+    """Ask for the units again that make a size no test of a rubber has.
+
+    Parameters
+    ----------
+    file : OpenedFile
+    chosen : sequence of Channel
+        The last two are those of strain or stretch, and of stress.
+    strain : array, shape (n,), or None
+        None where none is too small.
+    stress : array, shape (n,)
+        Pa.
+
+    Raises
+    ------
+    ReadError
+    """
+    stretched, stressed = chosen[-2:]
+    most = float(np.abs(stress).max(initial=0.0))
+    answers = [(stressed, [stress_of_a_rubber(most, stressed.unit.word)])]
+    if strain is not None:
+        far = float(np.abs(strain).max(initial=0.0))
+        answers.insert(0, (stretched, [strain_of_a_rubber(far, stretched.unit.word)]))
+    channels.refuse_sizes(file, answers)
 
 
 def _is_sideways(column: Column) -> bool:
