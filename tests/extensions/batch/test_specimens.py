@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import h5py
 import numpy as np
 import pytest
 from kit.kinds import files
+from scipy.io import savemat
 
 from dashpot.cli import main
 from dashpot.extensions.batch.batch_options import BatchOptions
@@ -73,3 +75,36 @@ def test_batch_without_a_fit_is_not_for_use(tmp_path, capsys) -> None:
         main(["batch", str(path), "-o", str(tmp_path / "lot"), "--jobs", "1"])
     assert ended.value.code == 2
     assert "Do not use: 0 of" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("form", ["hdf5", "csv", "mat"])
+def test_batch_parts_specimens_in_strain_and_stress(tmp_path, form) -> None:
+    """Of an arm of 1 MPa and 10 s beside a spring of 3 MPa, each at its own size."""
+    t = np.arange(0, 120, 0.2)
+    strain, arm, decay = 0.1 * np.clip((t - 5) / 2, 0, 1), np.zeros_like(t), np.exp(-0.02)
+    for i in range(1, len(t)):
+        arm[i] = decay * arm[i - 1] + (strain[i] - strain[i - 1]) * 50 * (1 - decay)
+    noise = np.random.default_rng(1).normal(0, 2e-4, len(t))
+    stresses = {name: factor * (3 * strain + arm + noise) for name, factor in (("A", 1), ("B", 2))}
+    path = tmp_path / f"two.{form}"
+    if form == "hdf5":
+        with h5py.File(path, "w") as file:
+            for name, stress in stresses.items():
+                for channel, values, unit in (
+                    ("time", t, "s"), ("strain", strain, "1"), ("stress", stress, "MPa")
+                ):  # fmt: skip
+                    file[f"{name}/{channel}"] = values
+                    file[f"{name}/{channel}"].attrs["units"] = unit
+    elif form == "mat":
+        for name in tuple(stresses):
+            stresses[f"{name}_stress_MPa"] = stresses.pop(name)
+            stresses |= {f"{name}_time_s": t, f"{name}_strain_percent": 100 * strain}
+        savemat(path, stresses)
+    else:
+        head = "Time [s];A Strain [%];A Stress [MPa];B Strain [%];B Stress [MPa]"
+        table = np.column_stack([t, 100 * strain, stresses["A"], 100 * strain, stresses["B"]])
+        np.savetxt(path, table, fmt="%.9g", delimiter=";", header=head, comments="")
+    entry = Entry(str(path))
+    rows = build_rows(entry, entry.hashes(), ONE_ARM)
+    assert [(row["outcome"], row["kind"]) for row in rows] == [("fitted", "modulus")] * 2
+    np.testing.assert_allclose([row["E_inf_Pa"] for row in rows], [3e6, 6e6], rtol=0.02)

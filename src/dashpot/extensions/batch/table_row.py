@@ -95,9 +95,9 @@ def build_rows(
     the specimen's name is added to it. The arguments are those of :func:`row`.
     """
     whole = row(entry, hashes, choices)
-    answers = (
-        [] if whole["outcome"] != "refused" or entry.aside else _list_specimens(entry, choices)
-    )
+    # which test strain and stress show, the record of one specimen tells
+    unclear = whole["outcome"] == "refused" or whole.get("kind") == "stress-strain"
+    answers = _list_specimens(entry, choices) if unclear and not entry.aside else []
     if not answers:
         return [whole]
     every: list[dict[str, Any]] = []

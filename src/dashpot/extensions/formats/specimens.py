@@ -39,6 +39,8 @@ _NAME = re.compile(
     re.IGNORECASE,
 )
 """The name of a column that says of which specimen a row is."""
+_LETTER = re.compile(r"(?:([A-W])[ _\-](\w.*)|(.*\w)[ _\-]([A-W]))")
+"""A signal whose specimen is a letter before or behind it; X, Y and Z are axes."""
 _LINE = re.compile(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
 """A line over a block that says of which specimen it is."""
 _MOST_SPECIMENS = 256
@@ -422,8 +424,8 @@ def _part_by_labels(
 def _split_set(name: str) -> list[tuple[str, str]]:
     """Return the ways in which a name may be that of a set and of a signal in it.
 
-    >>> _split_set("seal_1.force"), _split_set("Force 2")
-    ([('seal_1', 'force'), ('1', 'seal_.force')], [('2', 'Force ')])
+    >>> _split_set("seal_1.force"), _split_set("Force 2"), _split_set("B Force")
+    ([('seal_1', 'force'), ('1', 'seal_.force')], [('2', 'Force ')], [('B', 'Force')])
     """
     ways = []
     owner, dot, stem = name.rpartition(".")
@@ -431,6 +433,10 @@ def _split_set(name: str) -> list[tuple[str, str]]:
         ways.append((owner, stem))
     numbers = list(re.finditer(r"(?<![^\W\d_])\d{1,3}(?!\d)|\d{1,3}\Z", name))
     ways += [(m[0], name[: m.start()] + name[m.end() :]) for m in numbers]
+    lettered = _LETTER.fullmatch(name)
+    if lettered:
+        first, after, before, last = lettered.groups()
+        ways.append((first or last, after or before))
     return ways
 
 
