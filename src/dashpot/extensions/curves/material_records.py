@@ -66,7 +66,7 @@ def recognise_material_record(
     time, strain, stress = motion
     is_harmonic = find_handler("record rule", "cyclic")
     if is_harmonic is not None and is_harmonic(*motion):
-        return "cyclic", "it goes to and fro, and never rests" + _mention_clock(record)
+        return "cyclic", "it goes to and fro, and never rests"
     shown = classify_load_history(time, strain, stress)
     held = held_throughout(stress) and shown not in _OTHER_MOTIONS
     if record and (shown == "creep" or held):
@@ -77,12 +77,8 @@ def recognise_material_record(
     if record and np.mean(rests) >= _HELD_PART:
         return "modulus", _HELD
     if _relaxes_in_holds(time, strain, stress):
-        return "modulus", _HELD + _mention_clock(record)
+        return "modulus", _HELD
     return None
-
-
-def _mention_clock(record: Sequence[FloatArray]) -> str:
-    return "" if record else "; it has no clock"
 
 
 def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:

@@ -133,6 +133,9 @@ def _same_numbers(
     new_units = [units.find_unit(word, dimension) if word and dimension else None for word in words]
     if any((unit is None) != (new_units[0] is None) for unit in new_units):
         return False
+    # two that differ are enough, and all may not fit in memory
+    if len(indexes) > 2 and not _same_numbers(table, indexes[:2], role, options):
+        return False
     values = table.load(indexes).values
     for j, unit in enumerate(new_units):
         if unit is not None:
