@@ -44,7 +44,6 @@ from dashpot.plot.plotted_data import (
     FREQUENCY,
     compute_padded_limits,
     compute_padded_log_limits,
-    format_test_stamp,
     read_as,
     unit_of,
 )
@@ -143,7 +142,13 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(drawn, *labels, unit)))
     rows = tuple(count for count in (len(above), len(drawn)) if count)
     return Picture(
-        "loops", caption, strips, 2, stamp or format_test_stamp(test), width=_WIDE, rows=rows
+        "loops",
+        caption,
+        strips,
+        2,
+        stamp or format_stamp(sources_of([test]), test.specimen),
+        width=_WIDE,
+        rows=rows,
     )
 
 

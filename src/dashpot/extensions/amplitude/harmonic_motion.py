@@ -42,7 +42,7 @@ def is_harmonic(time: FloatArray, moved: FloatArray, _: FloatArray) -> bool:
         return False
     filled = sum(end - begin for begin, end in cycles)
     span = cycles[-1][1] - cycles[0][0]
-    return filled >= _COVERED * span and span >= _SPANNED * float(np.ptp(time))
+    return bool(filled >= _COVERED * span and span >= _SPANNED * float(np.ptp(time)))
 
 
 def _is_sine(time: FloatArray, moved: FloatArray, begin: float, end: float) -> bool:

@@ -97,7 +97,10 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
         If there are fewer than two cycles, or too few samples in them.
     """
     part = isinstance(test, RelaxationTest)
-    moved, pushed = (test.displacement, test.force) if part else (test.strain, test.stress)
+    if isinstance(test, RelaxationTest):
+        moved, pushed = test.displacement, test.force
+    else:
+        moved, pushed = test.strain, test.stress
     t, signals = test.time, np.array([moved, pushed])
     starts = find_cycle_starts(t, moved)
     if len(starts) < 3:
@@ -131,7 +134,9 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
             "no two cycles that follow each other have one amplitude: hold each for some cycles"
             + ("" if part else f"; {_ELASTIC}")
         )
-    if median([loop.stiffness.real for loop in loops]) < 0:  # one of the signals counts down
+    if (
+        median(np.array([loop.stiffness.real for loop in loops])) < 0
+    ):  # one of the signals counts down
         loops = [replace(loop, stiffness=-loop.stiffness, force=-loop.force) for loop in loops]
     return tuple(loops)
 

@@ -164,7 +164,8 @@ def _make_record(arrays: list[Any], units: Any) -> Any:
     words = _list_stated_units(units)
     of_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
     if not of_material:
-        test = RelaxationTest(*arrays, units=", ".join(words))
+        time, displacement, force = arrays
+        test = RelaxationTest(time, displacement, force, units=", ".join(words))
         if classify_load_history(test.time, test.displacement, test.force) not in _OTHER_TESTS:
             return test
     roles = _MATERIAL if of_material else _PART

@@ -38,8 +38,8 @@ def roles(file: OpenedFile) -> tuple[Role, ...]:
     curve, stress = (assign(file.table, role, file.options) for role in ("modulus", "stress"))
     named = isinstance(curve, RoleAssignment)
     # the only column in a unit of stress is the stress where a strain stands beside it
-    if named and isinstance(stress, RoleAssignment) and file.options.modulus is None:
-        named = curve.index != stress.index
+    if isinstance(curve, RoleAssignment) and isinstance(stress, RoleAssignment):
+        named = file.options.modulus is not None or curve.index != stress.index
     return ("time", "modulus") if named or not holds_stress(file) else MATERIAL
 
 
