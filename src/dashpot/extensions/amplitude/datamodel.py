@@ -191,8 +191,9 @@ class StressStrainLoops(EqualByValue, HasSummary):
         return (
             describe_record_source(self.source, len(self.time)),
             (
-                f"{np.ptp(self.time):.5g} s; strain spans {100 * np.ptp(self.strain):.4g} %, "
-                f"stress {np.ptp(self.stress) / 1e6:.4g} MPa"
+                f"{np.ptp(self.time):.5g} s; strain spans "
+                f"{format_quantity(float(np.ptp(self.strain)), '%', '.4g')}, stress "
+                f"{format_quantity(float(np.ptp(self.stress)), 'MPa', '.4g')}"
             ),
         )
 

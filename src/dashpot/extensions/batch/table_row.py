@@ -96,7 +96,8 @@ def build_rows(
     """
     whole = row(entry, hashes, choices)
     # which test strain and stress show, the record of one specimen tells
-    unclear = whole["outcome"] == "refused" or whole.get("kind") == "stress-strain"
+    told_by_record = find_handler("record rule", whole.get("kind", "")) is not None
+    unclear = whole["outcome"] == "refused" or told_by_record
     answers = _list_specimens(entry, choices) if unclear and not entry.aside else []
     if not answers:
         return [whole]

@@ -38,8 +38,6 @@ _RATE = re.compile(r"--rate (\d\w+)")
 """Options of the command line as messages show them, with what they say."""
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
 _PART, _MATERIAL = ("time", "displacement", "force"), ("time", "strain", "stress")
-_OTHER_TESTS = ("creep", "cld", "cyclic")
-"""What displacement and force may show that is read by a reader of its own."""
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
 
 
@@ -166,7 +164,8 @@ def _make_record(arrays: list[Any], units: Any) -> Any:
     if not of_material:
         time, displacement, force = arrays
         test = RelaxationTest(time, displacement, force, units=", ".join(words))
-        if classify_load_history(test.time, test.displacement, test.force) not in _OTHER_TESTS:
+        shown = classify_load_history(test.time, test.displacement, test.force)
+        if shown in {"relaxation", "still", "other"}:
             return test
     roles = _MATERIAL if of_material else _PART
     return read_frame(
