@@ -149,7 +149,13 @@ DOWN = [(0, 0), (10, 0), (12, 0.1), (70, 0.1), (72, 0.05), (130, 0.05), (132, 0.
 CYCLES = [(0, 0), (10, 0), (12, 0.1), (14, 0), (16, 0.1), (18, 0), (30, 0), (32, 0.1), (300, 0.1)]
 
 
-@pytest.mark.parametrize("corners", [STEPS, DOWN, CYCLES], ids=["steps", "down", "cycles"])
+SQUARE = [(0, 0), (10, 0), (11, 0.1), (40, 0.1), (41, 0), (70, 0), (71, 0.1), (100, 0.1), (101, 0),
+          (130, 0), (131, 0.1), (160, 0.1)]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "corners", [STEPS, DOWN, CYCLES, SQUARE], ids=["steps", "down", "cycles", "square"]
+)
 def test_relaxation_in_several_holds_is_one_model(tmp_path, corners) -> None:
     """The strain is followed from its first sample on."""
     path = write_motion(tmp_path / "holds.csv", corners, corners[-1][0])
@@ -221,4 +227,12 @@ def test_creep_of_no_rubber_raises_a_question(tmp_path) -> None:
         tmp_path / "creep.csv", "Time [s];Strain [%];Stress [MPa]", t, strain, stress
     )
     with pytest.raises(ReadError, match="stress=MPa"):
+        fit_one(path)
+
+
+def test_hold_from_its_last_row_to_its_first_is_refused(tmp_path) -> None:
+    rows = slice(None, None, -1)
+    columns = (TIME[rows], 100 * STRAIN[rows], STRESS[rows])
+    path = write_columns(tmp_path / "relax.csv", "Time [s];Strain [%];Stress [MPa]", *columns)
+    with pytest.raises(ReadError, match="time"):
         fit_one(path)

@@ -63,6 +63,8 @@ def recognise_material_record(
     """
     if not (motion := record or rows):
         return None
+    if not record and _relaxes_in_holds(motion[0], *(signal[::-1] for signal in motion[1:])):
+        return "modulus", _HELD + ", from the last row to the first"
     time, strain, stress = motion
     is_harmonic = find_handler("record rule", "cyclic")
     if is_harmonic is not None and is_harmonic(*motion):
@@ -82,22 +84,23 @@ def recognise_material_record(
 
 
 def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
-    """Return whether holds after ramps fill half of the record, and the stress falls in most."""
+    """Return whether holds after moves fill half of the record, and the stress falls in most.
+
+    After an unloading it may rise, so only holds after a loading tell.
+    """
     _, segments = find_rising_sign(time, strain)
-    holds = [
-        stress[hold.first : hold.last + 1]
-        for before, hold in pairwise(segments)
-        if hold.kind == "hold" and before.kind == "load"
-    ]
-    count = sum(len(part) for part in holds)
-    falling = 0
-    for part in holds:
-        tenth = max(len(part) // 10, 1)
-        first, last = (
-            abs(float(part[ends].mean())) for ends in (slice(tenth), slice(-tenth, None))
-        )
-        falling += first - last > _RELAXED * first
-    return count >= _HELD_PART * len(time) and 2 * falling > len(holds)
+    held, falling, loaded = 0, 0, 0
+    for before, hold in pairwise(segments):
+        if hold.kind != "hold" or before.kind == "hold":
+            continue
+        part = stress[hold.first : hold.last + 1]
+        held += len(part)
+        if before.kind == "load":
+            tenth = max(len(part) // 10, 1)
+            first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
+            falling += first - last > _RELAXED * first
+            loaded += 1
+    return held >= _HELD_PART * len(time) and 2 * falling > loaded
 
 
 def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, Any]:
