@@ -16,9 +16,9 @@ from dashpot.preprocessing.prepare import prepare
 from dashpot.signals import segments
 from dashpot.signals.segments import (
     MotionSegment,
-    cycles_of,
+    classify_loading,
+    find_cycles,
     find_segments,
-    loading_of,
     negate_segments,
 )
 
@@ -67,10 +67,10 @@ def test_a_record_that_is_halved_shows_the_same(monkeypatch: pytest.MonkeyPatch)
     """However often its samples were looked at before."""
     ramps = path(T, (0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (30, 8), (31, 0), (40, 0))
     drawn = [ramps, T % 0.07, np.exp(-T / 10) * np.sin(9 * T)]
-    expected = [loading_of(find_segments(T, x)) for x in drawn]
+    expected = [classify_loading(find_segments(T, x)) for x in drawn]
     moves = kinds(T, ramps)
-    monkeypatch.setattr(segments, "_LOOKS", 0)
-    assert [loading_of(find_segments(T, x)) for x in drawn] == expected
+    monkeypatch.setattr(segments, "_MOST_VISITS", 0)
+    assert [classify_loading(find_segments(T, x)) for x in drawn] == expected
     assert kinds(T, ramps) == moves
 
 
@@ -97,7 +97,7 @@ def test_cycles_of_unreturned_moves_take_linear_time():
     down = [MotionSegment("unload", i, i + 1, i, i + 1, i + 1, i) for i in range(1, 20_000, 2)]
     both = tuple(itertools.chain.from_iterable(zip(up, down, strict=True)))
     began = process_time()
-    assert cycles_of(both) == ()
+    assert find_cycles(both) == ()
     assert process_time() - began < 2  # 15 s before
 
 
@@ -131,7 +131,7 @@ def test_ideal_ramp_recovers_its_corners(start: float, duration: float, rate: fl
     time = np.arange(0, 30, 1 / rate)
     x = path(time, (0, 0), (start, 0), (start + duration, 8), (30, 8))
     x = x + 1e-3 * np.random.default_rng(seed).standard_normal(len(x))
-    cycle = cycles_of(find_segments(time, x))[0]
+    cycle = find_cycles(find_segments(time, x))[0]
     line = ideal_ramp(time, x, cycle.ramp, origin=0.0, level=8.0)
     inside = max(0.6 * duration * rate, 2.0)
     allowed = 4e-3 * duration / 8 * (1 + 6 / inside**0.5)
@@ -144,7 +144,7 @@ def test_ideal_ramp_recovers_its_corners(start: float, duration: float, rate: fl
 def test_ideal_ramp_of_one_step_joins_its_two_samples():
     t = np.arange(100.0)
     x = np.where(t >= 10, 5.0, 0.0)
-    ramp = cycles_of(find_segments(t, x))[0].ramp
+    ramp = find_cycles(find_segments(t, x))[0].ramp
     line = ideal_ramp(t, x, ramp, origin=0.0, level=5.0)
     assert line.time_of(0.0) == pytest.approx(9.0)
     assert line.time_of(5.0) == pytest.approx(10.0)
@@ -154,19 +154,21 @@ def test_a_loading_ends_where_the_plate_comes_back():
     corners = [(0.0, 0.0)]
     for start in (1, 13, 25):
         corners += [(start, 0), (start + 1, 8), (start + 5, 8), (start + 6, 0)]
-    cycles = cycles_of(find_segments(T, path(T, *corners)))
+    cycles = find_cycles(find_segments(T, path(T, *corners)))
     assert len(cycles) == 3
     assert all(cycle.moves == 1 and cycle.rest is not None for cycle in cycles)
     assert [round(cycle.hold.duration) for cycle in cycles] == [4, 4, 4]
 
 
 def test_a_turning_point_is_no_hold():
-    assert cycles_of(find_segments(T, path(T, (0, 0), (10, 8), (10.5, 8), (20, 0), (40, 0)))) == ()
+    assert (
+        find_cycles(find_segments(T, path(T, (0, 0), (10, 8), (10.5, 8), (20, 0), (40, 0)))) == ()
+    )
 
 
 def test_a_partial_unloading_stays_within_the_loading():
     x = path(T, (0, 0), (1, 0), (2, 8), (10, 8), (11, 5), (40, 5))
-    (cycle,) = cycles_of(find_segments(T, x))
+    (cycle,) = find_cycles(find_segments(T, x))
     assert cycle.moves == 2
     assert isinstance(cycle.hold, MotionSegment)
     assert cycle.hold.level == pytest.approx(5.0)

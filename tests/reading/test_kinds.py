@@ -25,7 +25,7 @@ from dashpot.reading.columns.kind_detection import (
     parse_file_kind,
 )
 from dashpot.reading.read_options import ReadOptions
-from dashpot.reading.readers.detect_kind import as_a_ramp
+from dashpot.reading.readers.detect_kind import suggest_relaxation_options
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
@@ -260,7 +260,7 @@ def test_inspect_file_explains_a_sweep_with_frequency_in_its_header(
     assert "no frequency. Write a column 'frequency [Hz]'" in found.reason
     assert [one.name for one in found.columns][-1] == "Tan(delta)"
     # and no column of another unit is proposed for a ramp
-    assert as_a_ramp(path) == ""
+    assert suggest_relaxation_options(path) == ""
     rows = "".join(f"10,{line}\n" for line in rows.splitlines())
     path.write_text(head.replace("strain", "frequency [Hz],strain") + rows)
     assert inspect_file(path).kind == "strain-sweep"

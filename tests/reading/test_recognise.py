@@ -17,10 +17,14 @@ from dashpot.reading.columns.kind_detection import RECOGNISED
 from dashpot.reading.formats import text
 from dashpot.reading.read_options import PROFILE, ReadOptions, dump_profile
 from dashpot.reading.readers import channels
-from dashpot.reading.readers.detect_kind import as_a_ramp, get_kind_label, recognise
+from dashpot.reading.readers.detect_kind import (
+    get_kind_label,
+    recognise,
+    suggest_relaxation_options,
+)
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.signals.segments import CREPT, STEADY
+from dashpot.signals.segments import LEAST_CREEP, MOST_HELD_CHANGE
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.example_files import FILES
 from dashpot.workflow.json_archive import to_json
@@ -107,14 +111,18 @@ def crept(part: float, *, header: str = "time [s],displacement [mm],force [N]") 
     return csv(header, CLOCK, 8 * risen * (1 - part) + 8 * onward, 1.6 * risen)
 
 
-@pytest.mark.parametrize(("part", "kind"), [(1.1 * CREPT, "creep"), (0.9 * CREPT, "relaxation")])
+@pytest.mark.parametrize(
+    ("part", "kind"), [(1.1 * LEAST_CREEP, "creep"), (0.9 * LEAST_CREEP, "relaxation")]
+)
 def test_creep_is_a_force_that_is_held_while_the_displacement_goes_on(
     tmp_path: Path, part: float, kind: str
 ) -> None:
     assert recognise(written(tmp_path, crept(part))).kind == kind
 
 
-@pytest.mark.parametrize(("part", "kind"), [(1.1 * CREPT, "creep"), (0.9 * CREPT, "modulus")])
+@pytest.mark.parametrize(
+    ("part", "kind"), [(1.1 * LEAST_CREEP, "creep"), (0.9 * LEAST_CREEP, "modulus")]
+)
 def test_so_is_a_stress_under_which_a_strain_goes_on(
     tmp_path: Path, part: float, kind: str
 ) -> None:
@@ -125,7 +133,8 @@ def test_so_is_a_stress_under_which_a_strain_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("part", "kind"), [(1.05 * STEADY, "creep"), (1.15 * STEADY, "stress-strain")]
+    ("part", "kind"),
+    [(1.05 * MOST_HELD_CHANGE, "creep"), (1.15 * MOST_HELD_CHANGE, "stress-strain")],
 )
 def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
     tmp_path: Path, part: float, kind: str
@@ -140,8 +149,8 @@ def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
 @pytest.mark.parametrize(
     ("part", "onward", "kind"),
     [
-        (1.05 * STEADY, 1.0, "creep"), (1.15 * STEADY, 1.0, "relaxation"),
-        (1.05 * STEADY, 0.0, "relaxation"),
+        (1.05 * MOST_HELD_CHANGE, 1.0, "creep"), (1.15 * MOST_HELD_CHANGE, 1.0, "relaxation"),
+        (1.05 * MOST_HELD_CHANGE, 0.0, "relaxation"),
     ],
 )  # fmt: skip
 def test_so_does_a_force_where_the_displacement_goes_on(
@@ -318,4 +327,6 @@ def test_a_load_in_a_unit_of_mass_is_proposed_as_a_weight(
     time, moved, pushed = press_and_hold(20.0)
     head = f"Time [s];Displacement [mm];Load [{unit}]"
     (tmp_path / "a.csv").write_text(table_of(head, [time, moved, pushed]), "utf-8")
-    assert f'--column force="Load" --units "force={force}"' in as_a_ramp(tmp_path / "a.csv")
+    assert f'--column force="Load" --units "force={force}"' in suggest_relaxation_options(
+        tmp_path / "a.csv"
+    )

@@ -94,10 +94,10 @@ def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict
 
 def _to_name(path: str, options: ReadOptions) -> str:
     """Return how the columns of such a file are named, as it is typed; of too few, what lacks."""
-    from dashpot.reading.readers.detect_kind import as_a_ramp
+    from dashpot.reading.readers.detect_kind import suggest_relaxation_options
 
     see = f"To see its columns: dashpot inspect {path}"
-    named = as_a_ramp(path, options)
+    named = suggest_relaxation_options(path, options)
     return (
         f"If it is a test of a seal, name its columns: {named}. {see}"
         if named

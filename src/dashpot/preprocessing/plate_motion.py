@@ -14,16 +14,16 @@ from dashpot.signals.noise import median_of_three
 from dashpot.signals.segments import (
     MotionSegment,
     RampHoldCycle,
-    began_late,
+    begins_in_hold,
     choose_cycle,
-    cycles_of,
+    estimate_resolution,
+    explain_missing_hold,
+    find_cycles,
     find_rising_sign,
     find_segments,
-    held_by_plate,
     is_creep_test,
-    nothing_held,
+    is_force_held,
     relaxes,
-    resolution_of,
 )
 
 # samples of a stand before given times
@@ -175,10 +175,10 @@ def find_motion(
             f"{where}: this is a creep test, because the force is held while the displacement goes "
             "on. Use dashpot fit (Python: fit of a CreepTest)"
         )
-    if not cycles_of(segments):
-        if began_late(x, force):
+    if not find_cycles(segments):
+        if begins_in_hold(x, force):
             raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
-        raise DataError(nothing_held(segments, where, _advice(time, x, force)))
+        raise DataError(explain_missing_hold(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
     return replace(_select_cycle(test, turn, cycles, index), segments=segments)
 
@@ -190,7 +190,7 @@ def _find_rising_sign(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, .
 
 @cache_on_record
 def _resolution(test: RelaxationTest) -> float:
-    return resolution_of(test.time, test.displacement, test.displacement_quantum)
+    return estimate_resolution(test.time, test.displacement, test.displacement_quantum)
 
 
 def build_motion_from_times(
@@ -325,13 +325,13 @@ def _select_cycle(
 def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """Return what may be wrong with a displacement that is never held."""
     moves = any(part.kind != "hold" for part in find_segments(time, x))
-    if cycles_of(find_segments(time, -x)):
+    if find_cycles(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"
     if not moves and relaxes(force):
         return _BEGINS_LATE
-    if moves and any(held_by_plate(time, turn * force) for turn in (1, -1)):
+    if moves and any(is_force_held(time, turn * force) for turn in (1, -1)):
         return "the force column ramps and rests instead. Check whether the two are swapped"
-    return "expected a ramp and then a rest. Check the columns and the units"
+    return "expected a ramp and then a hold. Check the columns and the units"
 
 
 def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:

@@ -21,17 +21,17 @@ _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
 
 
-_STOP = 0.01
+_LEAST_STOP = 0.01
 """A stop shorter than this part of the longest hold interrupts a ramp, and does not end it."""
-_LOOKS = 64
-"""As often may every sample be looked at for a corner; then all but short stretches are halved."""
-_SHORT, _FEW = 1024, 32
-"""Samples of a stretch."""
+_MOST_VISITS = 64
+"""Mean number of times that a sample is searched for a corner; then long spans are halved."""
+_SHORT_SPAN, _LOOP_SPAN = 1024, 32
+"""Samples of a span that is never halved, and of one that a loop searches faster than NumPy."""
 
 
 _Kind: TypeAlias = Literal["hold", "load", "unload"]
 _Side: TypeAlias = tuple[_Kind, int, int]
-_TURNED: dict[_Kind, _Kind] = {"hold": "hold", "load": "unload", "unload": "load"}
+_OPPOSITE_KIND: dict[_Kind, _Kind] = {"hold": "hold", "load": "unload", "unload": "load"}
 
 
 class MotionSegment(NamedTuple):
@@ -84,30 +84,32 @@ def find_segments(
     x = median_of_three(displacement)
     travel = float(np.ptp(x))
     if resolution is None:
-        resolution = resolution_of(time, displacement, quantum(displacement))
+        resolution = estimate_resolution(time, displacement, quantum(displacement))
     if travel <= 4 * resolution:
-        return (_segment("hold", time, x, 0, len(x) - 1),)
-    corners = _polygon(time, x, max(2 * resolution, 0.01 * travel))
-    kinds = _kinds(time[corners], x[corners], travel)
+        return (_make_segment("hold", time, x, 0, len(x) - 1),)
+    corners = _find_corners(time, x, max(2 * resolution, 0.01 * travel))
+    kinds = _classify_sides(time[corners], x[corners], travel)
     sides = _merge_neighbours(zip(kinds, corners, corners[1:], strict=False))
     sides = _merge_small_moves(sides, time, x, travel)
-    return tuple(_segment(kind, time, x, first, last) for kind, first, last in sides)
+    return tuple(_make_segment(kind, time, x, first, last) for kind, first, last in sides)
 
 
 def negate_segments(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
-    """Return what :func:`find_segments` finds of the same record with its sign turned."""
+    """Return the segments of the same record with the opposite sign."""
     return tuple(
-        part._replace(kind=_TURNED[part.kind], origin=-part.origin, level=-part.level)
-        for part in segments
+        segment._replace(
+            kind=_OPPOSITE_KIND[segment.kind], origin=-segment.origin, level=-segment.level
+        )
+        for segment in segments
     )
 
 
-def resolution_of(time: FloatArray, displacement: FloatArray, count: float) -> float:
-    """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
+def estimate_resolution(time: FloatArray, displacement: FloatArray, count: float) -> float:
+    """Return the resolution of a displacement, m: 4 sigma of its noise and half a quantum."""
     return 4 * estimate_robust_scatter(time, displacement) + 0.5 * count
 
 
-def _segment(
+def _make_segment(
     kind: _Kind,
     time: FloatArray,
     x: FloatArray,
@@ -120,69 +122,72 @@ def _segment(
     return MotionSegment(kind, first, last, float(time[first]), float(time[last]), origin, level)
 
 
-def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
+def _find_corners(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
     """Corners of the coarsest polygon within `tolerance` (Ramer, Douglas and Peucker).
 
-    Thousands of cycles of one size would each be cut off the whole rest, which takes the square
-    of their number: a record that was looked at so often is halved, where a corner more is none
-    of another kind.
+    With thousands of equal cycles each corner would cut off one cycle, at a cost that grows with
+    the square of their number. After so many visits of a sample, long spans are halved instead:
+    one more corner does not change the kind of a side.
     """
     corners = {0, len(x) - 1}
     stack = [(0, len(x) - 1)]
-    remaining = _LOOKS * len(x)
+    remaining = _MOST_VISITS * len(x)
     while stack:
         a, b = stack.pop()
         if b - a < 2:
             continue
         remaining -= b - a
-        worst, miss = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
-        if miss > tolerance:
-            corner = a + worst if remaining > 0 or b - a < _SHORT else (a + b) // 2
+        farthest, distance = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
+        if distance > tolerance:
+            corner = a + farthest if remaining > 0 or b - a < _SHORT_SPAN else (a + b) // 2
             corners.add(corner)
             stack += [(a, corner), (corner, b)]
     return sorted(corners)
 
 
 def _find_farthest_sample(time: FloatArray, x: FloatArray) -> tuple[int, float]:
-    """The sample of a stretch that is farthest from the line between its ends, and how far."""
-    if len(x) < _FEW and time[-1] > time[0]:  # a loop costs less than the calls of NumPy
+    """Return the sample of a span farthest from the line between its ends, and its distance."""
+    if len(x) < _LOOP_SPAN and time[-1] > time[0]:  # a loop costs less than the calls of NumPy
         (t, *_, end), (low, *_, high) = times, values = time.tolist(), x.tolist()
         rise, span = high - low, end - t
-        off = [abs(v - (low + rise * (u - t) / span)) for u, v in zip(times, values, strict=True)]
-        far = max(off)
-        return off.index(far), far
+        distances = [
+            abs(v - (low + rise * (u - t) / span)) for u, v in zip(times, values, strict=True)
+        ]
+        largest = max(distances)
+        return distances.index(largest), largest
     line = x[0] + (x[-1] - x[0]) * (time - time[0]) / (time[-1] - time[0])
-    miss = np.abs(x - line)
-    worst = int(np.argmax(miss))
-    return worst, float(miss[worst])
+    distance = np.abs(x - line)
+    farthest = int(np.argmax(distance))
+    return farthest, float(distance[farthest])
 
 
-def _kinds(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
+def _classify_sides(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
+    """Return the kind of each side of the polygon: moves are fast or long."""
     steps = np.diff(x)
     speed = np.abs(steps) / np.diff(time)
-    long = np.abs(steps) > _LEAST_MOVE * travel
-    fastest = speed[long].max() if long.any() else speed.max()
-    moving = (speed > 0.02 * fastest) | (np.abs(steps) > 0.25 * travel)
+    is_long = np.abs(steps) > _LEAST_MOVE * travel
+    fastest = speed[is_long].max() if is_long.any() else speed.max()
+    is_moving = (speed > 0.02 * fastest) | (np.abs(steps) > 0.25 * travel)
     return [
         "hold" if not moves else "load" if step > 0 else "unload"
-        for moves, step in zip(moving, steps, strict=True)
+        for moves, step in zip(is_moving, steps, strict=True)
     ]
 
 
 def _merge_neighbours(sides: Iterable[_Side]) -> list[_Side]:
-    """Make one side of neighbours of one kind."""
-    joined: list[_Side] = []
+    """Return the sides, with neighbours of one kind merged."""
+    merged: list[_Side] = []
     for kind, first, last in sides:
-        goes_on = bool(joined) and joined[-1][0] == kind
-        joined.append((kind, joined.pop()[1] if goes_on else first, last))
-    return joined
+        continues = bool(merged) and merged[-1][0] == kind
+        merged.append((kind, merged.pop()[1] if continues else first, last))
+    return merged
 
 
 def _merge_small_moves(
     sides: list[_Side], time: FloatArray, x: FloatArray, travel: float
 ) -> list[_Side]:
-    """Give small moves to the hold beside them, then bridge stutters within a ramp."""
-    sides = _merge_neighbours(_merge_steps(_merge_neighbours(_rung_out(sides, x)), time))
+    """Merge small moves into the hold beside them, then short stops into their ramp."""
+    sides = _merge_neighbours(_merge_steps(_merge_neighbours(_merge_ringing(sides, x)), time))
     sides = _merge_neighbours(
         [
             ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
@@ -192,38 +197,38 @@ def _merge_small_moves(
     bridged = list(sides)
     for i in range(1, len(sides) - 1):
         (before, start, _), (kind, first, last), (after, _, end) = sides[i - 1 : i + 2]
-        brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
-        if kind == "hold" and brief and before == after:
+        is_brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
+        if kind == "hold" and is_brief and before == after:
             bridged[i] = (before, first, last)
     return _merge_neighbours(bridged)
 
 
 def _merge_steps(sides: list[_Side], time: FloatArray) -> list[_Side]:
-    """Call the stops of an axis that climbs in steps a part of its ramp."""
+    """Return the sides with the short stops of a stepping axis as parts of its ramp."""
     longest = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
-    climbed = list(sides)
+    merged = list(sides)
     for i in range(1, len(sides) - 1):
         before, (kind, first, last), after = sides[i - 1][0], sides[i], sides[i + 1][0]
-        if kind == "hold" and time[last] - time[first] <= _STOP * longest and before == after:
-            climbed[i] = (before, first, last)
-    return climbed
+        if kind == "hold" and time[last] - time[first] <= _LEAST_STOP * longest and before == after:
+            merged[i] = (before, first, last)
+    return merged
 
 
-def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
-    """Call ringing a hold: to and fro right after a ramp, by less than 30 % of it."""
-    settled: list[_Side] = []
+def _merge_ringing(sides: list[_Side], x: FloatArray) -> list[_Side]:
+    """Return the sides with ringing as a hold: moves after a ramp of less than 30 % of it."""
+    merged: list[_Side] = []
     ramp = 0.0
     for kind, first, last in sides:
         change = abs(x[last] - x[first])
-        ringing = kind != "hold" and 0 < change < 0.3 * ramp
-        settled.append(("hold" if ringing else kind, first, last))
-        if not ringing:
+        is_ringing = kind != "hold" and 0 < change < 0.3 * ramp
+        merged.append(("hold" if is_ringing else kind, first, last))
+        if not is_ringing:
             ramp = 0.0 if kind == "hold" else change
-    return settled
+    return merged
 
 
-_LISTED = 3
-"""As many loadings are listed one by one."""
+_MOST_LISTED = 3
+"""Number of loadings that a message lists."""
 _LEAST_HOLD = 0.2
 """A stop shorter than this part of the ramp before it is a turning point, not a hold."""
 
@@ -234,7 +239,7 @@ class RampHoldCycle(NamedTuple):
     Attributes
     ----------
     rest : MotionSegment or None
-        The stand before the first ramp; None if the record starts on the ramp.
+        The hold before the first ramp; None if the record starts on the ramp.
     segments : tuple of MotionSegment
         From the first ramp to the last hold.
     """
@@ -258,11 +263,11 @@ class RampHoldCycle(NamedTuple):
         return sum(segment.kind != "hold" for segment in self.segments)
 
     def words(self) -> str:
-        """Return every segment, in words."""
+        """Return every segment as text."""
         return ", ".join(_format_segment(segment) for segment in self.segments)
 
 
-def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
+def find_cycles(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
     """Return the loadings that hold, in order; whatever follows the last hold is left out.
 
     A loading ends where the displacement comes back to within 10 % of where it began: there the
@@ -270,21 +275,21 @@ def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
     """
     cycles: list[RampHoldCycle] = []
     rest: MotionSegment | None = None
-    current: list[MotionSegment] = []
+    loading: list[MotionSegment] = []
     top = 0.0
     for segment in segments:
-        if not current:
+        if not loading:
             if segment.kind == "load":
-                current, top = [segment], segment.level
+                loading, top = [segment], segment.level
             else:
                 rest = segment if segment.kind == "hold" else None
             continue
-        current.append(segment)
-        begin, top = current[0].origin, max(top, segment.level)
+        loading.append(segment)
+        begin, top = loading[0].origin, max(top, segment.level)
         if segment.kind == "unload" and segment.level <= begin + 0.1 * (top - begin):
-            cycles += _close_loading(rest, current)
-            current, rest = [], None
-    return tuple(cycles + _close_loading(rest, current))
+            cycles += _close_loading(rest, loading)
+            loading, rest = [], None
+    return tuple(cycles + _close_loading(rest, loading))
 
 
 def choose_cycle(
@@ -305,7 +310,7 @@ def choose_cycle(
     DataError
         If there is no such loading.
     """
-    cycles = cycles_of(segments)
+    cycles = find_cycles(segments)
     if number is None:
         return int(np.argmax([cycle.hold.duration for cycle in cycles])), cycles
     if not 1 <= number <= len(cycles):
@@ -316,26 +321,26 @@ def choose_cycle(
 
 
 def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
-    """Return the choices, in words."""
+    """Return the loadings of a record as text, numbered."""
     parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
-    if len(parts) > _LISTED:
-        parts = [*parts[: _LISTED - 1], "...", parts[-1]]
+    if len(parts) > _MOST_LISTED:
+        parts = [*parts[: _MOST_LISTED - 1], "...", parts[-1]]
     count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
     return f"{count} ({'; '.join(parts)})"
 
 
-def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -> str:
-    """Return the sentence for a record without a ramp and a hold."""
-    text = loading_of(segments)
-    if text == "still":
+def explain_missing_hold(segments: tuple[MotionSegment, ...], where: str, advice: str) -> str:
+    """Return the message for a record without a ramp and a hold."""
+    loading = classify_loading(segments)
+    if loading == "still":
         return f"{where}: the displacement never moves by more than its scatter. {sentence(advice)}"
     shown = ", ".join(_format_segment(segment) for segment in segments[:4])
     more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
     names = {"cld": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
-    if text in names:
+    if loading in names:
         return (
-            f"{where}: there is no hold, but {names[text]} ({shown}{more}). Relaxation times need "
-            "a ramp and then a rest. For force and hysteresis use dashpot fit"
+            f"{where}: there is no hold, but {names[loading]} ({shown}{more}). Relaxation times "
+            "need a ramp and then a hold. For force and hysteresis use dashpot fit"
         )
     return (
         f"{where}: no hold after a ramp was found. The displacement shows {shown}{more}. "
@@ -346,9 +351,9 @@ def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -
 Loading: TypeAlias = Literal["relaxation", "creep", "cld", "cyclic", "still", "other"]
 
 
-def loading_of(segments: tuple[MotionSegment, ...]) -> Loading:
+def classify_loading(segments: tuple[MotionSegment, ...]) -> Loading:
     """Return the loading of a displacement: ramp and hold, triangle, cycles, none, other."""
-    if cycles_of(segments):
+    if find_cycles(segments):
         return "relaxation"
     moves = [segment.kind for segment in segments if segment.kind != "hold"]
     if not moves:
@@ -358,13 +363,17 @@ def loading_of(segments: tuple[MotionSegment, ...]) -> Loading:
     return "other"
 
 
-def _close_loading(rest: MotionSegment | None, parts: list[MotionSegment]) -> list[RampHoldCycle]:
+def _close_loading(
+    rest: MotionSegment | None, segments: list[MotionSegment]
+) -> list[RampHoldCycle]:
     """Return a loading up to its last hold, if it has one."""
-    for stop in range(len(parts), 1, -1):
-        hold, before = parts[stop - 1], parts[stop - 2]
-        enough = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
-        if hold.kind == "hold" and enough:
-            return [RampHoldCycle(rest, tuple(parts[:stop]))]
+    for stop in range(len(segments), 1, -1):
+        hold, before = segments[stop - 1], segments[stop - 2]
+        is_long_enough = (
+            hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
+        )
+        if hold.kind == "hold" and is_long_enough:
+            return [RampHoldCycle(rest, tuple(segments[:stop]))]
     return []
 
 
@@ -379,22 +388,22 @@ def _format_segment(segment: MotionSegment) -> str:
 # Kind of loading: ramp and hold, creep, compression and release, cycles.
 
 
-STEADY = 0.01
-"""Part of its rise by which a held signal may change."""
-CREPT = 0.02
-"""Part of its travel by which a displacement goes on under a force that is held."""
-EVEN = 0.05
-"""Part of a move by which a quarter of it may be early or late where its speed is even."""
-PARTS = 10
-"""Of a record, whose means are held against each other."""
-GONE = 0.1
-"""Part of its travel by which a signal ends elsewhere that does not only scatter."""
-SETTLES = 0.05
-"""Part of its level by which a displacement may move that is held from the first sample on."""
+MOST_HELD_CHANGE = 0.01
+"""Over its rise, most that a held signal changes."""
+LEAST_CREEP = 0.02
+"""Over its travel, least displacement under a held force that is creep."""
+MOST_SPEED_CHANGE = 0.05
+"""Over the move, most that the displacement at a quarter of the time differs from a quarter."""
+PART_COUNT = 10
+"""Number of parts of a record whose means are compared."""
+LEAST_DRIFT = 0.1
+"""Over its travel, least change from start to end that is more than scatter."""
+MOST_SETTLING = 0.05
+"""Over its value, most that a displacement held from the first sample moves."""
 
 
 def classify_load_history(time: FloatArray, displacement: FloatArray, force: FloatArray) -> Loading:
-    """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else.
+    """Return the loading that a record shows, whether or not it can be prepared.
 
     Ramps up and down at one speed are compression load deflection; a sine is not.
 
@@ -403,113 +412,118 @@ def classify_load_history(time: FloatArray, displacement: FloatArray, force: Flo
     time, displacement, force : array, shape (n,)
         s, m and N, sign and zero as recorded; a strain and a stress show the same.
     """
-    if held_throughout(force) and goes_on(displacement):
+    if is_held_throughout(force) and is_drifting(displacement):
         return "creep"
-    turn, segments = find_rising_sign(time, displacement)
-    if is_creep_test(time, turn * displacement, force, segments):
+    sign, segments = find_rising_sign(time, displacement)
+    if is_creep_test(time, sign * displacement, force, segments):
         return "creep"
-    if began_late(displacement, force):
+    if begins_in_hold(displacement, force):
         return "other"
-    if is_at_one_speed(time, turn * displacement, segments):
+    if is_at_one_speed(time, sign * displacement, segments):
         return "cld"
-    return loading_of(segments)
+    return classify_loading(segments)
 
 
 def is_creep_test(
     time: FloatArray, x: FloatArray, force: FloatArray, segments: tuple[MotionSegment, ...]
 ) -> bool:
     """Return whether a record from its beginning on shows creep, and no strokes at one speed."""
-    driven = began_late(x, force) or is_at_one_speed(time, x, segments)
-    return not driven and is_creep(time, x, force, cycles_of(segments))
+    is_displacement_controlled = begins_in_hold(x, force) or is_at_one_speed(time, x, segments)
+    return not is_displacement_controlled and is_creep(time, x, force, find_cycles(segments))
 
 
-def held_throughout(force: FloatArray) -> bool:
-    """Whether a load was on before the record began, and stays, whatever its samples scatter."""
-    means = [float(part.mean()) for part in np.array_split(force, min(PARTS, len(force)))]
-    return float(np.ptp(means)) < STEADY * abs(median(force))
+def is_held_throughout(force: FloatArray) -> bool:
+    """Return whether a force is constant, apart from scatter, over the whole record."""
+    means = [float(part.mean()) for part in np.array_split(force, min(PART_COUNT, len(force)))]
+    return float(np.ptp(means)) < MOST_HELD_CHANGE * abs(median(force))
 
 
-def goes_on(x: FloatArray) -> bool:
+def is_drifting(x: FloatArray) -> bool:
     """Return whether a signal ends, by more than a tenth of its travel, elsewhere than it began."""
     tenth = max(len(x) // 10, 1)
-    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > GONE * float(np.ptp(x))
+    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > LEAST_DRIFT * float(np.ptp(x))
 
 
 def find_rising_sign(
     time: FloatArray, displacement: FloatArray, resolution: float | None = None
 ) -> tuple[int, tuple[MotionSegment, ...]]:
-    """Return the sign that makes the first ramp rise, and what then is found."""
+    """Return the sign that makes the first ramp rise, and the segments of the signed record."""
     segments = find_segments(time, displacement, resolution)
-    if _falls_first(segments):
+    if _begins_with_unloading(segments):
         return -1, negate_segments(segments)
     return 1, segments
 
 
 def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
     """Return whether a compression goes in and back at one speed, and is never held."""
-    moves = [part for part in segments if part.kind != "hold"]
-    to_and_fro = {part.kind for part in moves} == {"load", "unload"}
-    held = bool(cycles_of(tuple(segments)))
-    return to_and_fro and not held and all(_straight(time, x, part) for part in moves)
+    moves = [move for move in segments if move.kind != "hold"]
+    to_and_fro = {move.kind for move in moves} == {"load", "unload"}
+    held = bool(find_cycles(tuple(segments)))
+    return to_and_fro and not held and all(_is_straight(time, x, move) for move in moves)
 
 
-def _straight(time: FloatArray, x: FloatArray, part: MotionSegment) -> bool:
-    """Whether a move is at a quarter of its way after a quarter of its time; a sine lags by 0.1."""
-    quarter = float(np.interp(part.start + 0.25 * part.duration, time, x))
-    return abs((quarter - part.origin) / (part.level - part.origin) - 0.25) < EVEN
+def _is_straight(time: FloatArray, x: FloatArray, move: MotionSegment) -> bool:
+    """Return whether a quarter of a move takes a quarter of its time; a sine lags by 0.1."""
+    quarter = float(np.interp(move.start + 0.25 * move.duration, time, x))
+    return abs((quarter - move.origin) / (move.level - move.origin) - 0.25) < MOST_SPEED_CHANGE
 
 
-def _falls_first(segments: Sequence[MotionSegment]) -> bool:
-    moves = [part.kind for part in segments if part.kind != "hold"]
+def _begins_with_unloading(segments: Sequence[MotionSegment]) -> bool:
+    moves = [segment.kind for segment in segments if segment.kind != "hold"]
     return moves[:1] == ["unload"]
 
 
-def held_by_plate(time: FloatArray, force: FloatArray) -> bool:
-    """Return whether the force ramps and then stands as still as a plate does."""
-    return any(_stands(force, cycle) for cycle in cycles_of(find_segments(time, force)))
+def is_force_held(time: FloatArray, force: FloatArray) -> bool:
+    """Return whether the force is ramped and then held, as a controlled plate is."""
+    return any(
+        _is_constant_over_hold(force, cycle) for cycle in find_cycles(find_segments(time, force))
+    )
 
 
-def _stands(values: FloatArray, cycle: RampHoldCycle) -> bool:
-    """Return whether a signal stays where it was ramped to, whatever the displacement does."""
+def _is_constant_over_hold(values: FloatArray, cycle: RampHoldCycle) -> bool:
+    """Return whether a signal is constant over the hold of a cycle."""
     rise = cycle.hold.level - cycle.ramp.origin
-    return abs(_change(values, cycle.hold)) < STEADY * rise
+    return abs(_compute_change_over_hold(values, cycle.hold)) < MOST_HELD_CHANGE * rise
 
 
-def _change(values: FloatArray, hold: MotionSegment) -> float:
-    """Return how far a signal goes from the first tenth of a hold to the last."""
+def _compute_change_over_hold(values: FloatArray, hold: MotionSegment) -> float:
+    """Return the change of a signal from the first tenth of a hold to the last."""
     held = values[hold.first : hold.last + 1]
     tenth = max(len(held) // 10, 1)
     return float(held[-tenth:].mean() - held[:tenth].mean())
 
 
 def is_creep(
-    time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[RampHoldCycle]
+    time: FloatArray, x: FloatArray, force: FloatArray, displacement_cycles: Sequence[RampHoldCycle]
 ) -> bool:
-    """Return whether it is the force that is ramped and held, while the displacement goes on.
+    """Return whether the force is ramped and held while the displacement creeps.
 
-    Only a displacement that is not `held` is worth the search.
+    A record whose displacement is constant in each of `displacement_cycles` is none.
     """
-    far = CREPT * float(np.ptp(x))
-    if held and all(abs(_change(x, cycle.hold)) <= far for cycle in held):
+    least_creep = LEAST_CREEP * float(np.ptp(x))
+    if displacement_cycles and all(
+        abs(_compute_change_over_hold(x, cycle.hold)) <= least_creep
+        for cycle in displacement_cycles
+    ):
         return False
-    pushed = find_segments(time, force)
-    for turn, segments in ((1, pushed), (-1, negate_segments(pushed))):
-        for cycle in cycles_of(segments):
-            ramped = float(x[cycle.ramp.last] - x[cycle.ramp.first])
-            onward = _change(x, cycle.hold) * np.sign(ramped)
-            if onward > far and _stands(turn * force, cycle):
+    force_segments = find_segments(time, force)
+    for sign, segments in ((1, force_segments), (-1, negate_segments(force_segments))):
+        for cycle in find_cycles(segments):
+            ramp_change = float(x[cycle.ramp.last] - x[cycle.ramp.first])
+            creep = _compute_change_over_hold(x, cycle.hold) * np.sign(ramp_change)
+            if creep > least_creep and _is_constant_over_hold(sign * force, cycle):
                 return True
     return False
 
 
-def began_late(x: FloatArray, force: FloatArray) -> bool:
-    """True if a displacement only settles about where it is held, while the force relaxes."""
-    return float(np.ptp(x)) < SETTLES * abs(median(x)) and relaxes(force)
+def begins_in_hold(x: FloatArray, force: FloatArray) -> bool:
+    """Return whether a record begins in the hold: the displacement settles, the force relaxes."""
+    return float(np.ptp(x)) < MOST_SETTLING * abs(median(x)) and relaxes(force)
 
 
 def relaxes(force: FloatArray) -> bool:
-    """Return whether a force falls, from its first tenth to its last, by more than it scatters."""
+    """Return whether a force falls from its first tenth to its last by more than its scatter."""
     tenth = max(len(force) // 10, 1)
     first, last = force[:tenth], force[-tenth:]
-    fell = abs(float(first.mean())) - abs(float(last.mean()))
-    return fell > max(STEADY * abs(float(first.mean())), 4 * float(last.std()))
+    decrease = abs(float(first.mean())) - abs(float(last.mean()))
+    return decrease > max(MOST_HELD_CHANGE * abs(float(first.mean())), 4 * float(last.std()))

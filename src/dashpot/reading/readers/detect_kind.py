@@ -24,24 +24,26 @@ from dashpot.registry import find_handler
 from dashpot.signals.segments import classify_load_history
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
-_HEAD = 1 << 16
-"""Bytes in which the schema of a document stands; dashpot writes it first."""
-_SHOWN: Mapping[str, str] = MappingProxyType({
+_SCHEMA_BYTES = 1 << 16
+"""Bytes that contain the schema of a document; dashpot writes it first."""
+_MOTION_REASONS: Mapping[str, str] = MappingProxyType({
     "cld": "it goes in and back at one speed, and never rests",
     "cyclic": "it goes to and fro, and never rests",
     "creep": "its force is held while its displacement goes on",
 })  # fmt: skip
-_HELD: Mapping[str, str] = MappingProxyType({"relaxation": "relaxation", "creep": "creep"})
-"""What a record without a clock shows that nobody can use without one, and its kind."""
-_LEAST = 8
-"""Samples in which a motion may be seen."""
-_MATERIAL: tuple[Role, ...] = ("strain", "stress")
-_PART: tuple[Role, ...] = ("displacement", "force")
-_FOLDERS = (
+_KINDS_WITH_HOLD: Mapping[str, str] = MappingProxyType(
+    {"relaxation": "relaxation", "creep": "creep"}
+)
+"""Kinds whose fit needs a clock, by the loading that a record without one shows."""
+_LEAST_SAMPLES = 8
+"""Fewest samples that show a motion."""
+_MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")
+_PART_ROLES: tuple[Role, ...] = ("displacement", "force")
+_FOLDER_KINDS = (
     ("project", "dashpot.toml", "it holds dashpot.toml"),
     ("lot", "part-*.parquet", "it holds the rows of a batch"),
 )
-OWN: Mapping[str, KindOfFile] = MappingProxyType({
+DOCUMENT_KINDS: Mapping[str, KindOfFile] = MappingProxyType({
     "fit": KindOfFile("a fit", "use dashpot predict, compare or export"),
     "model": KindOfFile("a solid", "use dashpot export"),
     "levels": KindOfFile("a fit over amplitude", "use dashpot export"),
@@ -55,26 +57,26 @@ OWN: Mapping[str, KindOfFile] = MappingProxyType({
     "lot": KindOfFile("a lot", "use dashpot compare with another lot"),
     "folder": KindOfFile("a folder", "use dashpot batch"),
 })  # fmt: skip
-"""What is no table of a test: what it is called, and which command wants it."""
+"""Files that are no table of a test: their name in messages, and the command that reads them."""
 
 
 @dataclass(frozen=True)
 class Recognised:
-    """Recognised kind of a file.
+    """Kind of a file, and the reason for it.
 
     Attributes
     ----------
     kind : str
-        One of ``io.columns.kinds.FileKind``; of a document of dashpot's own the word of its schema,
-        such as ``"fit"``; or ``"door"``, ``"profile"``, ``"project"``, ``"lot"``, ``"folder"``.
+        A kind of ``reading.columns.kind_detection``; of a document of dashpot's own the name in its
+        schema, such as ``"fit"``; or ``"door"``, ``"profile"``, ``"project"``, ``"lot"``,
+        ``"folder"``.
     reason : str
-        What shows it.
     stored : bool
         Whether it is a result, or a record, that dashpot wrote as JSON.
     simulated : bool
-        Whether a table says that it was made by simulation.
+        Whether the header says that the table was simulated.
     on_a_base : bool
-        Whether an acceleration is said to be that of the base: then nothing struck.
+        Whether an acceleration is that of the base: base excitation, no hammer.
     """
 
     kind: str
@@ -85,22 +87,22 @@ class Recognised:
 
     @property
     def kind_title(self) -> str:
-        """What such a file is called."""
+        """Name of such a file in messages."""
         return "a shaken base with its mass" if self.on_a_base else get_kind_label(self.kind)
 
     @property
     def use(self) -> str:
-        """Which command wants it, or why none does; empty where that is not known."""
+        """The command that reads it, or why none does; empty where that is not known."""
         return get_kind_command(self.kind)
 
 
 def get_kind_label(kind: str) -> str:
-    """Return what a file of a kind is called, such as "a relaxation test".
+    """Return the name of a kind of file in messages, such as "a relaxation test".
 
     >>> get_kind_label("cyclic"), get_kind_label("fit"), get_kind_label("comparison")
     ('a cyclic run without a hold', 'a fit', 'a stored comparison')
     """
-    kinds = RECOGNISED if kind in RECOGNISED else OWN
+    kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
     if kind in kinds:
         return kinds[kind].what
     test = {
@@ -113,24 +115,24 @@ def get_kind_label(kind: str) -> str:
 
 
 def get_kind_command(kind: str) -> str:
-    """Return which command wants a file of a kind, or why none does; empty if that is not known."""
-    kinds = RECOGNISED if kind in RECOGNISED else OWN
+    """Return the command that reads a kind of file, or why none does; empty if not known."""
+    kinds = RECOGNISED if kind in RECOGNISED else DOCUMENT_KINDS
     return kinds[kind].use if kind in kinds else ""
 
 
 def recognise(
     path: str | Path, options: ReadOptions | None = None, *, kind: str | None = None
 ) -> Recognised:
-    """Return what a file or a folder is: by its columns and, of a record, by what moves in it.
+    """Return the kind of a file or a folder: by its columns and, of a record, by its motion.
 
-    The table is left open: who reads the file next with the same options does not parse it again.
+    The open table is cached: reading the file next with the same options does not parse it again.
 
     Parameters
     ----------
     path : path
         ``-`` is stdin.
     options : ReadOptions, optional
-        What the user said of the file; the columns named decide, and `kind` there overrules.
+        Named columns decide, and a stated `kind` overrules them.
     kind : str, optional
         The same as ``options.kind``.
 
@@ -141,24 +143,26 @@ def recognise(
     """
     options = options or ReadOptions()
     options = options if kind is None else replace(options, kind=kind)
-    bare = open_or_identify(path, options)
-    if isinstance(bare, Recognised):
-        return bare
+    opened = open_or_identify(path, options)
+    if isinstance(opened, Recognised):
+        return opened
     # where the kind is said, only who reads the file next loads its numbers
-    file = bare if options.kind else channels.read_once(bare)
+    file = opened if options.kind else channels.read_once(opened)
     with add_name_to_errors(file.raw.name):
         kind, reason = recognise_opened(file)
-        shaken = kind == "impact" and file.options.base_acceleration is not None
-        detection = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
+        is_base_excited = kind == "impact" and file.options.base_acceleration is not None
+        detection = Recognised(
+            kind, reason, simulated=file.table.simulated, on_a_base=is_base_excited
+        )
     channels.cache_open_file(path, file)
     return detection
 
 
-def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
-    """Return the options that make a relaxation test of a file, as they are typed.
+def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = None) -> str:
+    """Return the command-line options that read a file as a relaxation test.
 
-    Each role has the likeliest column that is free, and a unit where the file tells none; of fewer
-    than three columns that could be one, and of what is no table, nothing is returned.
+    Each role gets its likeliest free column, and a unit where the file states none. The text is
+    empty for fewer than three possible columns, and for what is no table.
     """
     file = open_or_identify(path, options)
     if isinstance(file, Recognised):
@@ -168,28 +172,28 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
     ]
     if len(free) < len(RAMP):
         return ""
-    columns, names, lacking = file.table.columns, [], []
+    columns, names, missing_units = file.table.columns, [], []
     for role in RAMP:
         scores = score_columns(file.table, role, file.options)
-        able = [i for i in free if not _has_other_dimension(columns[i].unit, DIMENSION[role])]
-        if not able:
+        candidates = [i for i in free if not _has_other_dimension(columns[i].unit, DIMENSION[role])]
+        if not candidates:
             return ""
-        at = max(able, key=lambda i: (scores.get(i, 0.0), -i))
-        free.remove(at)
-        names.append(f'{flag(role)}="{handle(columns, at)}"')
-        word = file.unit_word(at, role)
-        if columns[at].content == "number" and not (
-            word and units.find_unit(word, DIMENSION[role])
+        index = max(candidates, key=lambda i: (scores.get(i, 0.0), -i))
+        free.remove(index)
+        names.append(f'{flag(role)}="{handle(columns, index)}"')
+        unit = file.unit_word(index, role)
+        if columns[index].content == "number" and not (
+            unit and units.find_unit(unit, DIMENSION[role])
         ):
-            lacking.append(f"{role}={find_weight(word) or EXAMPLE[role]}")
-    return " ".join([*names, *([f'--units "{",".join(lacking)}"'] if lacking else [])])
+            missing_units.append(f"{role}={find_weight(unit) or EXAMPLE[role]}")
+    return " ".join([*names, *([f'--units "{",".join(missing_units)}"'] if missing_units else [])])
 
 
 def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
-    """Return whether a unit is known, and of no such quantity."""
-    measured = units.dimensions(word or "")
-    weighs = dimension == "force" and bool(find_weight(word))
-    return bool(measured) and dimension not in measured and not weighs
+    """Return whether a unit is known, and is none of a dimension."""
+    dimensions = units.dimensions(word or "")
+    is_mass_unit = dimension == "force" and bool(find_weight(word))
+    return bool(dimensions) and dimension not in dimensions and not is_mass_unit
 
 
 @cache_on_record
@@ -199,17 +203,17 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
     if file.options.kind is not None:
         return kind, reason
     if kind == "relaxation":
-        record = _record(file, _PART)
-        shown = classify_load_history(*record) if record else ""
-        return (shown, _SHOWN[shown]) if shown in _SHOWN else (kind, reason)
+        record = _load_motion(file, _PART_ROLES)
+        loading = classify_load_history(*record) if record else ""
+        return (loading, _MOTION_REASONS[loading]) if loading in _MOTION_REASONS else (kind, reason)
     if kind == "cld":
-        rows = _load_signals_by_row(file, _PART)
-        shown = classify_load_history(*rows) if rows else ""
-        if shown in _HELD:
-            return _HELD[shown], "its displacement or force is held; it has no clock"
+        signals = _load_signals_by_row(file, _PART_ROLES)
+        loading = classify_load_history(*signals) if signals else ""
+        if loading in _KINDS_WITH_HOLD:
+            return _KINDS_WITH_HOLD[loading], "its displacement or force is held; it has no clock"
     if kind == "stress-strain":
         recognise_material = find_handler("record rule", kind)
-        motions = _record(file, _MATERIAL), _load_signals_by_row(file, _MATERIAL)
+        motions = _load_motion(file, _MATERIAL_ROLES), _load_signals_by_row(file, _MATERIAL_ROLES)
         return (recognise_material and recognise_material(*motions)) or (kind, reason)
     return kind, reason
 
@@ -217,10 +221,10 @@ def recognise_opened(file: OpenedFile) -> tuple[str, str]:
 def _load_signals_by_row(
     file: OpenedFile, pair: tuple[Role, ...]
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """What moves and pushes over their rows; None of a file that leaves open which they are."""
+    """Return row number and the two signals; None where the columns are ambiguous."""
     try:
         chosen = channels.choose(file, pair)
-        values, _ = channels.select_complete_rows(channels.load_test(file, chosen, _LEAST))
+        values, _ = channels.select_complete_rows(channels.load_test(file, chosen, _LEAST_SAMPLES))
     except ReadError:
         return None
     signals = channels.convert_signals_to_si(values, chosen)
@@ -228,22 +232,21 @@ def _load_signals_by_row(
     return np.arange(len(displacement), dtype=float), displacement, force
 
 
-def _record(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
-    """Return time and signals; nothing of a record that asks or is broken: its reader says so."""
+def _load_motion(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
+    """Return time and signals; nothing of an ambiguous or invalid record: its reader says why."""
     try:
         chosen, clocks = moving_columns(file, *pair)
         values, _ = load_signals(file, chosen, clocks)
         return tuple(
-            validate_measured(role, values[role], minimum=_LEAST) for role in ("time", *pair)
+            validate_measured(role, values[role], minimum=_LEAST_SAMPLES)
+            for role in ("time", *pair)
         )
     except (ReadError, DataError):
         return ()
 
 
 def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFile | Recognised:
-    """Return the open table of a file, or what it is if there is none.
-
-    That is what dashpot itself, or a user for it, wrote, or a folder.
+    """Return the open table of a file; of a document, a TOML file or a folder its kind.
 
     Raises
     ------
@@ -255,14 +258,14 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
     if file is not None:
         return file
     if Path(path).is_dir():
-        return _folder(Path(path))
+        return _identify_folder(Path(path))
     raw = open_raw(path)
-    detection = _document(raw) if like_json(raw.head(64)) else _toml(path)
+    detection = _identify_document(raw) if like_json(raw.head(64)) else _identify_toml(path)
     return channels.open_table(raw, options) if detection is None else detection
 
 
-def _toml(path: str | Path) -> Recognised | None:
-    """Return what a file that is called TOML states; None of one that is not."""
+def _identify_toml(path: str | Path) -> Recognised | None:
+    """Return the kind of a file named .toml; None of any other."""
     if Path(path).suffix.casefold() != ".toml":
         return None
     from dashpot.reading.toml import tables_of
@@ -277,17 +280,17 @@ def _toml(path: str | Path) -> Recognised | None:
     return Recognised("unclear", "it is TOML, of neither a door nor a profile")
 
 
-def _document(raw: RawFile) -> Recognised | None:
-    """Return the word of a document's schema; None of JSON that is not dashpot's own."""
-    match = _SCHEMA.search(raw.head(_HEAD))
+def _identify_document(raw: RawFile) -> Recognised | None:
+    """Return the kind in a document's schema; None of JSON that is not dashpot's own."""
+    match = _SCHEMA.search(raw.head(_SCHEMA_BYTES))
     if match is None:
         return None
     word = match[1].decode()
     return Recognised(word, f"its schema is dashpot/{word}", stored=True)
 
 
-def _folder(path: Path) -> Recognised:
-    for kind, mark, reason in _FOLDERS:
+def _identify_folder(path: Path) -> Recognised:
+    for kind, mark, reason in _FOLDER_KINDS:
         if next(path.glob(mark), None) is not None:
             return Recognised(kind, reason)
     return Recognised("folder", "it is a folder")

@@ -18,7 +18,7 @@ from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.datamodel.creep import STRAIGHT, CreepTest, LoadHold
 from dashpot.preprocessing.checks import check_temperature, clock_steady
 from dashpot.signals.noise import scatter, without_spikes
-from dashpot.signals.segments import cycles_of, find_segments
+from dashpot.signals.segments import find_cycles, find_segments
 
 _FEWEST = 8
 # steps and tolerance of the search for the times of corners
@@ -124,7 +124,7 @@ def _find_longest_hold(time: FloatArray, force: FloatArray, where: str) -> _Held
 
 def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
     """Return the longest hold of a force that rises, and when its load began."""
-    cycles = cycles_of(find_segments(time, force))
+    cycles = find_cycles(find_segments(time, force))
     holds = [
         (cycle, segment) for cycle in cycles for segment in cycle.segments if segment.kind == "hold"
     ]

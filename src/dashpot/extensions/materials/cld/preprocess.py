@@ -33,7 +33,7 @@ from dashpot.extensions.materials.cld.local_stiffness import (
 from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, zero_of
 from dashpot.extensions.materials.strokes import Stroke, inward, strokes_of
 from dashpot.fitting.nuisance_priors import Prior, error_by_delay
-from dashpot.signals.segments import resolution_of
+from dashpot.signals.segments import estimate_resolution
 
 _SMOOTHED, _RARE = 5, 4.0
 """Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
@@ -232,7 +232,7 @@ def _cycles(test: CLDTest) -> _RecordCycles:
     turn, push = inward(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = clock_of_samples(test)
-    resolution = resolution_of(clock, x, quantum(x))
+    resolution = estimate_resolution(clock, x, quantum(x))
     strokes = strokes_of(x, resolution=resolution)
     pairs = _pairs(strokes)
     zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)

@@ -18,7 +18,7 @@ from dashpot.solids.elastic import ElasticLaw
 POWERS = np.arange(1.0, 4.0)
 LEAST_SD = 0.01
 """Least relative standard deviation of a tangent by a load deflection test."""
-_KNOTS = 17
+_KNOT_COUNT = 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class ElasticLawPrior(EqualByValue):
         return cls(None, np.zeros((0, len(POWERS))))
 
     @classmethod
-    def from_fit(cls, fit: Fit, longer: float = 1.0) -> ElasticLawPrior:
+    def from_fit(cls, fit: Fit, length_ratio: float = 1.0) -> ElasticLawPrior:
         """Return the law in a fit of load deflection, or :meth:`free` where the fit has one depth.
 
         The tangent at each knot is known to its standard error, or to 1 %. Errors of neighbouring
@@ -51,7 +51,7 @@ class ElasticLawPrior(EqualByValue):
         law = fit.elastic_law
         if law is None or law.kind == "linear":
             return cls.free()
-        law = longer * law
+        law = length_ratio * law
         knots, tangent = np.asarray(law.knots), np.asarray(law.tangents)
         error = law.stiffness * np.asarray(law.ratio_se or np.zeros(len(knots)))
         floor = LEAST_SD * np.maximum(tangent, LEAST_SD * tangent.max())
@@ -73,7 +73,7 @@ class ElasticLawPrior(EqualByValue):
         self, c: FloatArray, depth: float
     ) -> tuple[FloatArray, FloatArray, float]:
         """Return knots, m, the tangents there over the secant, and the secant at the depth, N/m."""
-        knots = np.linspace(0.0, depth, _KNOTS)
+        knots = np.linspace(0.0, depth, _KNOT_COUNT)
         slope = (POWERS * knots[:, None] ** (POWERS - 1)) @ c
         if self.known is not None:
             slope = slope + self.known.tangent(knots)

@@ -85,19 +85,21 @@ def fit_drop_tests(
         raise DataError(
             f"--relaxation was given {len(fits)} times, and impacts take one. Give it once"
         )
-    kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
+    mass_kg, fit = convert_to_si(mass, "mass"), fits[0] if fits else None
     impacts = tuple(
         impact
         for number, test in enumerate(records, 1)
         for impact in find_impacts(
-            test, kg, test.source.file if test.source else f"record {number}"
+            test, mass_kg, test.source.file if test.source else f"record {number}"
         )
     )
     speeds, pulls = _parse_approaches(drop, len(impacts))
     length_ratio = _compute_length_ratio(records, fit)
     if law is None:
         law = ElasticLawPrior.free() if fit is None else ElasticLawPrior.from_fit(fit, length_ratio)
-    problem = DropProblem(impacts, kg, pulls, speeds, speed_sd, law, RelaxationPrior.from_fit(fit))
+    problem = DropProblem(
+        impacts, mass_kg, pulls, speeds, speed_sd, law, RelaxationPrior.from_fit(fit)
+    )
     optimum = problem.find_optimum()
     if optimum is None:
         raise FitError(
@@ -112,25 +114,25 @@ def _parse_approaches(
     drop: Quantity | Sequence[Quantity], count: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return speeds, NaN where not stated, and pulls of so many impacts; the last pull holds on."""
-    stated = [drop] if isinstance(drop, str | float | int) else list(drop)
-    if len(stated) > count:
+    quantities = [drop] if isinstance(drop, str | float | int) else list(drop)
+    if len(quantities) > count:
         raise DataError(
-            f"--drop was given {len(stated)} times, and the record has "
+            f"--drop was given {len(quantities)} times, and the record has "
             f"{format_count(count, 'impact')}. Give the speed of each impact, in their order"
         )
-    approaches = [Approach.from_quantity(item) for item in stated]
-    pulls, free = [approach.pull for approach in approaches], count - len(approaches)
-    pulls += [pulls[-1] if pulls else 0.0] * free
-    return np.array([*(approach.speed for approach in approaches), *[np.nan] * free]), np.array(
-        pulls
-    )
+    approaches = [Approach.from_quantity(item) for item in quantities]
+    pulls, unstated_count = [approach.pull for approach in approaches], count - len(approaches)
+    pulls += [pulls[-1] if pulls else 0.0] * unstated_count
+    return np.array(
+        [*(approach.speed for approach in approaches), *[np.nan] * unstated_count]
+    ), np.array(pulls)
 
 
 def _compute_length_ratio(records: Sequence[DropTest], fit: Fit | None) -> float:
     """Return the length of the tested specimen over that of the one whose law is known."""
-    value = next((record.specimen.length for record in records if record.specimen.length), None)
-    other = None if fit is None else fit.specimen.length
-    return value / other if value and other else 1.0
+    length = next((record.specimen.length for record in records if record.specimen.length), None)
+    reference_length = None if fit is None else fit.specimen.length
+    return length / reference_length if length and reference_length else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,9 +198,9 @@ class _FittedImpacts:
     def motions(self) -> tuple[ImpactMotion, ...]:
         """Motion of every impact, to its release."""
         problem = self.problem
-        rows = np.repeat(self.theta[None, :], len(problem.hits), axis=0)
+        rows = np.repeat(self.theta[None, :], len(problem.impacts), axis=0)
         x, v, force, relaxed = problem.integrate_motion(
-            rows, problem.speeds(self.theta), problem.pulls
+            rows, problem.select_speeds(self.theta), problem.pulls
         )
         ends = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
         time = problem.step * np.arange(float(len(force)))
@@ -222,7 +224,7 @@ class _FittedImpacts:
 
     def _compute_loss_factor(self, values: FloatArray, *, with_arm: bool = True) -> FloatArray:
         """Return the loss factor of the relaxation function, which holds at any compression."""
-        g, tau = self.problem.arms(values[: self.problem.shared_parameter_count])
+        g, tau = self.problem.compute_arms(values[: self.problem.shared_parameter_count])
         g, tau = (g, tau) if with_arm else (g[:-1], tau[:-1])
         s_tau = 2j * np.pi * self.frequency * tau
         K = 1 + (g * s_tau / (1 + s_tau)).sum()
@@ -238,8 +240,8 @@ class _FittedImpacts:
         """Fitted values and curves of every impact."""
         errors, zeros = self.estimate.standard_error, self.estimate.optimum.beta
         quantile, fitted_impacts = self.estimate.quantile(), []
-        modelled = self.problem.forces(self.theta)
-        for i, (impact, motion) in enumerate(zip(self.problem.hits, self.motions, strict=True)):
+        modelled = self.problem.compute_forces(self.theta)
+        for i, (impact, motion) in enumerate(zip(self.problem.impacts, self.motions, strict=True)):
             index = self.problem.shared_parameter_count + 2 * i
             speed, error = float(self.theta[index]), float(errors[index])
             reported_speed = ReportedValue.from_error(
@@ -258,7 +260,7 @@ class _FittedImpacts:
         """Return every check."""
         problem, impacts, elastic_law = self.problem, self.impacts, self.problem.law.known
         value, sd = float(self.loss_factor.values[0]), float(self.loss_factor.standard_error[0])
-        sizes = np.cumsum([len(impact.time) for impact in problem.hits])[:-1]
+        sizes = np.cumsum([len(impact.time) for impact in problem.impacts])[:-1]
         residuals = np.split(self.estimate.optimum.residual, sizes)
         misfit = max(
             float(np.sqrt(np.mean(residual[impact.modelled > 0] ** 2)))
@@ -268,9 +270,9 @@ class _FittedImpacts:
         is_stated = np.isfinite(problem.stated_speeds)
         speed_deviations = np.abs(speeds / problem.stated_speeds - 1)[is_stated] / problem.speed_sd
         rest_over_contact = [
-            impact.rest / impact.contact for impact in problem.hits if impact.rest is not None
+            impact.rest / impact.contact for impact in problem.impacts if impact.rest is not None
         ]
-        ratios = [impact.ratio for impact in problem.hits if impact.ratio is not None]
+        ratios = [impact.ratio for impact in problem.impacts if impact.ratio is not None]
         samples = min(impact.contact / float(impact.time[1] - impact.time[0]) for impact in impacts)
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),
@@ -306,12 +308,12 @@ class _FittedImpacts:
         relaxation, fit = self.problem.relaxation, self.fit
         if fit is None or not len(relaxation.g):
             return []
-        change, prior = None, np.concatenate((relaxation.g, np.log(relaxation.tau)))
+        largest_change, prior = None, np.concatenate((relaxation.g, np.log(relaxation.tau)))
         if relaxation.free:
             fitted_arms = self.theta[
                 len(POWERS) : len(POWERS) + self.problem.relaxation_parameter_count
             ]
-            change = float(np.abs(relaxation.precision @ (fitted_arms - prior)).max())
+            largest_change = float(np.abs(relaxation.precision @ (fitted_arms - prior)).max())
         s_tau = 2j * np.pi * self.frequency * relaxation.tau
         K = 1 + (relaxation.g * s_tau / (1 + s_tau)).sum()
         relaxation_loss = float(K.imag / K.real)
@@ -321,47 +323,47 @@ class _FittedImpacts:
         if distance is not None and not in_band:
             distance = min(distance, 0.0)
         return [
-            checks.arms_agree_with_relaxation_test(change),
+            checks.arms_agree_with_relaxation_test(largest_change),
             checks.spectrum_has_gaps(len(relaxation.g)),
             checks.loss_factors_agree(distance, value, relaxation_loss, within=in_band),
         ]
 
     def _build_specimen_fit(self, checks: tuple[Check, ...]) -> Fit:
         """Return the model of the specimen: elastic law, arms of the relaxation test, fast arm."""
-        problem, depth, cubic = self.problem, self.depth, slice(0, len(POWERS))
-        g, tau = problem.arms(self.theta[: problem.shared_parameter_count])
+        problem, depth, law_parameters = self.problem, self.depth, slice(0, len(POWERS))
+        g, tau = problem.compute_arms(self.theta[: problem.shared_parameter_count])
         order = [i for i in np.argsort(tau).tolist() if g[i] > 0]
         arms = len(order)
 
         def compute_parameters(values: FloatArray) -> FloatArray:
-            g_drawn, tau_drawn = problem.arms(values[: problem.shared_parameter_count])
-            k_inf = problem.law.compute_knot_tangents(values[cubic], depth)[2]
+            g_drawn, tau_drawn = problem.compute_arms(values[: problem.shared_parameter_count])
+            k_inf = problem.law.compute_knot_tangents(values[law_parameters], depth)[2]
             return np.concatenate(([k_inf], k_inf * g_drawn[order], np.log(tau_drawn[order])))
 
         quantity = self.estimate.derive_quantity(compute_parameters)
         ratio = self.estimate.derive_quantity(
-            lambda values: problem.law.compute_knot_tangents(values[cubic], depth)[1]
+            lambda values: problem.law.compute_knot_tangents(values[law_parameters], depth)[1]
         )
         ratio_se = np.nan_to_num(ratio.standard_error, posinf=0.0)
-        k_inf, *rest = quantity.values.tolist()
-        taus = np.exp(rest[arms:]).tolist()
-        law = problem.law.piecewise(self.theta[cubic], depth)
+        k_inf, *relaxation_values = quantity.values.tolist()
+        taus = np.exp(relaxation_values[arms:]).tolist()
+        law = problem.law.piecewise(self.theta[law_parameters], depth)
         n, sse = len(self.estimate.optimum.residual), self.estimate.optimum.sse
         residual = Residual(n, sse, float(np.sqrt(sse / n)), self.estimate.kappa, unit="sd")
-        estimated = ParameterEstimate(
+        estimate = ParameterEstimate(
             parameter_names(arms), quantity.covariance, self.estimate.dof, residual
         )
-        contacts = [impact.contact for impact in self.impacts]
-        band_start = 1 / (np.pi * max(contacts)) if self.fit is None else self.fit.band[0]
+        contact_times = [impact.contact for impact in self.impacts]
+        band_start = 1 / (np.pi * max(contact_times)) if self.fit is None else self.fit.band[0]
         step = Step(
             "fit",
-            (("slams", str(len(contacts))), ("mass_kg", repr(problem.mass))),
-            f"fitted {format_count(len(contacts), 'impact')} of {problem.mass:.4g} kg",
+            (("slams", str(len(contact_times))), ("mass_kg", repr(problem.mass))),
+            f"fitted {format_count(len(contact_times), 'impact')} of {problem.mass:.4g} kg",
         )
-        model = GeneralizedMaxwell(k_inf, tuple(rest[:arms]), tuple(taus))
+        model = GeneralizedMaxwell(k_inf, tuple(relaxation_values[:arms]), tuple(taus))
         return build_fit(
-            SolidEstimate(model, estimated),
-            Evidence((band_start, 2 / (np.pi * min(contacts))), checks=checks),
+            SolidEstimate(model, estimate),
+            Evidence((band_start, 2 / (np.pi * min(contact_times))), checks=checks),
             Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
             elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),
         )

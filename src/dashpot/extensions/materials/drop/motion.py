@@ -25,11 +25,11 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.moving_plate import EvenStep
 
-_FINE, _ROUGH = 4000, 60
+_FINE_STEPS, _ROUGH_STEPS = 4000, 60
 """Steps of a contact: numbers to 1e-7, or the length to a few per cent."""
-_LOOK = 8
+_RELEASE_TEST_STEPS = 8
 """Number of steps between tests of the release."""
-_LONGEST = 40.0
+_LONGEST_CONTACT = 40.0
 """Longest contact, in lengths of an elastic one: beyond it the mass stays on the specimen."""
 
 
@@ -72,7 +72,7 @@ class MotionHistory(NamedTuple):
     path: FloatArray
 
 
-def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
+def integrate_impact(masses: Masses, step: float, most_steps: int) -> MotionHistory:
     """Return the motion until every mass has left its specimen, or a number of steps.
 
     Parameters
@@ -80,33 +80,33 @@ def integrate_impact(masses: Masses, step: float, most: int) -> MotionHistory:
     masses : Masses
     step : float
         s.
-    most : int
+    most_steps : int
     """
     m, v, pull, path, k_inf, k, tau, b, factor = masses
     x, u, arms = np.zeros(len(m)), np.zeros(len(m)), np.zeros(k.shape)
     even = EvenStep.from_ratio(step / tau)
     viscous = b is not None and factor is not None
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
-    motion = MotionHistory(*np.empty((4, most + 1, len(m))))
+    motion = MotionHistory(*np.empty((4, most_steps + 1, len(m))))
     half = 0.5 * step
-    pulls = np.broadcast_to(pull, (most + 1, len(m)))
-    pushed, i = pulls[0] - force / m, 0
-    for i in range(most + 1):
+    pulls = np.broadcast_to(pull, (most_steps + 1, len(m)))
+    acceleration, i = pulls[0] - force / m, 0
+    for i in range(most_steps + 1):
         if i:
-            v = v + half * pushed
+            v = v + half * acceleration
             x = x + step * v
-            there = path(x)
-            arms = even.end(arms, k * (there - u)[:, None])
-            u, force = there, k_inf * there + arms.sum(axis=1)
+            next_u = path(x)
+            arms = even.end(arms, k * (next_u - u)[:, None])
+            u, force = next_u, k_inf * next_u + arms.sum(axis=1)
             v = v + half * (pulls[i] - force / m)
             if viscous:
                 # what the dashpot takes goes with the speed at the end of the step
-                lost = b * factor(x)  # type: ignore[operator,misc]
-                v = v / (1 + half * lost / m)
-                force = force + lost * v
-            pushed = pulls[i] - force / m
+                damping = b * factor(x)  # type: ignore[operator,misc]
+                v = v / (1 + half * damping / m)
+                force = force + damping * v
+            acceleration = pulls[i] - force / m
         motion.x[i], motion.v[i], motion.force[i], motion.path[i] = x, v, force, u
-        if not i % _LOOK and ((force <= 0) & (v < 0)).all():
+        if not i % _RELEASE_TEST_STEPS and ((force <= 0) & (v < 0)).all():
             break
     return MotionHistory(*(values[: i + 1] for values in motion))
 
@@ -136,17 +136,17 @@ class ImpactMotion(EqualByValue):
     @property
     def peak(self) -> Instant:
         """Instant of the largest force."""
-        return self._interpolate_instant(_vertex(self.force))
+        return self._interpolate_instant(_find_vertex(self.force))
 
     @property
     def deepest(self) -> Instant:
         """Instant of the largest compression."""
-        return self._interpolate_instant(_vertex(self.compression))
+        return self._interpolate_instant(_find_vertex(self.compression))
 
     @property
     def release(self) -> Instant:
         """Instant of release."""
-        return self._interpolate_instant(_falls_to_zero(self.force))
+        return self._interpolate_instant(_find_zero(self.force))
 
     def _interpolate_instant(self, place: tuple[int, float]) -> Instant:
         every = (self.time, self.compression, self.velocity, self.force, self.relaxed)
@@ -172,7 +172,7 @@ class ImpactMotion(EqualByValue):
     @property
     def elastic(self) -> float:
         """Energy of the elastic law at the largest compression, J."""
-        i, part = _vertex(self.compression)
+        i, part = _find_vertex(self.compression)
         deepest = self.deepest
         whole = float(np.trapezoid(self.relaxed[: i + 1], self.compression[: i + 1]))
         rest = 0.5 * (deepest.relaxed + float(self.relaxed[i]))
@@ -241,26 +241,28 @@ def simulate_impacts(
         np.full(count, mass), np.full(count, speed), np.full(count, pull), law.path,
         np.array([model.k_inf for model in models]), k, tau, b if b.any() else None, law.factor,
     )  # fmt: skip
-    length = _length(masses, models[0], law)
-    rough = integrate_impact(masses, length / _ROUGH, int(_LONGEST * _ROUGH))
+    contact_time = _estimate_contact_time(masses, models[0], law)
+    rough = integrate_impact(
+        masses, contact_time / _ROUGH_STEPS, int(_LONGEST_CONTACT * _ROUGH_STEPS)
+    )
     released = (rough.force <= 0) & (rough.v <= 0)
     if not released[-1].all():
         raise DataError(
-            f"the mass is still on the specimen after {_LONGEST:g} times the time of an elastic "
-            "contact: it is not thrown back. Expected a lighter mass, or a faster one"
+            f"the mass is still on the specimen after {_LONGEST_CONTACT:g} times the time of an "
+            "elastic contact: it does not rebound. Expected a lighter mass, or a faster one"
         )
-    step = length * int(released[:, 0].argmax()) / _ROUGH / _FINE
-    whole = integrate_impact(masses, step, 3 * _FINE)
+    step = contact_time * int(released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
+    fine = integrate_impact(masses, step, 3 * _FINE_STEPS)
     motions = []
     for i, model in enumerate(models):
-        end = int(((whole.force[:, i] <= 0) & (whole.v[:, i] <= 0)).argmax()) + 1
-        x, v, force, path = (values[:end, i] for values in whole)
+        end = int(((fine.force[:, i] <= 0) & (fine.v[:, i] <= 0)).argmax()) + 1
+        x, v, force, path = (values[:end, i] for values in fine)
         time = step * np.arange(float(end))
         motions.append(ImpactMotion(time, x, v, force, model.k_inf * path, mass, pull))
     return motions
 
 
-def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float:
+def _estimate_contact_time(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float:
     """Return the approximate length of an elastic contact, s, by the energy of the law."""
     energy = 0.5 * float(masses.mass[0] * masses.speed[0] ** 2)
     x = np.linspace(0.0, law.depth, 201)
@@ -274,26 +276,26 @@ def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float
     return math.pi * depth / float(masses.speed[0])
 
 
-def _vertex(y: FloatArray) -> tuple[int, float]:
+def _find_vertex(y: FloatArray) -> tuple[int, float]:
     """Return the largest sample, or the one before, and how far beyond it the parabola peaks."""
     i = min(max(int(y.argmax()), 1), len(y) - 2)
-    before, here, after = y[i - 1 : i + 2].tolist()
-    bend = before - 2 * here + after
-    part = 0.5 * (before - after) / bend if bend else 0.0
+    before, middle, after = y[i - 1 : i + 2].tolist()
+    curvature = before - 2 * middle + after
+    part = 0.5 * (before - after) / curvature if curvature else 0.0
     return (i, part) if part >= 0 else (i - 1, 1 + part)
 
 
-def _falls_to_zero(y: FloatArray) -> tuple[int, float]:
+def _find_zero(y: FloatArray) -> tuple[int, float]:
     """Return the last sample above zero, and how far beyond it the parabola is zero."""
     i = len(y) - 2
-    before, here, after = y[i - 1 : i + 2].tolist()
-    bend, slope = 0.5 * (before - 2 * here + after), 0.5 * (after - before)
-    root = float(np.sqrt(max(slope**2 - 4 * bend * here, 0.0)))
-    return i, min(max(-2 * here / (slope - root), 0.0), 1.0)
+    before, middle, after = y[i - 1 : i + 2].tolist()
+    curvature, slope = 0.5 * (before - 2 * middle + after), 0.5 * (after - before)
+    root = float(np.sqrt(max(slope**2 - 4 * curvature * middle, 0.0)))
+    return i, min(max(-2 * middle / (slope - root), 0.0), 1.0)
 
 
 def _interpolate_parabola(y: FloatArray, i: int, part: float) -> float:
     """Return a value beyond a sample, by the parabola through it and its neighbours."""
     i, part = (i, part) if i else (1, part - 1)
-    before, here, after = map(float, y[i - 1 : i + 2])
-    return here + part * (0.5 * (after - before) + 0.5 * part * (before - 2 * here + after))
+    before, middle, after = map(float, y[i - 1 : i + 2])
+    return middle + part * (0.5 * (after - before) + 0.5 * part * (before - 2 * middle + after))

@@ -10,17 +10,17 @@ from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.drop.datamodel import DropTest
 
-_OTHER, _FOOT = 0.05, 0.15
-"""Parts of the largest force: of another impact, and of the foot of its own flanks."""
-_CLEAR = 6.0
-"""Times the noise, below which no force is an impact."""
-_FEWEST = 12
+_LEAST_IMPACT_FORCE, _FOOT_FORCE = 0.05, 0.15
+"""Over the largest force: of another impact, and below which a flank is replaced by a line."""
+_LEAST_SIGNAL_TO_NOISE = 6.0
+"""Ratio of force to noise below which no force is an impact."""
+_LEAST_SAMPLES = 12
 """Least number of samples of an impact."""
-_AROUND = 0.6
-"""Part of the flight used on either side, in lengths of the contact."""
-_RIGHT = 1e-4
-"""Accuracy of a computed motion, over the largest force."""
-_SCATTER = 20**0.5
+_MARGIN = 0.6
+"""Time before and after a contact that is fitted too, in contact times."""
+_INTEGRATION_ERROR = 1e-4
+"""Error of an integrated motion, over the largest force."""
+_THIRD_DIFFERENCE_GAIN = 20**0.5
 """Rms of third differences of unit white noise."""
 
 
@@ -34,7 +34,7 @@ class RecordedImpact(NamedTuple):
         Of the samples around it, s from the start of the record; N, positive where the mass is
         pushed back, without the estimated zero.
     touch, contact : float
-        Estimated first contact and length of contact, s.
+        Estimated time of first contact and contact time, s.
     noise : float
         Noise of the force, N, at least the accuracy of a computed motion.
     rest : float or None
@@ -65,49 +65,61 @@ def find_impacts(test: DropTest, mass: float, name: str) -> list[RecordedImpact]
     if signal is None:
         assert test.acceleration is not None  # noqa: S101
         signal = mass * test.acceleration
-    push = _push(signal)
-    noise = _scatter(push)
-    top = float(push.max())
-    if not top > 2 * _CLEAR * noise:
+    force = _compute_contact_force(signal)
+    noise = _estimate_noise(force)
+    peak = float(force.max())
+    if not peak > 2 * _LEAST_SIGNAL_TO_NOISE * noise:
         raise DataError(
-            f"{name}: no impact stands out of the scatter: the largest force is {top:.3g} N, the "
+            f"{name}: no impact stands out of the scatter: the largest force is {peak:.3g} N, the "
             f"scatter {noise:.3g} N. Cut the record about the impacts, or use a stiffer sensor"
         )
     impacts: list[RecordedImpact] = []
-    over = _contacts(push, max(_OTHER * top, _CLEAR * noise), _CLEAR * noise)
-    if not over:
-        raise DataError(f"{name}: the longest push has fewer than {_FEWEST} samples. Sample faster")
-    other = None if test.force is None or test.acceleration is None else _push(test.acceleration)
-    for number, (first, last) in enumerate(over):
-        wide = last - first + 1
-        reach = int(_AROUND * wide)
-        low = max(first - reach, (over[number - 1][1] + first) // 2 if number else 0)
-        high = len(push) - 1
-        if number + 1 < len(over):
-            high = min(high, (last + over[number + 1][0]) // 2)
-        rows = slice(low, min(last + reach, high) + 1)
-        inside = slice(first, last + 1)
+    contacts = _find_contacts(
+        force,
+        max(_LEAST_IMPACT_FORCE * peak, _LEAST_SIGNAL_TO_NOISE * noise),
+        _LEAST_SIGNAL_TO_NOISE * noise,
+    )
+    if not contacts:
+        raise DataError(
+            f"{name}: the longest push has fewer than {_LEAST_SAMPLES} samples. Sample faster"
+        )
+    acceleration = (
+        None
+        if test.force is None or test.acceleration is None
+        else _compute_contact_force(test.acceleration)
+    )
+    for number, (first, last) in enumerate(contacts):
+        length = last - first + 1
+        margin = int(_MARGIN * length)
+        begin = max(first - margin, (contacts[number - 1][1] + first) // 2 if number else 0)
+        end = len(force) - 1
+        if number + 1 < len(contacts):
+            end = min(end, (last + contacts[number + 1][0]) // 2)
+        rows = slice(begin, min(last + margin, end) + 1)
+        contact = slice(first, last + 1)
         impacts.append(
             RecordedImpact(
-                f"{name}, impact {number + 1}" if len(over) > 1 else name,
+                f"{name}, impact {number + 1}" if len(contacts) > 1 else name,
                 time[rows],
-                push[rows],
+                force[rows],
                 float(time[first]),
-                wide * test.step,
-                max(_scatter(push[rows]), _RIGHT * top),
-                float(time[first] - time[over[number - 1][1]]) if number else None,
-                None if other is None else float(push[inside].sum() / (mass * other[inside].sum())),
+                length * test.step,
+                max(_estimate_noise(force[rows]), _INTEGRATION_ERROR * peak),
+                float(time[first] - time[contacts[number - 1][1]]) if number else None,
+                None
+                if acceleration is None
+                else float(force[contact].sum() / (mass * acceleration[contact].sum())),
             )
         )
     return impacts
 
 
-def _scatter(push: FloatArray) -> float:
-    return float(np.std(np.diff(push, 3))) / _SCATTER
+def _estimate_noise(force: FloatArray) -> float:
+    return float(np.std(np.diff(force, 3))) / _THIRD_DIFFERENCE_GAIN
 
 
-def _push(signal: FloatArray) -> FloatArray:
-    """Return the signal without its zero, positive where the mass is pushed back."""
+def _compute_contact_force(signal: FloatArray) -> FloatArray:
+    """Return the signal less its zero, positive where the specimen pushes the mass back."""
     tenth = max(len(signal) // 20, 1)
     # a record may be cut so close that most of it is contact
     rest = min((median(signal), median(signal[:tenth]), median(signal[-tenth:])), key=abs)
@@ -115,30 +127,32 @@ def _push(signal: FloatArray) -> FloatArray:
     return np.asarray(sign * (signal - rest))
 
 
-def _contacts(push: FloatArray, threshold: float, least: float) -> list[tuple[int, int]]:
+def _find_contacts(force: FloatArray, threshold: float, least_foot: float) -> list[tuple[int, int]]:
     """Return the first and last sample of each impact, from zero force to zero force."""
-    results: list[tuple[int, int]] = []
-    for first, last in find_true_runs(push > threshold).tolist():
+    runs: list[tuple[int, int]] = []
+    for first, last in find_true_runs(force > threshold).tolist():
         # noise about the threshold breaks a run in two
-        if results and first - results[-1][1] < max(0.2 * (last - results[-1][0]), 3):
-            results[-1] = (results[-1][0], last)
+        if runs and first - runs[-1][1] < max(0.2 * (last - runs[-1][0]), 3):
+            runs[-1] = (runs[-1][0], last)
         else:
-            results.append((first, last))
-    long = [result for result in results if result[1] - result[0] + 1 >= _FEWEST]
-    return [_to_zero(push, first, last, least) for first, last in long]
+            runs.append((first, last))
+    long_runs = [result for result in runs if result[1] - result[0] + 1 >= _LEAST_SAMPLES]
+    return [_extend_to_zero_force(force, first, last, least_foot) for first, last in long_runs]
 
 
-def _to_zero(push: FloatArray, first: int, last: int, least: float) -> tuple[int, int]:
-    """Return first and last sample of a push, by the slope of its flanks above the foot."""
-    foot = max(_FOOT * float(push[first : last + 1].max()), least)
-    top = first + int(push[first : last + 1].argmax())
-    below = np.flatnonzero(push <= foot)
-    first = int(below[below < top].max(initial=-1)) + 1
-    last = int(below[below > top].min(initial=len(push))) - 1
-    near = max((last - first) // 12, 2)
-    up = max((push[first + near] - push[first]) / near, 1e-300)
-    down = max((push[last - near] - push[last]) / near, 1e-300)
-    most = (last - first) // 3
-    begin = first - min(int(foot / up), most)
-    end = last + min(int(foot / down), most)
-    return max(begin, 0), min(end, len(push) - 1)
+def _extend_to_zero_force(
+    force: FloatArray, first: int, last: int, least_foot: float
+) -> tuple[int, int]:
+    """Return first and last sample of a contact: its flanks are extended by their slope to zero."""
+    foot = max(_FOOT_FORCE * float(force[first : last + 1].max()), least_foot)
+    peak = first + int(force[first : last + 1].argmax())
+    below = np.flatnonzero(force <= foot)
+    first = int(below[below < peak].max(initial=-1)) + 1
+    last = int(below[below > peak].min(initial=len(force))) - 1
+    span = max((last - first) // 12, 2)
+    rising_slope = max((force[first + span] - force[first]) / span, 1e-300)
+    falling_slope = max((force[last - span] - force[last]) / span, 1e-300)
+    longest = (last - first) // 3
+    begin = first - min(int(foot / rising_slope), longest)
+    end = last + min(int(foot / falling_slope), longest)
+    return max(begin, 0), min(end, len(force) - 1)

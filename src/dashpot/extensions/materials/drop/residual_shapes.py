@@ -30,60 +30,62 @@ from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.numerics.least_squares import Optimum
 from dashpot.solids.moving_plate import EvenStep
 
-_REACH, _FOOT = 0.03, 0.08
+_REVERSAL_DEPTH, _TILT_DEPTH = 0.03, 0.08
 """Parts of the depth over which friction reverses, and a tilted specimen comes into contact."""
 _POWER = 6
 """Power of the compression, of a law steeper than a cubic."""
-_EARLY = 1 / 15
+_ADDITIONAL_TAU = 1 / 15
 """Relaxation time of an additional arm, in lengths of a contact."""
-_SMALL = 1e-3
+_DIFFERENCE_STEP = 1e-3
 """Step of a difference, over each force."""
-_FEWEST = 30.0
+_LEAST_ROWS = 30.0
 """Least number of independent rows before first contact and after release."""
-_TAKEN = 1e-6
+_LEAST_ORTHOGONAL_PART = 1e-6
 """Part of a column below which it lies in the columns of the fit."""
 
 
-def compute_residual_shapes(problem: DropProblem, best: Optimum) -> dict[str, float]:
+def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str, float]:
     """Return the score of each shape in the residual, in standard deviations, by its words."""
-    theta = best.theta
-    rows = np.repeat(theta[None, :], len(problem.hits), axis=0)
-    x, v, force, relaxed = problem.integrate_motion(rows, problem.speeds(theta), problem.pulls)
-    touched = np.cumsum((force <= 0) & (v < 0), axis=0) == 0
+    theta = optimum.theta
+    rows = np.repeat(theta[None, :], len(problem.impacts), axis=0)
+    x, v, force, relaxed = problem.integrate_motion(
+        rows, problem.select_speeds(theta), problem.pulls
+    )
+    in_contact = np.cumsum((force <= 0) & (v < 0), axis=0) == 0
     forces = _compute_additional_forces(problem, np.maximum(x, 0.0), relaxed)
-    seen = {
-        words: np.where(touched, slope, 0.0)
-        for words, slope in zip(
-            forces, _compute_force_responses(problem, rows, forces, touched), strict=True
+    responses = {
+        name: np.where(in_contact, slope, 0.0)
+        for name, slope in zip(
+            forces, _compute_force_responses(problem, rows, forces, in_contact), strict=True
         )
     }
-    bend = np.gradient(np.gradient(force, problem.step, axis=0), problem.step, axis=0)
-    seen["a sensor that filters"] = np.where(touched, bend, 0.0)
-    J = best.jacobian[:, best.free]
+    curvature = np.gradient(np.gradient(force, problem.step, axis=0), problem.step, axis=0)
+    responses["a sensor that filters"] = np.where(in_contact, curvature, 0.0)
+    J = optimum.jacobian[:, optimum.free]
     # the relaxation time of an arm with g = 0 has no effect
     size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     basis, weight, _ = np.linalg.svd(J / size, full_matrices=False)
-    basis = basis[:, weight > _TAKEN * weight[0]]
-    flights = _Flights.from_residual(problem, theta, best.residual)
+    basis = basis[:, weight > _LEAST_ORTHOGONAL_PART * weight[0]]
+    flights = _Flights.from_residual(problem, theta, optimum.residual)
     deviation = np.sqrt(flights.noise_correlation_factor)
-    entries = {}
-    for words, values in seen.items():
+    scores = {}
+    for name, values in responses.items():
         column = np.concatenate(
             [
                 problem.sample_force(values[:, i], hit.time - touch) / hit.noise
                 for i, (hit, touch) in enumerate(
-                    zip(problem.hits, problem.touches(theta), strict=True)
+                    zip(problem.impacts, problem.select_contact_times(theta), strict=True)
                 )
             ]
-            + [np.zeros(best.problem.priors)]
+            + [np.zeros(optimum.problem.priors)]
         )
-        differences = column - basis @ (basis.T @ column)
-        size = float(np.linalg.norm(differences))
-        if size > _TAKEN * np.linalg.norm(column):
-            entries[words] = float(differences @ best.all_residuals / size / deviation)
-    if (louder := flights.louder) is not None:
-        entries["a sensor or a mass that rings on"] = max(louder, 0.0)
-    return entries
+        orthogonal_column = column - basis @ (basis.T @ column)
+        size = float(np.linalg.norm(orthogonal_column))
+        if size > _LEAST_ORTHOGONAL_PART * np.linalg.norm(column):
+            scores[name] = float(orthogonal_column @ optimum.all_residuals / size / deviation)
+    if (variance_increase := flights.variance_increase) is not None:
+        scores["a sensor or a mass that rings on"] = max(variance_increase, 0.0)
+    return scores
 
 
 def _compute_additional_forces(
@@ -92,46 +94,53 @@ def _compute_additional_forces(
     """Return additional forces of a specimen along its motions, shape (steps + 1, impacts), N."""
     depth, largest = x.max(), relaxed.max()
     share = x / depth
-    rubs, arm = np.zeros_like(x), np.zeros_like(x)
-    contact = median(np.array([hit.contact for hit in problem.hits]))
-    even = EvenStep.from_ratio(np.array(problem.step / (_EARLY * contact)))
-    for i, (way, pressed, item) in enumerate(
+    friction, arm = np.zeros_like(x), np.zeros_like(x)
+    contact = median(np.array([hit.contact for hit in problem.impacts]))
+    even = EvenStep.from_ratio(np.array(problem.step / (_ADDITIONAL_TAU * contact)))
+    for i, (step, friction_limit, force_step) in enumerate(
         zip(np.diff(x, axis=0), relaxed[1:], np.diff(relaxed, axis=0), strict=True), start=1
     ):
         # a slider that the specimen presses on
-        rubs[i] = np.clip(rubs[i - 1] + largest / _REACH * way / depth, -pressed, pressed)
-        arm[i] = even.end(arm[i - 1], item)
+        friction[i] = np.clip(
+            friction[i - 1] + largest / _REVERSAL_DEPTH * step / depth,
+            -friction_limit,
+            friction_limit,
+        )
+        arm[i] = even.end(arm[i - 1], force_step)
     return {
-        "friction": rubs,
+        "friction": friction,
         "an elastic law steeper than a cubic": largest * share**_POWER,
-        "a specimen that is met at an angle": largest * share * np.exp(-share / _FOOT),
+        "a specimen that is met at an angle": largest * share * np.exp(-share / _TILT_DEPTH),
         "one arm more": arm,
     }
 
 
 def _compute_force_responses(
-    problem: DropProblem, rows: FloatArray, forces: dict[str, FloatArray], touched: FloatArray
+    problem: DropProblem, rows: FloatArray, forces: dict[str, FloatArray], in_contact: FloatArray
 ) -> FloatArray:
     """Return the measured effect of each force, first order, (forces, steps + 1, impacts), N."""
-    stack = np.stack([np.where(touched, force, 0.0) for force in forces.values()])
-    n = len(problem.hits)
-    both = np.concatenate(
-        [sign * _SMALL * value for sign in (1.0, -1.0) for value in stack], axis=1
+    stack = np.stack([np.where(in_contact, force, 0.0) for force in forces.values()])
+    n = len(problem.impacts)
+    changes = np.concatenate(
+        [sign * _DIFFERENCE_STEP * value for sign in (1.0, -1.0) for value in stack], axis=1
     )
-    many = both.shape[1]
-    theta = np.tile(rows, (many // n, 1))
-    g, tau = problem.arms(theta)
+    motion_count = changes.shape[1]
+    theta = np.tile(rows, (motion_count // n, 1))
+    g, tau = problem.compute_arms(theta)
     masses = Masses(
-        np.full(many, problem.mass), np.tile(problem.speeds(rows[0]), many // n),
-        np.tile(problem.pulls, many // n) - both / problem.mass,
-        partial(problem.law.force, c=theta[:, : len(POWERS)]), np.ones(many), g, tau,
+        np.full(motion_count, problem.mass),
+        np.tile(problem.select_speeds(rows[0]), motion_count // n),
+        np.tile(problem.pulls, motion_count // n) - changes / problem.mass,
+        partial(problem.law.force, c=theta[:, : len(POWERS)]), np.ones(motion_count), g, tau,
     )  # fmt: skip
     force = integrate_impact(masses, problem.step, stack.shape[1] - 1).force
-    up, down = (part.reshape(len(force), -1, n) for part in np.split(force, 2, axis=1))
+    increased, decreased = (part.reshape(len(force), -1, n) for part in np.split(force, 2, axis=1))
     steps = min(len(force), stack.shape[1])
-    answer = np.zeros_like(stack)
-    answer[:, :steps] = np.moveaxis(up - down, 1, 0)[:, :steps] / (2 * _SMALL)
-    return np.asarray(answer + stack)
+    response = np.zeros_like(stack)
+    response[:, :steps] = np.moveaxis(increased - decreased, 1, 0)[:, :steps] / (
+        2 * _DIFFERENCE_STEP
+    )
+    return np.asarray(response + stack)
 
 
 class _Flights(NamedTuple):
@@ -144,14 +153,16 @@ class _Flights(NamedTuple):
     def from_residual(
         cls, problem: DropProblem, theta: FloatArray, residual: FloatArray
     ) -> _Flights:
-        since = np.concatenate(
+        time = np.concatenate(
             [
                 hit.time - touch
-                for hit, touch in zip(problem.hits, problem.touches(theta), strict=True)
+                for hit, touch in zip(
+                    problem.impacts, problem.select_contact_times(theta), strict=True
+                )
             ]
         )
-        away = np.concatenate(problem.forces(theta)) == 0
-        return cls(residual[away & (since <= 0)], residual[away & (since > 0)])
+        in_flight = np.concatenate(problem.compute_forces(theta)) == 0
+        return cls(residual[in_flight & (time <= 0)], residual[in_flight & (time > 0)])
 
     @property
     def noise_correlation_factor(self) -> float:
@@ -159,10 +170,10 @@ class _Flights(NamedTuple):
         return noise_of(self.before).kappa if len(self.before) else 1.0
 
     @property
-    def louder(self) -> float | None:
+    def variance_increase(self) -> float | None:
         """Increase of the log variance after release, in standard errors; None if rows are few."""
         n = np.array([len(self.before), len(self.after)]) / self.noise_correlation_factor
-        if n.min() < _FEWEST:
+        if n.min() < _LEAST_ROWS:
             return None
         return float(
             np.log(np.mean(self.after**2) / np.mean(self.before**2)) / np.sqrt((2 / n).sum())
